@@ -1,0 +1,49 @@
+# Everything a newcomer needs: `make demo`, `make test`. What a target needs, it installs.
+.DEFAULT_GOAL := help
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: help install demo serve test check bench lock clean
+
+help:  ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
+
+$(READY): requirements.lock pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $(READY)
+
+install: $(READY)  ## put exogauge and all it needs into .venv
+
+demo: $(READY)  ## start the service, evaluate the sample study through HTTP, print the result
+	$(BIN)/exogauge demo
+
+serve: $(READY)  ## start the service on 127.0.0.1 with the same data as `make demo`
+	$(BIN)/exogauge serve
+
+test: $(READY)  ## all tests
+	$(BIN)/python -m pytest
+
+check: $(READY)  ## style, types, import layers, migrations and the quick tests, in under three minutes
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest -m "not slow" -n 2
+
+bench: $(READY)  ## speed and memory as ratios in one run
+	$(BIN)/python -m tests.bench
+
+lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)
+	$(PYTHON) -m venv .venv-lock
+	.venv-lock/bin/python -m pip install --quiet uv
+	.venv-lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+		--no-header --no-annotate --extra build --extra test --extra check --extra fast --extra sample \
+		pyproject.toml -o requirements.lock
+
+clean:  ## remove the environment and caches
+	rm -rf .venv .venv-* .cache .pytest_cache .mypy_cache .ruff_cache

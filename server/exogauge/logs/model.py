@@ -1,0 +1,50 @@
+"""A log: channels of one recording on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Log:
+    """One recording, SI units, contract channel names (`q.<joint>`, `acc.x`, `ft.<sensor>.fx` …).
+
+    time: (T,) [s] strictly increasing. channels: name -> (T,) in the channel's SI unit.
+    """
+
+    name: str
+    time: Array
+    channels: Mapping[str, Array]
+
+    def __post_init__(self) -> None:
+        if self.time.ndim != 1:
+            raise ValueError(f"time of log {self.name!r} must be one-dimensional")
+        for name, values in self.channels.items():
+            if values.shape != self.time.shape:
+                raise ValueError(
+                    f"channel {name!r} of log {self.name!r} has shape {values.shape}, time {self.time.shape}"
+                )
+
+    @property
+    def samples(self) -> int:
+        return self.time.size
+
+    @property
+    def rate_hz(self) -> float:
+        """Median sampling rate [Hz]."""
+        return float(1.0 / np.median(np.diff(self.time)))
+
+    def has(self, *names: str) -> bool:
+        return all(name in self.channels for name in names)
+
+    def stack(self, names: Sequence[str]) -> Array:
+        """(T, len(names)) in the order asked for."""
+        return np.column_stack([self.channels[name] for name in names])

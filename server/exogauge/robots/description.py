@@ -1,0 +1,83 @@
+"""A robot as its maker describes it: links, joints, sensors, and what is believed of each before any data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.robots.tree import RigidTree
+
+Array = NDArray[np.float64]
+
+Actuation = Literal["current", "torque"]
+JOINT_PARAMETERS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
+
+
+@final
+@dataclass(frozen=True)
+class Joint:
+    """One actuated joint. prior, prior_std: by the names in `JOINT_PARAMETERS`, joint-side SI units.
+
+    A torque-actuated joint has k_T = 1, known. Missing priors are 0 (k_T of a current-actuated joint must be given),
+    missing standard deviations are chosen by `identification.prior`.
+    """
+
+    name: str
+    actuation: Actuation
+    gear_ratio: float | None = None
+    prior: Mapping[str, float] = field(default_factory=dict)
+    prior_std: Mapping[str, float] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True)
+class WrenchSensor:
+    """A six-axis force/torque sensor; wrench is force then moment, in the sensor frame.
+
+    role contact: a known outside wrench; the robot ends at the sensor's frame (links beyond it are not modelled).
+    role cut: a measurement that the bodies beyond the frame explain.
+    sign: +1 when the log holds the wrench of the world (or the payload) on the robot, -1 when it is the reverse.
+    """
+
+    name: str
+    frame: str
+    role: Literal["contact", "cut"]
+    sign: float
+
+
+@final
+@dataclass(frozen=True)
+class Robot:
+    """The described robot; J = number of actuated joints, in the order of the log's columns and of `tree.joints`.
+
+    T_base_imu: IMU pose in the base link (floating base only).
+    axes_from_joints: (J, J) matrix C, actuator axis coordinate = C @ joint angle, unit diagonal; identity where
+    nothing is coupled. Joint torque = C.T @ axis torque. Friction, k_T and rotor inertia act on the axes.
+    noise: std per channel kind (`q`, `i`, `tau`, `acc`, `gyro`, `force`, `moment`) where the maker gives it.
+    inertial_std: relative std of the a-priori inertial parameters, by link name, "" = every other link.
+    """
+
+    name: str
+    tree: RigidTree
+    joints: tuple[Joint, ...]
+    T_base_imu: pin.SE3 | None
+    sensors: tuple[WrenchSensor, ...]
+    axes_from_joints: Array
+    noise: Mapping[str, float] = field(default_factory=dict)
+    inertial_std: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        names = tuple(joint.name for joint in self.joints)
+        if names != self.tree.joints:
+            raise ValueError(f"joints {names} differ from the tree's {self.tree.joints}")
+        if self.axes_from_joints.shape != (len(names), len(names)):
+            raise ValueError(f"axes_from_joints must be {(len(names),) * 2}, is {self.axes_from_joints.shape}")
+
+    @property
+    def floating(self) -> bool:
+        return self.tree.floating

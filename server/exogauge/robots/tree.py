@@ -1,0 +1,54 @@
+"""The moving bodies of a robot as arrays: what every batched kernel reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@final
+@dataclass(frozen=True)
+class RigidTree:
+    """N moving bodies, parents before children; J actuated joints; every body frame is its URDF link's frame.
+
+    Floating: body 0 is the base link, without a joint (dof -1, parent -1). Fixed: the base link is no body, bodies
+    that hang on it have parent -1. Links joined by fixed joints are one body, named by the link its joint moves.
+
+    bodies: (N,) link names. joints: (J,) names, in the order of the log's columns.
+    parent: (N,) body index or -1. dof: (N,) column in q, or -1 for the floating base.
+    axis: (N, 3) unit joint axis. prismatic: (N,) bool.
+    T_before, T_after: N poses; T_parent_body(q) = T_before · motion(axis, q) · T_after
+    (T_after is the identity except where the tree was re-rooted).
+    phi: (N, 10) a-priori [m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] about the body frame's origin [kg, kg·m, kg·m²].
+    frames: frame or link name -> (body index, -1 = fixed base; pose in that body).
+    lower, upper: (J,) position limits [rad or m]; velocity_limit, effort_limit: (J,), inf where unknown.
+    """
+
+    bodies: tuple[str, ...]
+    joints: tuple[str, ...]
+    floating: bool
+    parent: IntArray
+    dof: IntArray
+    axis: Array
+    prismatic: NDArray[np.bool_]
+    T_before: tuple[pin.SE3, ...]
+    T_after: tuple[pin.SE3, ...]
+    phi: Array
+    frames: Mapping[str, tuple[int, pin.SE3]]
+    lower: Array
+    upper: Array
+    velocity_limit: Array
+    effort_limit: Array
+
+    @property
+    def mass(self) -> float:
+        """A-priori total mass of the moving bodies [kg]."""
+        return float(self.phi[:, 0].sum())

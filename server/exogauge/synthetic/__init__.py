@@ -1,0 +1,1 @@
+"""Synthetic studies from MuJoCo. Imports nothing of the code that evaluates them."""
