@@ -1,0 +1,43 @@
+"""The choices a user may make about an identification; every default is chosen from the data or stated here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, final
+
+from exogauge.logs.model import Log
+
+Progress = Callable[[float, str], None]
+"""Called with a fraction 0…1 and a phrase; may raise `Cancelled`."""
+
+
+@final
+@dataclass(frozen=True)
+class Recording:
+    """A log and what it is for: fitted, or held out and only predicted."""
+
+    log: Log
+    held_out: bool
+
+
+@final
+@dataclass(frozen=True)
+class Settings:
+    """How to identify.
+
+    cutoff_hz: low-pass cut-off for every signal, None = chosen from the logs' spectra.
+    effects: names from `effects.catalogue`, the columns of Z in [Evaluator] (12) and what is added to them.
+    prior: `per_parameter` = a standard deviation for each parameter; `as_printed` = the uniform weights of
+    [Evaluator] (16)-(17).
+    prior_strength: factor on the prior's weight, None = chosen by error on held-out blocks of the fitted logs.
+    consistency: `free`, or `physical` = every link's pseudo-inertia positive definite.
+    solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower, more exact).
+    """
+
+    cutoff_hz: float | None = None
+    effects: Sequence[str] = ("motor_gain", "viscous", "coulomb", "static_friction", "motor_offset", "rotor_inertia")
+    prior: Literal["per_parameter", "as_printed"] = "per_parameter"
+    prior_strength: float | None = None
+    consistency: Literal["free", "physical"] = "free"
+    solver: Literal["statistics", "rows"] = "statistics"
