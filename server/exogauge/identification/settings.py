@@ -32,7 +32,7 @@ class Settings:
     [Evaluator] (16)-(17).
     prior_strength: factor on the prior's weight, None = chosen by error on held-out blocks of the fitted logs.
     consistency: `free`, or `physical` = every link's pseudo-inertia positive definite.
-    solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower, more exact).
+    solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
     """
 
     cutoff_hz: float | None = None
