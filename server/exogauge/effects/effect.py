@@ -1,0 +1,56 @@
+"""What an effect on a joint is: a few columns that enter the actuator's torque linearly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Quantity:
+    """A coefficient: its name, its unit at a revolute joint, its physical range."""
+
+    name: str
+    unit: str
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@final
+@dataclass(frozen=True)
+class JointSignals:
+    """T samples of one actuator axis.
+
+    drive: (T,) [A], or [N·m] where torque is logged. velocity: (T,) [rad/s]. acceleration: (T,) [rad/s²].
+    direction: (T,) sign of the velocity, 0 within the threshold that velocity noise sets (sgn_ε in [Evaluator] (7)).
+    stick: (T,) at rest the sign of the residual torque r ([Evaluator] (8)-(9)), 0 when moving.
+    """
+
+    drive: Array
+    velocity: Array
+    acceleration: Array
+    direction: Array
+    stick: Array
+
+
+class JointEffect(Protocol):
+    """One reason why the torque at a joint is what it is. One file each; `EFFECT` is the instance the catalogue finds.
+
+    name: identifier, a contract with results.json. sentence: for the user. coefficient: what is estimated.
+    sharp: the column jumps (a sign), so it must pass the low-pass filter that the measurements passed.
+    """
+
+    name: ClassVar[str]
+    sentence: ClassVar[str]
+    coefficient: ClassVar[Quantity]
+    sharp: ClassVar[bool]
+
+    def column(self, signals: JointSignals) -> Array:
+        """(T,) torque delivered to the joint by the actuator per unit of the coefficient, friction negative."""
+        ...

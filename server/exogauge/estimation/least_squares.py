@@ -1,0 +1,68 @@
+"""Weighted least squares with a prior, in square-root form, from sufficient statistics."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+import scipy.linalg as sl
+from numpy.typing import NDArray
+
+from exogauge.estimation.prior import Prior
+from exogauge.estimation.statistics import Statistics
+
+Array = NDArray[np.float64]
+
+
+@final
+class PriorLeastSquares:
+    """min Σ w (A x - y)² + strength · ‖s - s_ref‖²_W over all s with x = D s.
+
+    Solved in x: the prior on s is, for what the data see, a prior on x with covariance D W^{-1} D^T, and the rest of s
+    follows (`Prior.lift`). So parameters that the data cannot see are held by construction, not by a small weight.
+
+    Implements [Evaluator] (15). Differs from print: W_phi has the size of the parameters
+    wanted, W_xi that of all joint parameters (5 N_J, more with more effects).
+    """
+
+    def __init__(self, statistics: Statistics, weights: Array, prior: Prior, strength: float) -> None:
+        free, known = prior.free, np.setdiff1d(np.arange(statistics.size), prior.free)
+        self.prior, self.strength = prior, strength
+        R, z, rest = statistics.square_root(weights)
+        z = z - R[:, known] @ prior.seen_mean[known]
+        self.information = R[:, free]
+        offset = z - self.information @ prior.seen_mean[free]
+        stacked = np.vstack([self.information, np.sqrt(strength) * prior.whitening])
+        target = np.concatenate([offset, np.zeros(len(free))])
+        scale = np.linalg.norm(stacked, axis=0)
+        (packed, tau), _ = sl.qr(stacked / scale, mode="raw")
+        rotated, *_ = sl.lapack.dormqr("L", "T", packed, tau, target[:, None], lwork=64 * len(target))
+        self._root = np.triu(packed[: len(free)]) * scale
+        step = sl.solve_triangular(self._root, rotated[: len(free), 0])
+        self.x = prior.seen_mean.copy()
+        self.x[free] += step
+        self.residual = float(np.sum((self.information @ step - offset) ** 2) + rest)
+
+    def covariance(self, meat: Array | None = None) -> Array:
+        """(P, P) covariance of x about the truth.
+
+        meat: (P, P) covariance of the weighted score Σ w A^T e, from coloured residuals; without it the residuals are
+        taken as white with the variances that the weights state. The prior's own error enters with its stated
+        covariance, whatever strength it was given: H^{-1} (meat + strength² P^{-1}) H^{-1}.
+        """
+        free = self.prior.free
+        inner = self.information.T @ self.information if meat is None else meat[np.ix_(free, free)]
+        inner = inner + self.strength**2 * (self.prior.whitening.T @ self.prior.whitening)
+        half = sl.solve_triangular(self._root, sl.solve_triangular(self._root, inner, trans="T").T, trans="T")
+        full = np.zeros((len(self.x), len(self.x)))
+        outer = sl.solve_triangular(self._root, sl.solve_triangular(self._root, half).T)
+        full[np.ix_(free, free)] = 0.5 * (outer + outer.T)
+        return full
+
+    def condition_and_rank(self) -> tuple[float, int]:
+        """Condition number and rank of the column-scaled information of the data alone."""
+        norms = np.linalg.norm(self.information, axis=0)
+        live = norms > 1e-9 * norms.max()
+        singular = np.linalg.svd(self.information[:, live] / norms[live], compute_uv=False)
+        rank = int((singular > 1e-8 * singular[0]).sum())
+        return float(singular[0] / singular[rank - 1]), rank

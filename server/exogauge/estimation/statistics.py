@@ -1,0 +1,125 @@
+"""Sufficient statistics of linear rows: all a least-squares problem needs of any number of samples, in a few MB.
+
+Every sample gives R rows of different kinds (six base axes, one per joint …); a row of kind r touches only the
+parameters `columns[r]`. Kept per kind is either the Gram matrix of [A_r | y_r], or its triangular QR factor
+(no squaring of the condition number: the accurate mode). Both add, re-weight and leave out in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+import scipy.linalg as sl
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+Form = Literal["gram", "factor"]
+
+
+@final
+@dataclass
+class Statistics:
+    """Rows of R kinds over P parameters.
+
+    columns: R arrays of parameter indices, (k_r,). store: R upper triangles (k_r + 1, k_r + 1), of the Gram matrix of
+    [A_r | y_r] (`gram`) or its QR factor (`factor`). count: (R,) rows seen.
+    """
+
+    size: int
+    columns: Sequence[IntArray]
+    form: Form
+    store: list[Array]
+    count: IntArray
+
+    @staticmethod
+    def empty(size: int, columns: Sequence[IntArray], form: Form = "gram") -> Statistics:
+        store = [np.zeros((len(c) + 1, len(c) + 1), order="F") for c in columns]
+        return Statistics(size, columns, form, store, np.zeros(len(columns), dtype=np.intp))
+
+    def add_rows(self, kind: int, block: Array) -> None:
+        """Take in block: (n, k_r + 1) = [A_r | y_r]."""
+        if self.form == "gram":
+            transposed = block.flags.c_contiguous
+            self.store[kind] = sl.blas.dsyrk(
+                1.0, block.T if transposed else block, beta=1.0, c=self.store[kind], trans=not transposed,
+                lower=0, overwrite_c=1,
+            )  # fmt: skip
+        else:
+            stacked = np.vstack([self.store[kind], block])
+            self.store[kind] = np.asfortranarray(upper_factor(stacked))
+        self.count[kind] += len(block)
+
+    def __add__(self, other: Statistics) -> Statistics:
+        if self.form == "gram":
+            store = [a + b for a, b in zip(self.store, other.store, strict=True)]
+        else:
+            pairs = zip(self.store, other.store, strict=True)
+            store = [np.asfortranarray(upper_factor(np.vstack(pair))) for pair in pairs]
+        return Statistics(self.size, self.columns, self.form, store, self.count + other.count)
+
+    def normal(self, weights: Array) -> tuple[Array, Array, float]:
+        """Σ w A^T A (P, P), Σ w A^T y (P,), Σ w y². weights: (R,) one per kind, 1/variance."""
+        G, g, yy = np.zeros((self.size, self.size)), np.zeros(self.size), 0.0
+        for kind, columns in enumerate(self.columns):
+            gram = self._gram(kind)
+            G[np.ix_(columns, columns)] += weights[kind] * gram[:-1, :-1]
+            g[columns] += weights[kind] * gram[:-1, -1]
+            yy += float(weights[kind] * gram[-1, -1])
+        return G, g, yy
+
+    def square_root(self, weights: Array) -> tuple[Array, Array, float]:
+        """(R, z, rest) with ‖R x - z‖² + rest = Σ w (A x - y)²; R: (m, P) with m <= P, z: (m,).
+
+        From the Gram by pivoted Cholesky, which stops at the numerical rank; from QR factors by one more QR.
+        """
+        if self.form == "factor":
+            stacked = np.zeros((sum(len(c) + 1 for c in self.columns), self.size + 1))
+            row = 0
+            for kind, columns in enumerate(self.columns):
+                block = np.sqrt(weights[kind]) * self.store[kind]
+                stacked[row : row + len(block), np.append(columns, self.size)] = block
+                row += len(block)
+            factor = upper_factor(stacked)
+            return factor[: self.size, :-1], factor[: self.size, -1], float(factor[self.size, -1] ** 2)
+        G, g, yy = self.normal(weights)
+        R, rank = _pivoted_cholesky(G)
+        z = np.asarray(np.linalg.lstsq(R[:rank].T, g, rcond=None)[0])
+        return R[:rank], z, max(float(yy - z @ z), 0.0)
+
+    def residual_square_sum(self, x: Array) -> Array:
+        """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
+        sums = np.empty(len(self.columns))
+        for kind, columns in enumerate(self.columns):
+            v = np.append(x[columns], -1.0)
+            if self.form == "gram":
+                sums[kind] = v @ self._gram(kind) @ v
+            else:
+                sums[kind] = np.sum((self.store[kind] @ v) ** 2)
+        return np.maximum(sums, 0.0)
+
+    def _gram(self, kind: int) -> Array:
+        upper = self.store[kind]
+        if self.form == "factor":
+            return np.asarray(upper.T @ upper)
+        return np.asarray(np.triu(upper) + np.triu(upper, 1).T)
+
+
+def upper_factor(matrix: Array) -> Array:
+    """R of the QR factorisation, (min(n, k), k)."""
+    R: Array = np.asarray(np.linalg.qr(matrix, mode="r"))
+    return R
+
+
+def _pivoted_cholesky(G: Array) -> tuple[Array, int]:
+    """Upper R in the original column order with R^T R = G up to its numerical rank."""
+    scale = np.sqrt(np.maximum(np.diag(G), 0.0))
+    scale[scale == 0.0] = 1.0
+    U, pivots, rank, _ = sl.lapack.dpstrf(G / np.outer(scale, scale), tol=1e-13)
+    R = np.zeros_like(G)
+    R[:, pivots - 1] = np.triu(U)
+    R[rank:] = 0.0
+    return R * scale, int(rank)

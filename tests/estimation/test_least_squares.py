@@ -1,0 +1,134 @@
+import numpy as np
+import pytest
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
+from exogauge.estimation.statistics import Statistics
+
+COLUMNS = [np.arange(6), np.array([1, 3, 5]), np.array([0, 2, 4, 5])]
+SIZE = 6
+
+
+def rows(rng, n, kind, truth, noise=0.0):
+    A = rng.normal(size=(n, len(COLUMNS[kind])))
+    return np.column_stack([A, A @ truth[COLUMNS[kind]] + noise * rng.normal(size=n)])
+
+
+def filled(form, rng, truth, noise=0.1, n=200):
+    statistics = Statistics.empty(SIZE, COLUMNS, form)
+    blocks = [rows(rng, n, kind, truth, noise) for kind in range(3)]
+    for kind, block in enumerate(blocks):
+        for part in np.array_split(block, 3):
+            statistics.add_rows(kind, part)
+    return statistics, blocks
+
+
+def dense(blocks, weights):
+    A = np.zeros((sum(len(b) for b in blocks), SIZE))
+    y, row = [], 0
+    for kind, block in enumerate(blocks):
+        A[row : row + len(block), COLUMNS[kind]] = np.sqrt(weights[kind]) * block[:, :-1]
+        y.append(np.sqrt(weights[kind]) * block[:, -1])
+        row += len(block)
+    return A, np.concatenate(y)
+
+
+@pytest.mark.parametrize("form", ["gram", "factor"])
+def test_statistics_give_what_the_stacked_matrix_gives(form):
+    rng = np.random.default_rng(1)
+    truth, weights = rng.normal(size=SIZE), np.array([1.0, 4.0, 0.25])
+    statistics, blocks = filled(form, rng, truth)
+    A, y = dense(blocks, weights)
+    G, g, yy = statistics.normal(weights)
+    np.testing.assert_allclose(G, A.T @ A, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(g, A.T @ y, rtol=1e-12, atol=1e-12)
+    assert yy == pytest.approx(y @ y)
+    R, z, rest = statistics.square_root(weights)
+    x = rng.normal(size=SIZE)
+    assert np.sum((R @ x - z) ** 2) + rest == pytest.approx(np.sum((A @ x - y) ** 2))
+    np.testing.assert_allclose(
+        statistics.residual_square_sum(x),
+        [np.sum((b[:, :-1] @ x[c] - b[:, -1]) ** 2) for b, c in zip(blocks, COLUMNS, strict=True)],
+    )
+
+
+@pytest.mark.parametrize("form", ["gram", "factor"])
+def test_statistics_of_two_logs_add_up_to_those_of_both(form):
+    rng = np.random.default_rng(2)
+    truth = rng.normal(size=SIZE)
+    first, blocks_1 = filled(form, rng, truth)
+    second, blocks_2 = filled(form, rng, truth)
+    A1, y1 = dense(blocks_1, np.ones(3))
+    A2, y2 = dense(blocks_2, np.ones(3))
+    G, g, _ = (first + second).normal(np.ones(3))
+    np.testing.assert_allclose(G, A1.T @ A1 + A2.T @ A2)
+    np.testing.assert_allclose(g, A1.T @ y1 + A2.T @ y2)
+
+
+def stacked_prior_solution(A, y, prior, strength):
+    """The textbook form over all parameters, for a prior without exactly known ones."""
+    B = np.vstack([A @ prior.seen, np.sqrt(strength) * np.diag(1 / prior.std)])
+    target = np.concatenate([y - A @ prior.seen @ prior.mean, np.zeros(len(prior.mean))])
+    return prior.mean + np.linalg.lstsq(B, target, rcond=None)[0]
+
+
+@pytest.mark.parametrize("form", ["gram", "factor"])
+@pytest.mark.parametrize("strength", [1e-3, 1.0, 30.0])
+def test_solution_equals_the_stacked_system_over_all_parameters(form, strength):
+    rng = np.random.default_rng(3)
+    seen = np.hstack([np.eye(SIZE), rng.normal(size=(SIZE, 4))])
+    prior = Prior(rng.normal(size=10), rng.uniform(0.2, 3.0, size=10), seen)
+    weights = np.array([1.0, 9.0, 0.5])
+    statistics, blocks = filled(form, rng, rng.normal(size=SIZE))
+    solved = PriorLeastSquares(statistics, weights, prior, strength)
+    expected = stacked_prior_solution(*dense(blocks, weights), prior, strength)
+    np.testing.assert_allclose(prior.lift(solved.x), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_prior_decides_what_the_data_cannot():
+    rng = np.random.default_rng(4)
+    seen = np.hstack([np.eye(SIZE), np.zeros((SIZE, 2))])
+    seen[0, 6] = 1.0
+    prior = Prior(rng.normal(size=8), np.ones(8), seen)
+    statistics, _ = filled("gram", rng, rng.normal(size=SIZE))
+    lifted = prior.lift(PriorLeastSquares(statistics, np.ones(3), prior, 1.0).x)
+    assert lifted[7] == prior.mean[7]
+    moved = lifted - prior.mean
+    assert moved[0] == pytest.approx(moved[6])
+
+
+def test_known_parameters_stay_exactly_where_they_are():
+    rng = np.random.default_rng(5)
+    truth = rng.normal(size=SIZE)
+    std = np.full(SIZE, 1e4)
+    std[2] = 0.0
+    prior = Prior(np.where(std == 0.0, truth, 0.0), std, np.eye(SIZE))
+    statistics, _ = filled("gram", rng, truth, noise=0.0)
+    solved = PriorLeastSquares(statistics, np.ones(3), prior, 1.0)
+    assert solved.x[2] == truth[2]
+    np.testing.assert_allclose(solved.x, truth, atol=1e-6)
+
+
+def test_an_unexcited_direction_stays_at_the_prior():
+    statistics = Statistics.empty(2, [np.arange(2)], "gram")
+    t = np.linspace(0, 1, 50)
+    statistics.add_rows(0, np.column_stack([t, 2 * t, 5 * t]))
+    prior = Prior(np.array([1.0, 1.0]), np.array([1.0, 1.0]), np.eye(2))
+    solved = PriorLeastSquares(statistics, np.array([1e8]), prior, 1.0)
+    assert solved.x @ [1, 2] == pytest.approx(5.0, abs=1e-6)
+    assert (solved.x - 1.0) @ [2, -1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say():
+    rng = np.random.default_rng(6)
+    seen = np.hstack([np.eye(SIZE), rng.normal(size=(SIZE, 3))])
+    std = rng.uniform(0.3, 2.0, size=9)
+    inside, strength, noise = [], 0.3, 0.5
+    for _ in range(300):
+        belief = Prior(np.zeros(9), std, seen)
+        truth = std * rng.normal(size=9)
+        statistics, _ = filled("gram", rng, seen @ truth, noise=noise, n=5)
+        solved = PriorLeastSquares(statistics, np.full(3, noise**-2), belief, strength)
+        covariance = belief.lift_covariance(solved.covariance())
+        inside.append(np.abs(belief.lift(solved.x) - truth) < 1.96 * np.sqrt(np.diag(covariance)))
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.012)
