@@ -1,0 +1,95 @@
+"""One low-pass for both sides of the equation: Butterworth, forwards and backwards, then every n-th sample.
+
+The same linear filter on every regressor column and on the measurement leaves the parameters unchanged; a filter
+on one side only does not. So there is one `LowPass` per evaluation and everything goes through it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from exogauge.errors import BadLog, Fault
+
+Array = NDArray[np.float64]
+
+SETTLED = 0.01  # what is left of a filter transient when it counts as gone
+
+
+@final
+@dataclass(frozen=True)
+class LowPass:
+    """Zero-phase Butterworth.
+
+    cutoff_hz: where one pass leaves 0.71 of an amplitude and both passes 0.5. rate_hz: of the samples to be filtered.
+    order: of one pass; both together fall off with twice that.
+    """
+
+    cutoff_hz: float
+    rate_hz: float
+    order: int = 4
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.cutoff_hz < 0.5 * self.rate_hz:
+            raise ValueError(f"a cut-off of {self.cutoff_hz:g} Hz is not between 0 and half of {self.rate_hz:g} Hz")
+        if self.order < 1:
+            raise ValueError(f"a filter of order {self.order} does not filter")
+
+    def apply(self, values: Array) -> Array:
+        """values: (T,) or (T, K), any unit, evenly sampled -> the same shape, C order.
+
+        The line from the first to the last sample is set aside (it passes unchanged) and the rest continued by point
+        reflection until a transient is over, however short the log. `settle_samples` at each end still deserve doubt:
+        they lean on values that were never measured.
+        """
+        bad = np.argwhere(~np.isfinite(values))
+        if bad.size:
+            raise BadLog(_not_finite(values, bad[0]))
+        if values.shape[0] < 2:
+            return values.copy()
+        beyond = self.settle_samples
+        by_channel = np.ascontiguousarray(values.T)  # time last in memory: 2.5 times faster
+        line = np.linspace(by_channel[..., 0], by_channel[..., -1], values.shape[0], axis=-1)
+        around = [(0, 0)] * (values.ndim - 1) + [(beyond, beyond)]
+        extended = np.pad(by_channel - line, around, mode="reflect", reflect_type="odd")
+        sections = butter(self.order, self.cutoff_hz, fs=self.rate_hz, output="sos")
+        filtered = sosfiltfilt(sections, extended, axis=-1, padlen=0)
+        return np.ascontiguousarray((filtered[..., beyond:-beyond] + line).T)
+
+    def gain(self, frequency_hz: ArrayLike) -> Array:
+        """What both passes leave of an amplitude at each frequency: 1 / (1 + (tan(pi f/r) / tan(pi f_c/r))^2n)."""
+        angle = np.pi * np.asarray(frequency_hz, dtype=np.float64) / self.rate_hz
+        with np.errstate(over="ignore"):
+            warped = np.abs(np.tan(angle)) / math.tan(math.pi * self.cutoff_hz / self.rate_hz)
+            return np.asarray(1.0 / (1.0 + warped ** (2 * self.order)))
+
+    @property
+    def settle_samples(self) -> int:
+        """Samples to leave out of a fit at each end: the slowest pole has lost 99 % of its transient by then."""
+        _, poles, _ = butter(self.order, self.cutoff_hz, fs=self.rate_hz, output="zpk")
+        return math.ceil(math.log(SETTLED) / math.log(float(np.max(np.abs(poles)))))
+
+    def decimation(self, keep_factor: float = 2.5) -> int:
+        """Keep every n-th filtered sample; n is the largest that leaves at least keep_factor x cut-off as the rate.
+
+        2.5: what folds back below the cut-off lay above 1.5 x cut-off and has at most 3.8 % of its amplitude left
+        (order 4). 2 is as good for a fit (every kept sample is a valid equation, aliased or not) but the kept series
+        is then no longer fit to be plotted as a spectrum. Differentiate before decimating, never after.
+        """
+        return max(1, math.floor(self.rate_hz / (keep_factor * self.cutoff_hz) + 1e-9))
+
+
+def _not_finite(values: Array, place: Array) -> Fault:
+    return Fault(
+        detail="a filter would spread this value over the whole channel",
+        rule="not_finite",
+        advice="cut the log there, or leave the channel out",
+        row=int(place[0]) + 1,
+        column=str(int(place[1]) + 1) if place.size > 1 else None,
+        value=str(values[tuple(place)]),
+    )
