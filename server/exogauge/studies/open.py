@@ -1,0 +1,195 @@
+"""From a folder, a zip or a study.yaml to a robot, settings and recordings that fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, final
+
+from pydantic import ValidationError
+
+from exogauge.effects.catalogue import all_effects
+from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
+from exogauge.robots.description import Robot
+from exogauge.studies.bundle import Bundle, open_bundle
+from exogauge.studies.contract import STEPS, DeviceFile, LogEntry, RobotFile, SettingsEntry, StudyFile
+from exogauge.studies.read_log import read_entry
+from exogauge.studies.robot_file import motor_from_joint, read_robot
+from exogauge.studies.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
+
+NOT_IN_THIS_VERSION = "not part of this version"
+
+
+@final
+@dataclass(frozen=True)
+class Step:
+    """One step of a study: done, or skipped for a reason."""
+
+    step: str
+    skipped: str | None = None
+
+
+@final
+@dataclass(frozen=True)
+class Study:
+    """An opened study; a context manager, because a zip's unpacked copy goes when it ends.
+
+    log_names: of `file.logs`, one each, unique: names of logs, channels' tables and series files.
+    urdf: bytes of the robot's URDF. settings: those of study.yaml with the caller's on top.
+    """
+
+    bundle: Bundle
+    file: StudyFile
+    robot_file: RobotFile
+    robot: Robot
+    urdf: bytes
+    settings: Settings
+    log_names: tuple[str, ...]
+    steps: tuple[Step, ...]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.bundle.close()
+
+    @property
+    def name(self) -> str:
+        return self.file.name
+
+
+def open_study(path: Path, settings: Mapping[str, Any] | None = None) -> Study:
+    """path: study.yaml, the folder that holds it, or a zip of the folder. settings: override those of study.yaml."""
+    bundle = open_bundle(path)
+    try:
+        return _open(bundle, settings or {})
+    except BaseException:
+        bundle.close()
+        raise
+
+
+def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
+    name = bundle.study_file
+    data = bundle.read(name, limit=MAX_BYTES)
+    file = load_yaml(data, StudyFile, file=name)
+    settings = choose_settings(file.settings, overrides, name, data)
+    for k, entry in enumerate(file.logs):
+        for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
+            bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
+    if file.device is not None:
+        device = bundle.read(file.device, limit=MAX_BYTES, named_in=name, column="device")
+        load_yaml(device, DeviceFile, file=file.device)
+    robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name)
+    return Study(bundle, file, robot_file, robot, urdf, settings, log_names(file, name, data), _steps(file, name, data))
+
+
+def choose_settings(entry: SettingsEntry, overrides: Mapping[str, Any], file: str, data: bytes) -> Settings:
+    """Defaults, then study.yaml, then the caller's."""
+    try:
+        above = SettingsEntry.model_validate(dict(overrides))
+    except ValidationError as invalid:
+        known = list(SettingsEntry.model_fields)
+        raise BadStudy(
+            [
+                Fault(
+                    f"setting: {item['msg']}",
+                    item["type"],
+                    suggestion(str(item["loc"][0]), known) if item["type"] == "extra_forbidden" else "",
+                    column=dotted(item["loc"]),
+                    value=repr(item["input"])[:80],
+                )
+                for item in invalid.errors()
+            ]
+        ) from None
+    chosen = {**entry.model_dump(exclude_none=True), **above.model_dump(exclude_none=True)}
+    if "effects" in chosen:
+        known = sorted(all_effects())
+        for k, effect in enumerate(chosen["effects"]):
+            if effect not in known:
+                row = place(data, ("settings", "effects", k))
+                advice = suggestion(effect, known)
+                raise BadStudy(
+                    Fault("no such effect", "unknown_effect", advice, file, row, f"settings.effects.{k}", effect)
+                )
+        chosen["effects"] = tuple(chosen["effects"])
+    return replace(Settings(), **chosen)
+
+
+def log_names(file: StudyFile, name: str, data: bytes) -> tuple[str, ...]:
+    """The name given, else the (first) file's stem, with its rows where a file is used more than once."""
+    stems = [_stem(entry) for entry in file.logs]
+    names = []
+    for entry, stem in zip(file.logs, stems, strict=True):
+        rows = f"_{entry.rows[0]}_{entry.rows[1]}" if entry.rows and stems.count(stem) > 1 else ""
+        names.append(entry.name or stem + rows)
+    for k, each in enumerate(names):
+        if each in names[:k]:
+            row = place(data, ("logs", k))
+            raise BadStudy(
+                Fault(f"two logs would be named {each!r}", "duplicate_log", "Give one a `name`.", name, row, f"logs.{k}")
+            )
+    return tuple(names)
+
+
+def _stem(entry: LogEntry) -> str:
+    base = entry.file[0].rsplit("/", 1)[-1]
+    for ending in (".gz", ".csv", ".parquet", ".txt", ".tsv", ".log"):
+        base = base.removesuffix(ending)
+    plain = "".join(sign if sign.isalnum() and sign.isascii() or sign in "_.+-" else "_" for sign in base)
+    return plain.lstrip(".+-")[:80] or "log"
+
+
+def _steps(file: StudyFile, name: str, data: bytes) -> tuple[Step, ...]:
+    """identify now; what a later version adds is skipped and says so."""
+    asked = file.steps or [step for step in STEPS if step == "identify" or file.device is not None]
+    if "identify" in asked and not any(entry.role == "identification" for entry in file.logs):
+        row = place(data, ("logs",))
+        advice = "Give at least one log role: identification."
+        raise BadStudy(Fault("no log to identify from", "no_identification_log", advice, name, row, "logs"))
+    return tuple(Step(step, None if step == "identify" else NOT_IN_THIS_VERSION) for step in asked)
+
+
+def read_recordings(study: Study) -> list[Recording]:
+    """The logs that identification uses: fitted, or held out (validation, and motions without the device)."""
+    recordings, faults = [], list[Fault]()
+    for entry, name in zip(study.file.logs, study.log_names, strict=True):
+        if entry.role == "with_device":
+            continue
+        log = read_entry(study.bundle, entry, name, study.robot_file, motor_from_joint(study.robot_file))
+        faults += missing_columns(log, study.robot, entry.file[0])
+        recordings.append(Recording(log, held_out=entry.role != "identification"))
+    if faults:
+        raise BadLog(faults)
+    return recordings
+
+
+def needed_channels(robot: Robot) -> tuple[str, ...]:
+    """Every channel that the robot's equations of motion need."""
+    names = [f"q.{joint.name}" for joint in robot.joints]
+    names += [f"{'i' if joint.actuation == 'current' else 'tau'}.{joint.name}" for joint in robot.joints]
+    if robot.floating:
+        names += [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
+    for sensor in robot.sensors:
+        names += [f"ft.{sensor.name}.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz")]
+    return tuple(names)
+
+
+def missing_columns(log: Log, robot: Robot, file: str) -> list[Fault]:
+    """One fault per column that the robot needs and the log does not hold."""
+    needed: Sequence[str] = needed_channels(robot)
+    near = list(log.channels)
+    return [
+        Fault(
+            f"log {log.name!r} lacks a column that the robot needs",
+            "missing_column",
+            suggestion(name, near) if len(near) < 200 else "",
+            file,
+            column=name,
+        )
+        for name in needed
+        if name not in log.channels
+    ]
