@@ -30,6 +30,8 @@ class RigidTree:
     phi: (N, 10) a-priori [m, mx, my, mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] about the body frame's origin [kg, kg·m, kg·m²].
     frames: frame or link name -> (body index, -1 = fixed base; pose in that body).
     lower, upper: (J,) position limits [rad or m]; velocity_limit, effort_limit: (J,), inf where unknown.
+    locked: joints of the URDF that could move and are held at zero. dropped: links beyond a cut, whose inertia is not
+    in `phi`.
     """
 
     bodies: tuple[str, ...]
@@ -47,6 +49,8 @@ class RigidTree:
     upper: Array
     velocity_limit: Array
     effort_limit: Array
+    locked: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
 
     @property
     def mass(self) -> float:

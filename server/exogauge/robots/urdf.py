@@ -1,0 +1,271 @@
+"""From a URDF to the tree of moving bodies, rooted where the IMU is and ended where the contact sensors are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import final
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.errors import BadRobot, Fault
+from exogauge.robots.tree import RigidTree
+from exogauge.robots.urdf_check import INERTIA_NAMES, MOVING_TYPES, numbers, read_urdf
+
+Array = NDArray[np.float64]
+
+
+def load_tree(
+    urdf: bytes,
+    *,
+    joints: Sequence[str],
+    base_link: str,
+    floating: bool,
+    cut_frames: Sequence[str] = (),
+    file: str = "robot.urdf",
+) -> RigidTree:
+    """The moving bodies of a URDF. Raises BadRobot.
+
+    joints: the actuated joints, in the order of q; other movable joints are held at zero (`RigidTree.locked`).
+    base_link: floating: any link, it becomes body 0; fixed: a link that no joint moves.
+    cut_frames: links, or fixed joints, at which a sensor measures the contact wrench. What hangs rigidly beyond them
+    (seen from the base) keeps its frames and loses its inertia; beyond a fixed joint its child is meant too.
+    """
+    described = _Description.of(read_urdf(urdf, file), file)
+    described.check_names(joints, base_link, cut_frames)
+    dropped = {link for frame in cut_frames for link in described.beyond(frame, base_link, set(joints))}
+    links = list(described.links)
+    model = pin.buildModelFromXML(described.reduced(set(joints), dropped), pin.JointModelFreeFlyer())
+    return _rooted(model, described, links, tuple(joints), base_link, floating, tuple(sorted(dropped)))
+
+
+@final
+@dataclass(frozen=True)
+class _UrdfJoint:
+    name: str
+    kind: str
+    parent: str
+    child: str
+    mimics: bool
+    element: Element
+
+    @property
+    def movable(self) -> bool:
+        return self.kind != "fixed"
+
+
+@final
+@dataclass(frozen=True)
+class _Description:
+    """links and joints of the checked URDF by name, in its order."""
+
+    links: dict[str, Element]
+    joints: dict[str, _UrdfJoint]
+    file: str
+
+    @classmethod
+    def of(cls, robot: Element, file: str) -> _Description:
+        links = {link.get("name", ""): link for link in robot.findall("link")}
+        joints = {}
+        for element in robot.findall("joint"):
+            parent, child = element.find("parent"), element.find("child")
+            assert parent is not None
+            assert child is not None
+            name = element.get("name", "")
+            joints[name] = _UrdfJoint(name, element.get("type", ""), parent.get("link", ""), child.get("link", ""),
+                                      element.find("mimic") is not None, element)  # fmt: skip
+        return cls(links, joints, file)
+
+    def check_names(self, joints: Sequence[str], base_link: str, cut_frames: Sequence[str]) -> None:
+        """Every name exists and is of the right kind."""
+        faults = []
+        for name in dict.fromkeys(joints):
+            joint = self.joints.get(name)
+            if joint is None:
+                faults.append(self._unknown("joint", name, [j.name for j in self.joints.values() if j.movable]))
+            elif joint.kind not in MOVING_TYPES:
+                faults.append(Fault(f"joint {name!r} is {joint.kind}", "joint_not_actuated",
+                                    "Take it off the list of actuated joints", self.file, value=name))  # fmt: skip
+            elif joint.mimics:
+                faults.append(Fault(f"joint {name!r} mimics another", "joint_mimics",
+                                    "Leave it out: it is then held at zero", self.file, value=name))  # fmt: skip
+            if list(joints).count(name) > 1:
+                faults.append(Fault(f"joint {name!r} is listed twice", "joint_twice", file=self.file, value=name))
+        if base_link not in self.links:
+            faults.append(self._unknown("base_link", base_link, self.links))
+        fixed = [joint.name for joint in self.joints.values() if not joint.movable]
+        for name in cut_frames:
+            if name not in self.links and name not in fixed:
+                faults.append(self._unknown("frame", name, [*self.links, *fixed]))
+        if faults:
+            raise BadRobot(faults)
+
+    def _unknown(self, kind: str, name: str, known: Iterable[str]) -> Fault:
+        close = get_close_matches(name, list(known), n=1)
+        advice = f"Did you mean {close[0]!r}?" if close else f"The URDF has no such {kind}"
+        return Fault(f"{kind} {name!r} is not in the URDF", f"{kind}_unknown", advice, self.file, value=name[:80])
+
+    def beyond(self, frame: str, base_link: str, moving: set[str]) -> set[str]:
+        """Links cut off from base_link at the frame. A moving joint among them is refused."""
+        neighbours: dict[str, list[tuple[str, str]]] = {link: [] for link in self.links}
+        for joint in self.joints.values():
+            neighbours[joint.parent].append((joint.child, joint.name))
+            neighbours[joint.child].append((joint.parent, joint.name))
+        order, toward = [base_link], {base_link: ("", "")}
+        for link in order:
+            for other, name in neighbours[link]:
+                if other not in toward:
+                    toward[other] = (link, name)
+                    order.append(other)
+        if frame in self.links:
+            cut = {frame}
+        else:
+            joint = self.joints[frame]
+            cut = {joint.child if toward[joint.child][1] == frame else joint.parent}
+        beyond = set() if frame in self.links else set(cut)
+        for link in order:
+            before, name = toward[link]
+            if before in cut or before in beyond:
+                if name in moving:
+                    raise BadRobot(Fault(f"joint {name!r} lies beyond the contact sensor at {frame!r}",
+                                         "joint_beyond_cut", "The robot must end at a contact sensor: use role cut, "
+                                         "or take the joint off the list", self.file, value=frame))  # fmt: skip
+                beyond.add(link)
+        return beyond
+
+    def reduced(self, moving: set[str], dropped: set[str]) -> str:
+        """The URDF anew: links l0, l1 … and joints j0, j1 … with nothing but masses and moving or fixed joints."""
+        robot = Element("robot", name="robot")
+        index = {name: str(i) for i, name in enumerate(self.links)}
+        for name, link in self.links.items():
+            copy = SubElement(robot, "link", name="l" + index[name])
+            inertial = link.find("inertial")
+            if inertial is None or name in dropped or _attribute(inertial, "mass", "value") == [0.0]:
+                continue
+            body = SubElement(copy, "inertial")
+            _copy(inertial, body, "origin", "xyz", "rpy")
+            _copy(inertial, body, "mass", "value")
+            _copy(inertial, body, "inertia", *INERTIA_NAMES)
+        for i, joint in enumerate(self.joints.values()):
+            kind = "fixed" if joint.name not in moving else "prismatic" if joint.kind == "prismatic" else "revolute"
+            copy = SubElement(robot, "joint", name=f"j{i}", type=kind)
+            SubElement(copy, "parent", link="l" + index[joint.parent])
+            SubElement(copy, "child", link="l" + index[joint.child])
+            _copy(joint.element, copy, "origin", "xyz", "rpy")
+            if kind != "fixed":
+                _copy(joint.element, copy, "axis", "xyz")
+                SubElement(copy, "limit", lower="-1", upper="1", effort="1", velocity="1")
+        return tostring(robot, encoding="unicode")
+
+    def limits(self, names: Iterable[str]) -> Iterator[tuple[float, float, float, float]]:
+        """lower, upper, velocity, effort; infinite where missing, zero or upside down."""
+        for name in names:
+            joint = self.joints[name]
+            low, high, velocity, effort = (
+                next(iter(_attribute(joint.element, "limit", key)), 0.0)
+                for key in ("lower", "upper", "velocity", "effort")
+            )
+            if joint.kind == "continuous" or low >= high:
+                low, high = -math.inf, math.inf
+            yield low, high, velocity if velocity > 0 else math.inf, effort if effort > 0 else math.inf
+
+
+def _attribute(parent: Element, tag: str, name: str) -> list[float]:
+    element = parent.find(tag)
+    return numbers(element.get(name, "")) if element is not None else []
+
+
+def _copy(source: Element, target: Element, tag: str, *names: str) -> None:
+    found = {name: _attribute(source, tag, name) for name in names}
+    if any(found.values()):
+        SubElement(target, tag, {name: " ".join(map(repr, values)) for name, values in found.items() if values})
+
+
+def _rooted(
+    model: pin.Model,
+    described: _Description,
+    links: list[str],
+    joints: tuple[str, ...],
+    base_link: str,
+    floating: bool,
+    dropped: tuple[str, ...],
+) -> RigidTree:
+    """Walk pinocchio's tree from the base link outwards, against the joints where need be.
+
+    Pinocchio's joint 1 is the free-flyer of the URDF's root. A joint u met from its child's side is turned round:
+    T_u_parent(q) = motion(-axis_u, q) · T_parent_u⁻¹.
+    """
+    identity = pin.SE3.Identity()
+    names = list(described.joints)
+    moved_by = {i: names[int(model.names[i][1:])] for i in range(2, model.njoints)}
+    place = {links[int(f.name[1:])]: (f.parentJoint, f.placement) for f in model.frames if f.type == pin.FrameType.BODY}
+    for joint in described.joints.values():
+        if not joint.movable:
+            place.setdefault(joint.name, place[joint.child])
+    root, T_root_base = place[base_link]
+    T_base_root = T_root_base.inverse()
+    if not floating and root != 1:
+        detail, advice = f"joint {moved_by[root]!r} moves base_link {base_link!r}", "A fixed base must stand still"
+        raise BadRobot(Fault(detail, "base_link_moves", advice, described.file, value=base_link))
+
+    order: list[int] = []
+    parent, edge = {root: -1}, {root: -1}
+    stack = [root]
+    while stack:  # depth first, so that subtrees are contiguous
+        u = stack.pop()
+        order.append(u)
+        near = [i for i in range(2, model.njoints) if model.parents[i] == u] + ([model.parents[u]] if u > 1 else [])
+        for v in reversed([v for v in near if v not in parent]):
+            parent[v], edge[v] = u, v if model.parents[v] == u else u
+            stack.append(v)
+    if not floating:
+        order.remove(root)
+    body = {u: i for i, u in enumerate(order)} | ({} if floating else {root: -1})
+
+    axis, prismatic, before, after, phi = [], [], [], [], []
+    for u in order:
+        inertia = model.inertias[u]
+        phi.append((T_base_root.act(inertia) if u == root else inertia).toDynamicParameters())
+        T_before = T_base_root if parent[u] == root else identity
+        if u == root:
+            axis.append(np.zeros(3))
+            prismatic.append(False)
+            before.append(identity)
+            after.append(identity)
+            continue
+        j = edge[u]
+        S = np.asarray(model.joints[j].createData().S).ravel()
+        prismatic.append(bool(np.linalg.norm(S[:3]) > 0.5))
+        direction = S[:3] if prismatic[-1] else S[3:]
+        forward = j == u
+        axis.append((1.0 if forward else -1.0) * direction / np.linalg.norm(direction) + 0.0)
+        placement = model.jointPlacements[j]
+        before.append(T_before * placement if forward else T_before)
+        after.append(identity if forward else placement.inverse())
+    moved_link = {u: described.joints[name].child for u, name in moved_by.items()}
+    root_link = next(link for link in links if link not in {joint.child for joint in described.joints.values()})
+    limits = np.array(list(described.limits(joints))).reshape(-1, 4)
+    return RigidTree(
+        bodies=tuple(base_link if u == root else moved_link.get(u, root_link) for u in order),
+        joints=joints,
+        floating=floating,
+        parent=np.array([body[parent[u]] if u != root else -1 for u in order], dtype=np.intp),
+        dof=np.array([joints.index(moved_by[edge[u]]) if u != root else -1 for u in order], dtype=np.intp),
+        axis=np.array(axis).reshape(-1, 3),
+        prismatic=np.array(prismatic, dtype=np.bool_),
+        T_before=tuple(before),
+        T_after=tuple(after),
+        phi=np.array(phi).reshape(-1, 10),
+        frames={name: (body[u], T_base_root * T if u == root else T) for name, (u, T) in place.items()},
+        lower=limits[:, 0],
+        upper=limits[:, 1],
+        velocity_limit=limits[:, 2],
+        effort_limit=limits[:, 3],
+        locked=tuple(j.name for j in described.joints.values() if j.movable and j.name not in joints),
+        dropped=dropped,
+    )

@@ -1,0 +1,210 @@
+"""A URDF from a stranger, checked before any C++ parser sees it: XML, size, tree, numbers, inertias, mesh paths."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator
+from xml.etree.ElementTree import Element, ParseError
+
+import defusedxml.ElementTree
+import numpy as np
+from defusedxml import DefusedXmlException
+
+from exogauge.errors import BadRobot, Fault
+
+MAX_BYTES = 20_000_000
+MAX_LINKS = 500
+MAX_DEPTH = 200
+MAX_FAULTS = 50
+INERTIA_TOLERANCE = 1e-6  # of the trace: what rounding to six digits may cost
+
+JOINT_TYPES = frozenset({"revolute", "continuous", "prismatic", "fixed", "floating", "planar"})
+MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic"})
+INERTIA_NAMES = ("ixx", "ixy", "iyy", "ixz", "iyz", "izz")
+
+
+def check_urdf(urdf: bytes, file: str = "robot.urdf") -> None:
+    """Raise BadRobot with one fault per broken rule; return in silence when there is none."""
+    read_urdf(urdf, file)
+
+
+def read_urdf(urdf: bytes, file: str = "robot.urdf") -> Element:
+    """The checked <robot> element. Raises BadRobot."""
+    robot = _parse(urdf, file)
+    links, joints = robot.findall("link"), robot.findall("joint")
+    if len(links) > MAX_LINKS:
+        raise BadRobot(Fault(f"{len(links)} links, at most {MAX_LINKS} are accepted", "too_many_links", file=file))
+    faults = [*_name_faults("link", links, file), *_name_faults("joint", joints, file)]
+    faults += [fault for joint in joints for fault in _joint_faults(joint, file)]
+    moved = {
+        child.get("link") for joint in joints if joint.get("type") in MOVING_TYPES for child in joint.iter("child")
+    }
+    for link in links:
+        faults += _inertial_faults(link, link.get("name") in moved, file)
+    faults += [fault for link in links for fault in _mesh_faults(link, file)]
+    faults += _tree_faults(links, joints, file)
+    if faults:
+        raise BadRobot(faults[:MAX_FAULTS])
+    return robot
+
+
+def numbers(text: str) -> list[float]:
+    """Blank-separated finite numbers. Raises ValueError."""
+    values = [float(word) for word in text.split()]
+    if not all(math.isfinite(value) for value in values):
+        raise ValueError("not finite")
+    return values
+
+
+def _parse(urdf: bytes, file: str) -> Element:
+    def refuse(detail: str, rule: str, advice: str = "") -> BadRobot:
+        return BadRobot(Fault(detail, rule, advice, file=file))
+
+    if len(urdf) > MAX_BYTES:
+        raise refuse(f"{len(urdf)} bytes, at most {MAX_BYTES} are accepted", "urdf_too_large", "Leave meshes out")
+    try:
+        robot = defusedxml.ElementTree.fromstring(urdf, forbid_dtd=True)
+    except DefusedXmlException:
+        raise refuse("holds a DOCTYPE or an entity", "xml_doctype", "Remove it: a URDF needs none") from None
+    except (ParseError, ValueError, LookupError) as error:
+        raise refuse(f"is not XML: {error}", "not_xml", "Hand in the URDF itself, not a xacro or an archive") from None
+    if robot.tag != "robot":
+        raise refuse(f"its root is <{robot.tag}>, not <robot>", "not_urdf", "Hand in a URDF")
+    if robot.find("link") is None:
+        raise refuse("holds no <link>", "no_links", "Expand a xacro first")
+    return robot
+
+
+def _name_faults(kind: str, elements: list[Element], file: str) -> Iterator[Fault]:
+    count = Counter(element.get("name") or "" for element in elements)
+    if count.pop("", 0):
+        yield Fault(f"a {kind} has no name", f"{kind}_without_name", file=file)
+    for name, times in count.items():
+        if times > 1:
+            yield Fault(f"{kind} {name!r} appears {times} times", f"{kind}_name_twice", "Rename one", file=file)
+
+
+def _joint_faults(joint: Element, file: str) -> Iterator[Fault]:
+    what, kind = f"joint {joint.get('name')!r}", joint.get("type")
+    if kind not in JOINT_TYPES:
+        yield Fault(f"{what} has an unknown type", "joint_type", f"One of {', '.join(sorted(JOINT_TYPES))}", file,
+                    value=str(kind))  # fmt: skip
+    for tag, attribute, size in (("origin", "xyz", 3), ("origin", "rpy", 3), ("axis", "xyz", 3)):
+        yield from _number_faults(joint.find(tag), attribute, size, what, file)
+    for attribute in ("lower", "upper", "effort", "velocity"):
+        yield from _number_faults(joint.find("limit"), attribute, 1, what, file)
+    axis = joint.find("axis")
+    if axis is not None and kind in MOVING_TYPES:
+        try:
+            if math.hypot(*numbers(axis.get("xyz") or "1 0 0")) < 1e-9:
+                yield Fault(f"{what} has an axis of zero length", "joint_axis_zero", file=file, value=axis.get("xyz"))
+        except ValueError:
+            pass  # told above
+
+
+def _number_faults(
+    element: Element | None, attribute: str, size: int, what: str, file: str, required: bool = False
+) -> Iterator[Fault]:
+    text = None if element is None else element.get(attribute)
+    if text is None:
+        if required:
+            yield Fault(f"{what} lacks {attribute}", "number_missing", file=file)
+        return
+    try:
+        good = len(numbers(text)) == size
+    except ValueError:
+        good = False
+    if not good:
+        need = "a finite number" if size == 1 else f"{size} finite numbers"
+        tag = element.tag if element is not None else ""
+        yield Fault(f"{what}: <{tag}> {attribute} is not {need}", "not_a_number",
+                    "Expand a xacro first" if "$" in text else "", file, value=text[:80])  # fmt: skip
+
+
+def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
+    """Mass positive; inertia about the centre of mass positive semi-definite and within the triangle inequality.
+
+    moved: a joint moves this link; only then is an <inertial> of nothing but zeros refused (frames often have one).
+    """
+    inertial, what = link.find("inertial"), f"link {link.get('name')!r}"
+    if inertial is None:
+        return
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    bad = [
+        *_number_faults(inertial.find("origin"), "xyz", 3, what, file),
+        *_number_faults(inertial.find("origin"), "rpy", 3, what, file),
+        *_number_faults(mass, "value", 1, f"{what}: <mass>", file, required=True),
+        *(f for n in INERTIA_NAMES for f in _number_faults(inertia, n, 1, f"{what}: <inertia>", file, required=True)),
+    ]
+    if bad or mass is None or inertia is None:
+        yield from bad
+        return
+    value = float(mass.get("value", ""))
+    frame_only = not moved and value == 0.0 and not any(float(inertia.get(name, "")) for name in INERTIA_NAMES)
+    if value <= 0.0 and not frame_only:
+        yield Fault(f"{what}: the mass must be positive", "mass_not_positive",
+                    "A frame without mass has no <inertial> element", file, value=mass.get("value"))  # fmt: skip
+    xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)
+    low, middle, high = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    margin = INERTIA_TOLERANCE * (abs(low) + abs(middle) + abs(high))
+    moments = f"principal moments {low:.6g}, {middle:.6g}, {high:.6g}"
+    if low < -margin:
+        yield Fault(f"{what}: the inertia about the centre of mass is not positive semi-definite",
+                    "inertia_not_positive", "Check signs and units (kg·m²)", file, value=moments)  # fmt: skip
+    elif low + middle < high - margin:
+        yield Fault(f"{what}: no body has these moments, the largest exceeds the sum of the others",
+                    "inertia_triangle", "Give more digits, or check that it is about the centre of mass", file,
+                    value=moments)  # fmt: skip
+
+
+def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:
+    """Meshes are never opened here; a path that leaves the bundle is refused all the same."""
+    for element in link.iter():
+        path = (element.get("filename") or "").replace("\\", "/") if element.tag in ("mesh", "texture") else ""
+        if not path:
+            continue
+        scheme, _, rest = path.rpartition("://")
+        outside = rest.startswith("/") or re.match(r"[A-Za-z]:", rest) or ".." in rest.split("/")
+        if outside or scheme not in ("", "package", "model"):
+            yield Fault(f"link {link.get('name')!r}: a mesh outside the bundle", "mesh_outside",
+                        "Use a relative path or package://", file, value=path[:80])  # fmt: skip
+
+
+def _tree_faults(links: list[Element], joints: list[Element], file: str) -> list[Fault]:
+    """One root, every other link the child of one joint, no loop, not too deep."""
+    faults: list[Fault] = []
+    names = {link.get("name") or "" for link in links}
+    children: dict[str, list[str]] = {}
+    parents = Counter[str]()
+    for joint in joints:
+        ends = {}
+        for end in ("parent", "child"):
+            element = joint.find(end)
+            ends[end] = (element.get("link") if element is not None else None) or ""
+            if ends[end] not in names:
+                faults.append(Fault(f"joint {joint.get('name')!r}: its {end} is no link", f"joint_{end}_unknown",
+                                    file=file, value=ends[end][:80]))  # fmt: skip
+        children.setdefault(ends["parent"], []).append(ends["child"])
+        parents[ends["child"]] += 1
+    if faults:
+        return faults
+    for name, times in parents.items():
+        if times > 1:
+            faults.append(Fault(f"link {name!r} is the child of {times} joints", "link_two_parents", file=file))
+    roots = sorted(names - set(parents))
+    if len(roots) > 1:
+        faults.append(Fault("more than one link has no parent", "two_roots", "Join them by a fixed joint", file,
+                            value=", ".join(roots[:5])))  # fmt: skip
+    depth, level, seen = 0, roots, set(roots)
+    while level and depth <= MAX_DEPTH:
+        level = [child for link in level for child in children.get(link, []) if child not in seen]
+        seen.update(level)
+        depth += 1
+    if depth > MAX_DEPTH:
+        faults.append(Fault(f"more than {MAX_DEPTH} links in one chain", "tree_too_deep", file=file))
+    elif len(seen) < len(names):
+        lost = sorted(names - seen)
+        faults.append(Fault("links form a loop", "loop", "A URDF is a tree", file, value=", ".join(lost[:5])))
+    return faults

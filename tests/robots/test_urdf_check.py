@@ -1,0 +1,93 @@
+"""A stranger's URDF is refused by name and rule before a C++ parser sees it."""
+
+from __future__ import annotations
+
+import pytest
+
+from exogauge.errors import BadRobot
+from exogauge.robots.urdf_check import check_urdf
+
+INERTIA = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
+
+
+def _link(name: str, mass: str = "1", inertia: str = INERTIA, more: str = "") -> str:
+    return f'<link name="{name}"><inertial><mass value="{mass}"/>{inertia}</inertial>{more}</link>'
+
+
+def _joint(name: str, parent: str, child: str, kind: str = "revolute", more: str = "") -> str:
+    return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{more}</joint>'
+
+
+def _robot(*parts: str) -> bytes:
+    return f'<robot name="r">{"".join(parts)}</robot>'.encode()
+
+
+def _chain(length: int) -> bytes:
+    links = [_link(f"l{i}") for i in range(length)]
+    return _robot(*links, *(_joint(f"j{i}", f"l{i}", f"l{i + 1}") for i in range(length - 1)))
+
+
+def _spread(xx: float, yy: float, zz: float) -> str:
+    return f'<inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/>'
+
+
+TWO = (_link("a"), _link("b"), _joint("j", "a", "b"))
+MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
+BAD = {
+    "not_xml": b"PK\x03\x04 not xml",
+    "xml_doctype": b'<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot name="r"><link name="a"/></robot>',
+    "urdf_too_large": b" " * 20_000_001,
+    "not_urdf": b"<sdf/>",
+    "no_links": b"<robot/>",
+    "too_many_links": _chain(4000),
+    "tree_too_deep": _chain(300),
+    "link_name_twice": _robot(_link("a"), _link("a")),
+    "link_without_name": _robot(_link("a"), _link("")),
+    "joint_name_twice": _robot(*TWO, _link("c"), _joint("j", "a", "c")),
+    "joint_parent_unknown": _robot(_link("a"), _joint("j", "x", "a")),
+    "joint_child_unknown": _robot(_link("a"), _joint("j", "a", "x")),
+    "joint_type": _robot(_link("a"), _link("b"), _joint("j", "a", "b", "screw")),
+    "joint_axis_zero": _robot(_link("a"), _link("b"), _joint("j", "a", "b", more='<axis xyz="0 0 0"/>')),
+    "link_two_parents": _robot(*TWO, _link("c"), _joint("k", "a", "c"), _joint("l", "b", "c")),
+    "two_roots": _robot(*TWO, _link("c")),
+    "loop": _robot(*TWO, _link("c"), _link("d"), _joint("k", "c", "d"), _joint("l", "d", "c")),
+    "mass_not_positive": _robot(_link("a", mass="-1")),
+    "not_a_number": _robot(_link("a", mass="nan")),
+    "number_missing": _robot(_link("a", inertia='<inertia ixx="1"/>')),
+    "inertia_not_positive": _robot(_link("a", inertia=_spread(0.1, 0.1, -0.01))),
+    "inertia_triangle": _robot(_link("a", inertia=_spread(0.1, 0.1, 0.3))),
+    "mesh_outside": _robot(_link("a", more=MESH.format("package://r/../../etc/passwd"))),
+}
+
+
+@pytest.mark.parametrize("rule", BAD)
+def test_each_broken_rule_is_named(rule):
+    with pytest.raises(BadRobot) as caught:
+        check_urdf(BAD[rule], "arm.urdf")
+    assert rule in {fault.rule for fault in caught.value.faults}
+    assert all(fault.file == "arm.urdf" for fault in caught.value.faults)
+
+
+@pytest.mark.parametrize("path", ["/etc/x.stl", "file:///x.stl", "..\\x.stl", "C:/x.stl", "http://x.org/x.stl"])
+def test_a_mesh_outside_the_bundle_is_refused(path):
+    with pytest.raises(BadRobot, match="outside the bundle"):
+        check_urdf(_robot(_link("a", more=MESH.format(path))))
+
+
+def test_the_heavy_moment_is_told_with_its_link_value_and_advice():
+    with pytest.raises(BadRobot) as caught:
+        check_urdf(_robot(_link("thigh", inertia=_spread(0.1, 0.1, 0.3))))
+    (fault,) = caught.value.faults
+    assert "thigh" in fault.detail
+    assert "0.3" in fault.value
+    assert fault.advice
+
+
+def test_a_link_without_inertia_and_a_frame_of_zeros_are_fine():
+    frame = _link("f", mass="0", inertia=_spread(0, 0, 0))
+    mesh = MESH.format("package://r/meshes/a.stl")
+    check_urdf(_robot(*TWO, '<link name="c"/>', frame, _joint("k", "b", "c"), _joint("l", "b", "f", "fixed", mesh)))
+
+
+def test_a_flat_plate_rounded_to_seven_digits_is_accepted():
+    check_urdf(_robot(_link("a", inertia=_spread(0.1, 0.2, 0.3000001))))
