@@ -1,0 +1,50 @@
+"""How large a log may be; checked on what a file declares, before its values are read."""
+
+from __future__ import annotations
+
+from exogauge.errors import Fault, TooLarge
+
+MAX_BYTES = 2_000_000_000
+MAX_CELLS = 250_000_000  # 2 GB as float64: one hour at 1 kHz with 69 channels
+MAX_COLUMNS = 4096
+MIN_SAMPLES = 10
+MAX_FAULTS = 20
+
+
+def check_bytes(size: int, file: str) -> None:
+    """size: bytes of the file, unpacked."""
+    if size > MAX_BYTES:
+        raise TooLarge(
+            Fault(
+                f"the file holds more than {MAX_BYTES / 1e9:g} GB",
+                "too_many_bytes",
+                "Split the recording, or hand it in as Parquet with only the columns needed.",
+                file=file,
+                value=str(size),
+            )
+        )
+
+
+def check_cells(rows: int, columns: int, file: str, column: str | None = None) -> None:
+    """rows x columns as declared by the file or counted without parsing."""
+    if columns > MAX_COLUMNS:
+        raise TooLarge(
+            Fault(
+                f"the table has more than {MAX_COLUMNS} columns",
+                "too_many_columns",
+                "Keep the columns that are needed.",
+                file=file,
+                value=str(columns),
+            )
+        )
+    if rows * max(columns, 1) > MAX_CELLS:
+        raise TooLarge(
+            Fault(
+                f"the file declares {rows} rows x {columns} columns; at most {MAX_CELLS} values are read",
+                "too_many_values",
+                "Split the recording, drop columns, or lower the rate.",
+                file=file,
+                column=column,
+                value=str(rows * columns),
+            )
+        )

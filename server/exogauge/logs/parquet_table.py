@@ -1,0 +1,105 @@
+"""Parquet through pyarrow; what the footer declares is checked before a value is read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from exogauge.errors import BadLog, Fault, TooLarge
+from exogauge.logs.channels import shorten
+from exogauge.logs.limits import check_cells
+from exogauge.logs.tables import RawArray, broken
+
+BATCH_ROWS = 1 << 16
+_FAILURES = (pa.ArrowException, OSError, ValueError, OverflowError, KeyError, IndexError)
+
+
+@final
+class ParquetTable:
+    def __init__(self, path: Path, file: str) -> None:
+        self.file = file
+        try:
+            self._source = pq.ParquetFile(
+                path, thrift_string_size_limit=64_000_000, thrift_container_size_limit=1_000_000, memory_map=False
+            )
+            self._schema = self._source.schema_arrow
+            self._rows = int(self._source.metadata.num_rows)
+            declared = sum(
+                self._source.metadata.row_group(k).num_rows for k in range(self._source.metadata.num_row_groups)
+            )
+        except _FAILURES as problem:
+            raise BadLog(broken(problem, file)) from None
+        if declared != self._rows or self._rows < 0:
+            raise BadLog(broken(ValueError(f"{self._rows} rows declared, {declared} in its row groups"), file))
+        check_cells(self._rows, len(self._schema.names), file)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(str(name) for name in self._schema.names)
+
+    def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
+        faults = [self._type_fault(name) for name in names if not _is_numeric(self._schema.field(name).type)]
+        if faults:
+            raise BadLog(faults)
+        kinds = {name: _target(self._schema.field(name), name in exact) for name in names}
+        columns: dict[str, RawArray] = {name: np.empty(self._rows, kind) for name, kind in kinds.items()}
+        row = 0
+        try:
+            for batch in self._source.iter_batches(BATCH_ROWS, columns=list(names), use_threads=False):
+                if row + batch.num_rows > self._rows:
+                    raise ValueError("more rows than declared")
+                for name in names:
+                    column = batch.column(batch.schema.get_field_index(name))
+                    columns[name][row : row + batch.num_rows] = _values(column, kinds[name], name, row, self.file)
+                row += batch.num_rows
+        except _FAILURES as problem:
+            raise BadLog(broken(problem, self.file)) from None
+        except MemoryError:
+            raise TooLarge(
+                Fault("the values do not fit into memory", "memory_limit", "Split the recording.", self.file)
+            ) from None
+        if row != self._rows:
+            raise BadLog(broken(ValueError(f"{self._rows} rows declared, {row} found"), self.file))
+        return columns
+
+    def _type_fault(self, name: str) -> Fault:
+        return Fault(
+            f"the column holds {shorten(str(self._schema.field(name).type))}, not numbers",
+            "not_a_number",
+            "Write it as double.",
+            self.file,
+            column=shorten(name),
+        )
+
+
+def _is_numeric(kind: Any) -> bool:
+    return bool(
+        pa.types.is_integer(kind)
+        or pa.types.is_floating(kind)
+        or pa.types.is_boolean(kind)
+        or pa.types.is_decimal(kind)
+        or pa.types.is_timestamp(kind)
+        or pa.types.is_null(kind)
+    )
+
+
+def _target(field: Any, exact: bool) -> Any:
+    whole = pa.types.is_integer(field.type) or pa.types.is_timestamp(field.type)
+    return np.int64 if exact and whole else np.float64
+
+
+def _values(column: Any, kind: Any, name: str, row: int, file: str) -> RawArray:
+    """One batch as numbers; a timestamp counts nanoseconds."""
+    if pa.types.is_timestamp(column.type):
+        column = column.cast(pa.timestamp("ns", tz=column.type.tz)).cast(pa.int64())
+    if kind is np.int64:
+        if column.null_count:
+            first = int(np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))[0])
+            raise BadLog(Fault("a time stamp is missing", "missing_value", "", file, row + first + 1, shorten(name)))
+        return np.asarray(column.cast(pa.int64()).to_numpy(zero_copy_only=False))
+    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False), np.float64)

@@ -1,0 +1,194 @@
+"""A file as named raw columns, whatever its format; the format is told by its first bytes, not by its name."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadLog, Fault
+from exogauge.logs.channels import shorten
+from exogauge.logs.limits import MAX_FAULTS, check_bytes
+
+RawArray = NDArray[Any]
+
+
+@final
+@dataclass(frozen=True)
+class TextLayout:
+    """How a text table is written. None: told from the first lines, refused where they allow two readings.
+
+    header: the first line after `skip_lines` names the columns; otherwise they are called "1", "2", … from the left.
+    """
+
+    header: bool = True
+    delimiter: str | None = None
+    decimal: Literal[".", ","] | None = None
+    skip_lines: int = 0
+
+
+class Table(Protocol):
+    """Columns by name; nothing but names and declared sizes is read before `read`."""
+
+    file: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """In file order, as written; duplicates kept."""
+        ...
+
+    def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
+        """(T,) float64 per text or Parquet column, any one- or two-dimensional numbers from MAT, HDF5 and NPZ.
+
+        exact: columns kept as 64-bit integers where they hold integers (time stamps since an epoch).
+        Missing values are NaN.
+        """
+        ...
+
+
+def open_table(path: Path, file: str, layout: TextLayout | None = None) -> Table:
+    """The table in a file. file: the name that faults carry."""
+    size = path.stat().st_size
+    check_bytes(size, file)
+    if size == 0:
+        raise BadLog(Fault("the file is empty", "empty_file", "Record again or check the export.", file=file))
+    with path.open("rb") as stream:
+        head = stream.read(1024)
+    for opener, matches in _FORMATS:
+        if matches(head):
+            return opener(path, file)
+    _refuse_known_others(head, file)
+    from exogauge.logs.text_table import TextTable
+
+    return TextTable(path, file, layout or TextLayout())
+
+
+def read_names(table: Table) -> tuple[str, ...]:
+    """The column names, after checking that there are some and that each is there once."""
+    names = table.names
+    faults = [
+        Fault("the column has no name", "unnamed_column", "Name it in the header.", table.file, 0, str(index + 1))
+        for index, name in enumerate(names)
+        if not name
+    ]
+    faults += [
+        Fault(
+            f"the column is there {names.count(name)} times",
+            "duplicate_column",
+            "Keep one or rename it.",
+            table.file,
+            0,
+            shorten(name),
+        )
+        for name in dict.fromkeys(names)
+        if name and names.count(name) > 1
+    ]
+    if not names:
+        faults = [Fault("the file holds no columns of numbers", "no_columns", "", table.file)]
+    if faults:
+        raise BadLog(faults[:MAX_FAULTS])
+    return names
+
+
+def as_vector(values: RawArray, file: str, column: str) -> RawArray:
+    """(T,) from (T,), (1, T) or (T, 1)."""
+    flat = np.squeeze(values)
+    if flat.ndim == 1:
+        return flat
+    raise BadLog(
+        Fault(
+            f"one value per sample is expected, the array has shape {values.shape}",
+            "not_a_vector",
+            "Name its components in the mapping under `arrays`, `vectors` or `wrenches`.",
+            file=file,
+            column=shorten(column),
+        )
+    )
+
+
+def _parquet(path: Path, file: str) -> Table:
+    from exogauge.logs.parquet_table import ParquetTable
+
+    return ParquetTable(path, file)
+
+
+def _hdf5(path: Path, file: str) -> Table:
+    from exogauge.logs.hdf5_table import Hdf5Table
+
+    return Hdf5Table(path, file)
+
+
+def _matlab(path: Path, file: str) -> Table:
+    from exogauge.logs.matlab_table import MatlabTable
+
+    return MatlabTable(path, file)
+
+
+def _numpy(path: Path, file: str) -> Table:
+    from exogauge.logs.numpy_table import NumpyTable
+
+    return NumpyTable(path, file)
+
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_FORMATS: tuple[tuple[Callable[[Path, str], Table], Callable[[bytes], bool]], ...] = (
+    (_parquet, lambda head: head[:4] == b"PAR1"),
+    (_hdf5, lambda head: head[:8] == _HDF5_SIGNATURE or head[512:520] == _HDF5_SIGNATURE),
+    (_matlab, lambda head: head[:10] == b"MATLAB 5.0"),
+    (_numpy, lambda head: head[:4] == b"PK\x03\x04" or head[:6] == b"\x93NUMPY"),
+)
+_OTHERS = (
+    (b"SQLite format 3", "an SQLite database (rosbag2?)"),
+    (b"\x89MCAP", "an MCAP recording"),
+    (b"#ROSBAG", "a ROS 1 bag"),
+    (b"PARE", "an encrypted Parquet file"),
+    (b"ARROW1", "an Arrow file"),
+    (b"BZh", "a bzip2 archive"),
+    (b"\xfd7zXZ", "an xz archive"),
+    (b"\x28\xb5\x2f\xfd", "a zstd archive"),
+    (b"%PDF", "a PDF"),
+    (b"\xd0\xcf\x11\xe0", "an old Excel or Office file"),
+)
+
+
+def _refuse_known_others(head: bytes, file: str) -> None:
+    for magic, what in _OTHERS:
+        if head.startswith(magic):
+            raise BadLog(
+                Fault(
+                    f"the file is {what}, which is not read here",
+                    "unknown_format",
+                    "Export it as CSV, Parquet, MAT, HDF5 or NPZ.",
+                    file=file,
+                )
+            )
+
+
+def unpacked_head(path: Path, file: str, size: int) -> tuple[bytes, bool]:
+    """The first bytes of a text file, unpacked where it is gzip-compressed; and whether it is."""
+    with path.open("rb") as raw:
+        if raw.read(2) != b"\x1f\x8b":
+            raw.seek(0)
+            return raw.read(size), False
+    try:
+        with gzip.open(path, "rb") as packed:
+            return packed.read(size), True
+    except (OSError, EOFError, zlib.error) as problem:
+        raise BadLog(broken(problem, file)) from None
+
+
+def broken(problem: Exception, file: str, column: str | None = None) -> Fault:
+    """A file that its own format's library cannot read."""
+    return Fault(
+        f"the file cannot be read: {shorten(str(problem) or type(problem).__name__, 160)}",
+        "unreadable_file",
+        "It may be cut off or damaged; export it again.",
+        file=file,
+        column=None if column is None else shorten(column),
+    )

@@ -1,0 +1,299 @@
+"""Text tables: comma, semicolon (decimal comma), tab or blanks; plain or gzip; UTF-8 or UTF-16; read by pyarrow.
+
+pyarrow stops at the first cell that is no number; a second, tolerant pass then finds the offending cells by row,
+column and value.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.csv as pacsv
+
+from exogauge.errors import BadLog, Fault, TooLarge
+from exogauge.logs.channels import shorten
+from exogauge.logs.limits import MAX_CELLS, MAX_COLUMNS, MAX_FAULTS, check_bytes, check_cells
+from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
+
+HEAD_BYTES = 1 << 18
+BLOCK_BYTES = 1 << 22
+_ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
+_QUOTED = re.compile(r'"[^"]*"')
+_MISSING = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "-"]
+
+
+@final
+class TextTable:
+    """`names` from the header, or "1", "2", … without one; rows are counted from 1 after it, blank lines left out."""
+
+    def __init__(self, path: Path, file: str, layout: TextLayout) -> None:
+        self.file = file
+        self._path = path
+        head, self._packed = unpacked_head(path, file, HEAD_BYTES)
+        self._utf16 = head[:2] in (b"\xff\xfe", b"\xfe\xff")
+        text = self._text(head)
+        complete = text[: text.rfind("\n")] if len(head) == HEAD_BYTES and "\n" in text else text
+        lines = complete.splitlines()
+        self._skip = layout.skip_lines
+        body = lines[self._skip :]
+        if not body or not body[0].strip():
+            raise BadLog(
+                Fault(
+                    "there is no text where the table should start",
+                    "no_header",
+                    "Remove empty lines, or give `skip_lines`.",
+                    file=file,
+                    row=0,
+                )
+            )
+        self._delimiter = layout.delimiter or _delimiter(body[0])
+        self._decimal = layout.decimal or _decimal(body[layout.header :], self._delimiter, file)
+        cells = [cell.strip() for cell in self._cells(body[0])]
+        self._skip_rows = self._skip + int(layout.header)
+        self._names = tuple(cells) if layout.header else tuple(str(1 + index) for index in range(len(cells)))
+        if layout.header:
+            _refuse_numeric_header(cells, file)
+        check_cells(1, len(cells), file)
+        self._rows = self._count_rows()
+        check_cells(self._rows, 1, file)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self._names
+
+    def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
+        check_cells(self._rows, len(names), self.file)
+        index = {name: self._names.index(name) for name in names}
+        try:
+            columns = self._convert(index, [name for name in exact if name in index])
+        except _ARROW_FAILURES as problem:
+            faults = self._find_faults(index)
+            raise BadLog(faults or broken(problem, self.file)) from None
+        except MemoryError:
+            raise TooLarge(_memory(self.file)) from None
+        return columns
+
+    def _convert(self, index: dict[str, int], exact: Sequence[str]) -> dict[str, RawArray]:
+        if exact:
+            try:
+                return self._convert_as(index, exact)
+            except _ARROW_FAILURES:
+                pass  # not whole numbers everywhere: read them like the others
+        return self._convert_as(index, ())
+
+    def _convert_as(self, index: dict[str, int], exact: Sequence[str]) -> dict[str, RawArray]:
+        types = {str(k): pa.int64() if name in exact else pa.float64() for name, k in index.items()}
+        columns: dict[str, RawArray] = {
+            name: np.empty(self._rows, np.int64 if name in exact else np.float64) for name in index
+        }
+        rows, ragged = 0, list[Fault]()
+        for batch in self._batches(types, ragged, null_values=_MISSING, decimal_point=self._decimal):
+            for name, k in index.items():
+                column = batch.column(batch.schema.get_field_index(str(k)))
+                if name in exact and column.null_count:
+                    raise ValueError("a missing time stamp")
+                columns[name][rows : rows + batch.num_rows] = column.to_numpy(zero_copy_only=False)
+            rows += batch.num_rows
+        if ragged:
+            raise BadLog(ragged)
+        return {name: values[:rows] for name, values in columns.items()}
+
+    def _find_faults(self, index: dict[str, int]) -> list[Fault]:
+        """Cells that are no number, at most `MAX_FAULTS`, with the rows that have too few or too many cells."""
+        faults, ragged, row = list[Fault](), list[Fault](), 0
+        number = pa.float64()
+        try:
+            for batch in self._batches(
+                {str(k): pa.binary() for k in index.values()}, ragged, strings_can_be_null=False
+            ):
+                for name, k in index.items():
+                    cells = batch.column(batch.schema.get_field_index(str(k)))
+                    try:
+                        plain = pc.utf8_trim_whitespace(pc.cast(cells, pa.string()))
+                        pc.cast(plain, number)
+                        continue
+                    except _ARROW_FAILURES:
+                        faults += self._bad_cells(cells, name, row, MAX_FAULTS - len(faults))
+                row += batch.num_rows
+                if len(faults) + len(ragged) >= MAX_FAULTS:
+                    break
+        except _ARROW_FAILURES as problem:
+            faults.append(broken(problem, self.file))
+        return (faults + ragged)[:MAX_FAULTS]
+
+    def _bad_cells(self, cells: Any, name: str, row: int, room: int) -> Iterator[Fault]:
+        found = 0
+        for offset, cell in enumerate(cells.to_pylist()):
+            text = cell.decode("utf-8", "replace").strip()
+            if text in _MISSING or _is_number(text, self._decimal):
+                continue
+            if found == room:
+                return
+            found += 1
+            yield Fault(
+                "the cell is not a number",
+                "not_a_number",
+                _number_advice(text, self._decimal),
+                self.file,
+                row + offset + 1,
+                shorten(name),
+                shorten(text),
+            )
+
+    def _batches(self, types: dict[str, Any], ragged: list[Fault], **convert: Any) -> Iterator[Any]:
+        width = len(self._names)
+
+        def on_ragged(row: Any) -> str:
+            if len(ragged) < MAX_FAULTS:
+                number = None if row.number is None else row.number - self._skip_rows
+                ragged.append(
+                    Fault(
+                        f"the row has {row.actual_columns} cells, the table {width} columns",
+                        "ragged_row",
+                        "Check quotes and delimiters" + (" (a decimal comma?)." if self._delimiter == "," else "."),
+                        self.file,
+                        number,
+                        value=shorten(row.text),
+                    )
+                )
+            return "skip"
+
+        try:
+            reader = pacsv.open_csv(
+                self._stream(),
+                read_options=pacsv.ReadOptions(
+                    use_threads=False,
+                    block_size=BLOCK_BYTES,
+                    skip_rows=self._skip_rows,
+                    column_names=[str(k) for k in range(width)],
+                ),
+                parse_options=pacsv.ParseOptions(delimiter=self._delimiter, invalid_row_handler=on_ragged),
+                convert_options=pacsv.ConvertOptions(
+                    check_utf8=False, column_types=types, include_columns=list(types), **convert
+                ),
+            )
+        except pa.ArrowInvalid as problem:
+            if "Empty CSV" in str(problem):
+                return
+            raise
+        yield from reader
+
+    def _stream(self) -> Any:
+        if self._utf16 or self._delimiter == " ":
+            with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
+                text = self._text(stream.read())
+            if self._delimiter == " ":
+                text = re.sub(r"[^\S\n]+", " ", text.replace("\r\n", "\n"))
+                text = "\n".join(line.strip() for line in text.split("\n"))
+            return pa.py_buffer(text.encode())
+        return pa.input_stream(str(self._path), compression="gzip" if self._packed else None)
+
+    def _text(self, data: bytes) -> str:
+        """Decoded; in the body a wrong byte becomes a replacement sign, which is then no number."""
+        if self._utf16:
+            return data.decode("utf-16", "replace")
+        if b"\0" in data:
+            raise BadLog(
+                Fault(
+                    "the file is neither text nor a format known here",
+                    "unknown_format",
+                    "Hand in CSV, Parquet, MAT, HDF5 or NPZ.",
+                    file=self.file,
+                )
+            )
+        return data.decode("utf-8-sig", "replace")
+
+    def _cells(self, line: str) -> list[str]:
+        if self._delimiter == " ":
+            line = re.sub(r"\s+", " ", line.strip())
+        try:
+            return next(csv.reader([line], delimiter=self._delimiter))
+        except (csv.Error, StopIteration) as problem:
+            raise BadLog(broken(problem, self.file)) from None
+
+    def _count_rows(self) -> int:
+        """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap."""
+        size = feeds = returns = 0
+        try:
+            with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
+                while block := stream.read(1 << 22):
+                    size += len(block)
+                    check_bytes(size, self.file)
+                    feeds += block.count(b"\n")
+                    returns += block.count(b"\r")
+        except (pa.ArrowException, OSError) as problem:
+            raise BadLog(broken(problem, self.file)) from None
+        return max(feeds, returns) + 1
+
+
+def _delimiter(line: str) -> str:
+    bare = _QUOTED.sub("", line)
+    for mark in (";", "\t", ","):
+        if mark in bare:
+            return mark
+    return " " if re.search(r"\S\s+\S", bare.strip()) else ","
+
+
+def _decimal(lines: Sequence[str], delimiter: str, file: str) -> str:
+    """Decimal sign of a table whose delimiter leaves the comma free."""
+    if delimiter == ",":
+        return "."
+    sample = [cell for line in lines[:200] for cell in line.split(None if delimiter == " " else delimiter)]
+    comma = next((cell for cell in sample if re.fullmatch(r'\s*"?[+-]?\d*,\d+([eE][+-]?\d+)?"?\s*', cell)), None)
+    point = next((cell for cell in sample if re.fullmatch(r'\s*"?[+-]?\d*\.\d+([eE][+-]?\d+)?"?\s*', cell)), None)
+    if comma and point:
+        raise BadLog(
+            Fault(
+                f"numbers are written with a decimal comma ({comma.strip()}) and with a point ({point.strip()})",
+                "two_decimal_signs",
+                "Export with one of them, or give `decimal` in the mapping.",
+                file=file,
+            )
+        )
+    return "," if comma else "."
+
+
+def _refuse_numeric_header(cells: Sequence[str], file: str) -> None:
+    if all(_is_number(cell, ".") for cell in cells):
+        raise BadLog(
+            Fault(
+                "the first line holds numbers, not column names",
+                "no_header",
+                "Add a header line, or read the file through a mapping with `header: false`.",
+                file=file,
+                row=0,
+                value=shorten(", ".join(cells)),
+            )
+        )
+
+
+def _is_number(text: str, decimal: str) -> bool:
+    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits)."""
+    try:
+        pc.cast(pa.scalar(text.replace(decimal, ".") if decimal == "," else text), pa.float64())
+    except _ARROW_FAILURES:
+        return False
+    return True
+
+
+def _number_advice(text: str, decimal: str) -> str:
+    if decimal == "." and re.fullmatch(r"[+-]?\d+,\d+([eE][+-]?\d+)?", text):
+        return "Numbers with a decimal comma need ';' or tab between the columns of the whole file."
+    return "Correct the cell, or remove the row; a missing value is an empty cell."
+
+
+def _memory(file: str) -> Fault:
+    return Fault(
+        f"the values do not fit into memory (at most {MAX_CELLS} values in {MAX_COLUMNS} columns are read)",
+        "memory_limit",
+        "Split the recording or drop columns.",
+        file=file,
+    )
