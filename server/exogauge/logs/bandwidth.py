@@ -1,0 +1,67 @@
+"""Where to cut: the frequency above which differentiating a position twice yields more noise than motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import welch
+from scipy.stats import chi2
+
+from exogauge.logs.derivatives import difference_response, differentiate
+from exogauge.logs.filtering import LowPass
+
+Array = NDArray[np.float64]
+
+SLOWEST_HZ = 1.0
+FASTEST = 0.2  # of the sampling rate: the second derivative is still better than 1 % there
+SEGMENT_S = 8.0  # per spectrum: resolves 0.5 Hz
+FLOOR_BAND = (0.3, 0.45)  # of the sampling rate, where a position holds nothing but noise
+FAST_JOINTS = 0.75  # which quantile of the joints decides
+ROUND_OFF = 1e-9  # relative; a joint that varies less does not vary
+FALSE_ALARM = 1e-3  # chance that noise alone is taken for motion, per joint
+
+
+def suggest_cutoff(values: Array, rate_hz: float) -> float:
+    """values: (T, K) positions, evenly sampled -> cut-off [Hz] of an order-4 `LowPass`.
+
+    Per joint, the cut-off with the least expected error of the second derivative,
+        E(f_c) = sum_f (2 pi f)^4 [ (1 - G)^2 S_motion + G^2 S_noise ],
+    S_noise: the white floor seen at 0.3-0.45 x rate; S_motion: the spectrum less the floor where it stands out of it.
+    Then the upper quartile over the joints that move (a few slow ones must not blur a fast one), between 1 Hz and
+    0.2 x rate. A joint that moves less than it is noisy has no say; if none moves the answer is 1 Hz. What was low-passed before it
+    was stored shows a floor that is too low and so gets a cut-off that is too high: bounded, but look at the spectrum.
+    """
+    fastest = FASTEST * rate_hz
+    slowest = min(SLOWEST_HZ, fastest)
+    if values.shape[0] < 32:
+        return slowest
+    frequency, motion, noise = _spectra(values, rate_hz)
+    moving = np.flatnonzero(motion.sum(axis=0) > noise * frequency.size)  # more motion than noise, over the whole band
+    if moving.size == 0:
+        return slowest
+    candidates = np.geomspace(slowest, fastest, 80)
+    gain = np.array([LowPass(float(cutoff), rate_hz).gain(frequency) for cutoff in candidates])  # (C, F)
+    weight = (2.0 * np.pi * frequency)[:, None] ** 4
+    error = (1.0 - gain) ** 2 @ (weight * motion[:, moving]) + gain**2 @ (weight * noise[moving])
+    return float(np.quantile(candidates[np.argmin(error, axis=0)], FAST_JOINTS))
+
+
+def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
+    """frequency (F,), motion (F, K) and noise floor (K,): power spectra of position [unit^2/Hz].
+
+    Taken from the velocity with a Blackman-Harris window: a position's slow sweep is 100 dB above its noise and
+    would leak over all of it.
+    """
+    velocity = differentiate(values, rate_hz)[3:-3]
+    length = min(velocity.shape[0], round(SEGMENT_S * rate_hz))
+    frequency, power = welch(velocity, rate_hz, "blackmanharris", nperseg=length, detrend="constant", axis=0)
+    response = difference_response(frequency / rate_hz, 1) * rate_hz
+    kept = (frequency > 0.0) & (frequency < FLOOR_BAND[1] * rate_hz)
+    frequency, spectrum = frequency[kept], power[kept] / response[kept, None] ** 2
+    freedom = 2.0 * max(1, 2 * velocity.shape[0] // length - 1)  # neighbours overlap by half and are nearly independent
+    in_floor = frequency > FLOOR_BAND[0] * rate_hz
+    noise = np.median(spectrum[in_floor], axis=0) / (chi2.median(freedom) / freedom)
+    stands_out = chi2.isf(FALSE_ALARM / frequency.size, freedom) / freedom
+    varies = np.ptp(values, axis=0) > ROUND_OFF * np.max(np.abs(values), axis=0)
+    motion = np.where(varies & (spectrum > stands_out * noise), spectrum - noise, 0.0)
+    return frequency, motion, noise

@@ -1,0 +1,55 @@
+"""How much of a channel is noise: its high-frequency part, and the steps of its converter."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.logs.filtering import LowPass
+
+Array = NDArray[np.float64]
+
+SEGMENT = 200  # samples per robust estimate
+MAD_TO_STD = 1.4826  # of a Gaussian
+FEW_LEVELS = 20  # with fewer distinct values a lattice could be chance: then values must repeat
+
+
+def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
+    """Std of the white noise in values (T,), in their unit, over the whole band from 0 to rate_hz / 2.
+
+    Takes what lies above above_hz (choose it above all motion), the median absolute deviation of each short segment
+    and the median of those, so that impacts and half a log of standing still do no harm; then scales up by the part
+    of a white spectrum that lies there. Never less than step / sqrt(12), what rounding alone costs a moving channel.
+    """
+    low_pass = LowPass(above_hz, rate_hz)
+    rest = values - low_pass.apply(values)
+    spread = [_mad(part) for part in np.array_split(rest, max(1, rest.size // SEGMENT))]
+    frequency = np.linspace(0.0, 0.5 * rate_hz, 2001)
+    seen = math.sqrt(float(np.mean((1.0 - low_pass.gain(frequency)) ** 2)))
+    step = quantisation_step(values)
+    return max(float(np.median(spread)) / seen, step / math.sqrt(12.0) if step else 0.0)
+
+
+def quantisation_step(values: Array) -> float | None:
+    """The spacing of the lattice on which all values (T,) lie, in their unit; None where there is none to be seen.
+
+    Decimals of a text file are a lattice too: they limit the log just as a converter does.
+    """
+    single = bool(np.all(values == values.astype(np.float32)))
+    levels = np.unique(values)
+    spacing = np.diff(levels)
+    spacing = spacing[spacing > (1e-6 if single else 1e-11) * np.max(np.abs(levels), initial=0.0)]
+    if spacing.size == 0 or (spacing.size < FEW_LEVELS and values.size < 4 * levels.size):
+        return None
+    smallest = float(spacing.min())
+    step = float(np.median(spacing[spacing < 1.5 * smallest]))
+    multiples = spacing / step
+    on_lattice = np.abs(multiples - np.round(multiples)) < 0.02 * np.maximum(1.0, multiples / 10.0)
+    near = multiples < 100.0  # further ones sum up the rounding of the representation
+    return step if np.mean(on_lattice[near]) > 0.95 else None
+
+
+def _mad(values: Array) -> float:
+    return MAD_TO_STD * float(np.median(np.abs(values - np.median(values))))
