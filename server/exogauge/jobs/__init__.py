@@ -1,1 +1,1 @@
-"""Work that takes time: one file per job kind, and the engine that runs them in workers."""
+"""Work that takes time: one recipe per job kind, and the engine that runs them in workers."""

@@ -1,0 +1,114 @@
+"""The compute child: a process that does one computation at a time and may die without harm.
+
+Started by `compute.ComputeChild` with one end of a socket pair. Requests and replies are JSON lines:
+
+    <- {"id": 7, "call": "package.module:function", "folder": "...", "out": "...", "settings": {...}}
+    -> {"id": 7, "progress": 0.25, "message": "reading logs"}        any number of times
+    -> {"id": 7, "done": true}  |  {"id": 7, "error": {"class", "message", "faults", "trace"}}
+
+The child leaves as soon as the other end of the socket is gone, even in the middle of a computation:
+a thread of its own does nothing but read. A worker that was killed leaves no orphan behind.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import faulthandler
+import importlib
+import json
+import os
+import queue
+import signal
+import socket
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from exogauge.errors import BadInput, ExogaugeError
+
+PROGRESS_INTERVAL_S = 0.1
+
+
+class Replies:
+    """Writes replies to one request; progress at most every 0.1 s, the end always."""
+
+    def __init__(self, channel: socket.socket, request_id: int) -> None:
+        self._channel, self._id, self._last = channel, request_id, 0.0
+
+    def send(self, **body: Any) -> None:
+        self._channel.sendall(json.dumps({"id": self._id, **body}).encode() + b"\n")
+
+    def progress(self, fraction: float, message: str) -> None:
+        now = time.monotonic()
+        if now - self._last >= PROGRESS_INTERVAL_S:
+            self._last = now
+            self.send(progress=min(max(float(fraction), 0.0), 1.0), message=str(message))
+
+
+def resolve(name: str) -> Callable[..., None]:
+    """The function named `package.module:function`."""
+    module, _, function = name.partition(":")
+    found: Callable[..., None] = getattr(importlib.import_module(module), function)
+    return found
+
+
+def answer(request: dict[str, Any], replies: Replies) -> None:
+    """Compute one request; every ending becomes a reply."""
+    try:
+        function = resolve(request["call"])
+        function(Path(request["folder"]), Path(request["out"]), replies.progress, request["settings"])
+    except Exception as error:
+        replies.send(error=described(error))
+    else:
+        replies.send(done=True)
+
+
+def described(error: Exception) -> dict[str, Any]:
+    """An exception as JSON: what the user may read, and the trace only for what nobody foresaw."""
+    faults = [dataclasses.asdict(fault) for fault in error.faults] if isinstance(error, BadInput) else []
+    expected = isinstance(error, ExogaugeError)
+    return {
+        "class": type(error).__name__,
+        "message": str(error),
+        "faults": faults,
+        "trace": None if expected else traceback.format_exc(),
+    }
+
+
+def read_requests(channel: socket.socket, requests: queue.SimpleQueue[dict[str, Any]]) -> None:
+    """Hand on each line; the end of the stream ends the process, whatever it is doing."""
+    try:
+        with channel.makefile("rb") as lines:
+            for line in lines:
+                requests.put(json.loads(line))
+    except OSError:
+        pass
+    os._exit(0)
+
+
+def be_first_to_go() -> None:
+    """Ask the kernel to pick this process, not the worker, when memory runs out (Linux)."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000")
+
+
+def main() -> None:
+    """Serve requests on the socket whose number is the first argument."""
+    faulthandler.enable()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the whole group; the worker decides
+    be_first_to_go()
+    channel = socket.socket(fileno=int(sys.argv[1]))
+    requests: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+    threading.Thread(target=read_requests, args=(channel, requests), daemon=True).start()
+    while True:
+        request = requests.get()
+        answer(request, Replies(channel, request["id"]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,170 @@
+"""One compute child per worker slot: ask, watch, and kill when it must stop.
+
+The request id is echoed by the child and checked here, and the child is killed on every ending but its own
+answer. So no reply is ever taken for the reply to another request.
+"""
+
+from __future__ import annotations
+
+import json
+import select
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import IO, Any, final
+
+from exogauge.errors import ExogaugeError
+
+POLL_S = 0.1
+STDERR_TAIL = 4000  # characters of the child's stderr kept for the job's log
+
+
+class ComputeChildDied(ExogaugeError):
+    """The computing process ended without an answer (a crash in native code, or out of memory)."""
+
+    def __init__(self, message: str, stderr: str = "") -> None:
+        self.stderr = stderr
+        super().__init__(message)
+
+
+class ComputeTimeout(ExogaugeError):
+    """The computation took longer than its kind allows."""
+
+
+class ComputeFailed(ExogaugeError):
+    """The computation raised. `kind` is the class, `expected` tells bad input from a defect."""
+
+    def __init__(self, error: Mapping[str, Any]) -> None:
+        self.kind: str = error["class"]
+        self.faults: list[dict[str, Any]] = error["faults"]
+        self.trace: str | None = error["trace"]
+        super().__init__(error["message"])
+
+    @property
+    def expected(self) -> bool:
+        return self.trace is None
+
+
+@final
+class ComputeChild:
+    """A long-lived child process; started on first use and again after it was killed.
+
+    >>> child.call("package.module:function", folder, out, settings, watch, timeout_s=60)  # doctest: +SKIP
+
+    `watch(fraction, message)` is called on every progress line and at least every 0.1 s (then with None, None);
+    it raises to stop the computation.
+    """
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._channel: socket.socket | None = None
+        self._stderr: IO[bytes] | None = None
+        self._request_id = 0
+
+    def start(self) -> None:
+        """Start the process if there is none; imports nothing of the numerics yet."""
+        if self._process is not None and self._process.poll() is None:
+            return
+        self.kill()
+        ours, theirs = socket.socketpair()
+        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (lives as long as the process)
+        command = [sys.executable, "-m", "exogauge.jobs.child", str(theirs.fileno())]
+        self._process = subprocess.Popen(
+            command,
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
+            stdout=self._stderr,
+            stderr=self._stderr,
+        )
+        theirs.close()
+        self._channel = ours
+
+    def call(
+        self,
+        call: str,
+        folder: Path,
+        out: Path,
+        settings: Mapping[str, Any],
+        watch: Callable[[float | None, str | None], None],
+        timeout_s: float,
+    ) -> None:
+        """Run `call(folder, out, progress, settings)` in the child.
+
+        Raises ComputeFailed when the function raised, ComputeChildDied when the process died, ComputeTimeout,
+        and whatever `watch` raises. In the last three cases the process is gone afterwards.
+        """
+        self.start()
+        self._request_id += 1
+        request = {"id": self._request_id, "call": call, "folder": str(folder), "out": str(out), "settings": settings}
+        try:
+            self._converse(json.dumps(request).encode() + b"\n", watch, time.monotonic() + timeout_s, timeout_s)
+        except ComputeFailed:
+            raise
+        except BaseException:
+            self.kill()
+            raise
+
+    def _converse(
+        self, request: bytes, watch: Callable[[float | None, str | None], None], deadline: float, timeout_s: float
+    ) -> None:
+        channel = self._channel
+        assert channel is not None
+        buffer = b""
+        try:
+            channel.sendall(request)
+            while True:
+                if time.monotonic() > deadline:
+                    raise ComputeTimeout(f"stopped after {timeout_s:.0f} s, the limit for this kind of job")
+                readable, _, _ = select.select([channel], [], [], POLL_S)
+                if not readable:
+                    watch(None, None)
+                    continue
+                received = channel.recv(1 << 16)
+                if not received:
+                    raise self._died()
+                *lines, buffer = (buffer + received).split(b"\n")
+                if any(self._take(json.loads(line), watch) for line in lines):
+                    return
+        except (BrokenPipeError, ConnectionResetError) as error:
+            raise self._died() from error
+
+    def _take(self, reply: dict[str, Any], watch: Callable[[float | None, str | None], None]) -> bool:
+        """Act on one reply; True when it is the last one."""
+        if reply["id"] != self._request_id:
+            raise ComputeChildDied(f"reply {reply['id']} to request {self._request_id}")
+        if "error" in reply:
+            raise ComputeFailed(reply["error"])
+        if "progress" in reply:
+            watch(reply["progress"], reply["message"])
+        return "done" in reply
+
+    def _died(self) -> ComputeChildDied:
+        process = self._process
+        assert process is not None
+        try:
+            code = process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            code = 0
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        return ComputeChildDied(f"the computing process died ({how})", self.stderr_tail())
+
+    def stderr_tail(self) -> str:
+        """The last characters the child wrote to stdout or stderr."""
+        if self._stderr is None:
+            return ""
+        self._stderr.seek(0)
+        return self._stderr.read().decode(errors="replace")[-STDERR_TAIL:]
+
+    def kill(self) -> None:
+        """End the process now, whatever it is doing, and wait for it."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+        for resource in (self._channel, self._stderr):
+            if resource is not None:
+                resource.close()
+        self._process = self._channel = self._stderr = None

@@ -1,0 +1,124 @@
+"""The queue: DBOS Transact, kept behind the four names the rest of the program needs.
+
+A job is one row of ours (`jobs`, what users see) and one *entry* in the queue (a DBOS workflow whose id begins with
+the job's id). Both are written in one transaction. The row alone decides what is true: an entry only says "look at
+this job", so a second entry for the same job does no harm and a lost one is written again by the reaper.
+"""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import sqlalchemy as sa
+from dbos import DBOS, DBOSClient
+from sqlalchemy.orm import Session
+
+APPLICATION = "exogauge"
+QUEUE = "jobs"
+WORKFLOW = "run_job"
+VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
+POLL_S = 0.2
+WAITING = ["ENQUEUED", "DELAYED"]
+TAKEN = "PENDING"
+
+
+def engine_url(database_url: str) -> str:
+    """The database address as DBOS wants it: no driver in the name."""
+    url = sa.make_url(database_url)
+    return url.set(drivername=url.get_backend_name()).render_as_string(hide_password=False)
+
+
+def migrate_engine(database_url: str) -> None:
+    """Create or upgrade the queue's own tables (schema `dbos` on PostgreSQL, `dbos_…`-managed tables on SQLite)."""
+    logging.getLogger("dbos").setLevel(logging.ERROR)
+    DBOS.migrate(engine_url(database_url))
+
+
+@dataclass(frozen=True)
+class Entry:
+    """taken_by: the worker that took it; None while it waits."""
+
+    id: str
+    taken_by: str | None
+
+    @property
+    def job(self) -> str:
+        """The job it points at."""
+        return self.id.partition(".")[0]
+
+
+@final
+class JobQueue:
+    """Entries of the queue, seen from outside a worker."""
+
+    def __init__(self, engine: sa.Engine) -> None:
+        self._client = DBOSClient(
+            system_database_engine=engine, application_name=APPLICATION, lazy=True, retry_connection_errors=False
+        )
+
+    def enqueue(self, connection: sa.Connection | Session, job_id: str) -> str:
+        """Write an entry for the job in the caller's transaction; returns its id."""
+        entry = f"{job_id}.{uuid.uuid4().hex[:8]}"
+        options = {"workflow_name": WORKFLOW, "queue_name": QUEUE, "workflow_id": entry, "app_version": VERSION}
+        self._client.enqueue_in_transaction(connection, options, job_id)
+        return entry
+
+    def entries(self) -> list[Entry]:
+        """All entries that are waiting or taken."""
+        found = self._client.list_workflows(
+            status=[*WAITING, TAKEN], name=WORKFLOW, load_input=False, load_output=False
+        )
+        return [Entry(e.workflow_id, e.executor_id if e.status == TAKEN else None) for e in found]
+
+    def drop(self, entries: Sequence[Entry]) -> None:
+        """Cancel entries; a worker that was only frozen finds its entry refused."""
+        if entries:
+            self._client.cancel_workflows([entry.id for entry in entries])
+
+    def forget_before(self, timestamp: str, limit: int = 1000) -> None:
+        """Delete ended entries created before an ISO time; what users see of a job is not in them."""
+        ended = self._client.list_workflows(
+            status=["SUCCESS", "ERROR", "CANCELLED"],
+            name=WORKFLOW,
+            end_time=timestamp,
+            limit=limit,
+            load_input=False,
+            load_output=False,
+        )
+        if ended:
+            self._client.delete_workflows([entry.workflow_id for entry in ended])
+
+    def close(self) -> None:
+        self._client.destroy()
+
+
+def take_jobs(database_url: str, worker_id: str, run: Callable[[str], None]) -> None:
+    """Begin to take entries and call `run(job_id)`, one at a time, in a thread of the engine."""
+
+    def run_job(job_id: str) -> None:
+        run(job_id)
+
+    DBOS(
+        config={
+            "name": APPLICATION,
+            "system_database_url": engine_url(database_url),
+            "executor_id": worker_id,
+            "application_version": VERSION,
+            "log_level": "ERROR",
+            "max_executor_threads": 4,
+            "run_migrations": False,
+        }
+    )
+    DBOS.workflow(name=WORKFLOW, max_recovery_attempts=1000)(run_job)  # `attempts` of the job row is the guard
+    DBOS.listen_queues([QUEUE])
+    DBOS.launch()
+    DBOS.register_queue(QUEUE, worker_concurrency=1, polling_interval_sec=POLL_S, on_conflict="always_update")
+
+
+def stop_taking() -> None:
+    """Take no further entries; does not wait for a running one."""
+    DBOS.destroy(workflow_completion_timeout_sec=0)

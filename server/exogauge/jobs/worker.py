@@ -1,0 +1,55 @@
+"""A worker process: holds a lease, takes jobs from the queue, leaves in good order."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import threading
+
+from exogauge.jobs.attempt import Runner
+from exogauge.jobs.engine import JobQueue, take_jobs
+from exogauge.jobs.leases import Lease, new_worker_id
+from exogauge.jobs.reaper import Reaper
+from exogauge.jobs.supervisor import leave_with_parent
+from exogauge.settings import Settings
+from exogauge.storage.blobs import FolderBlobs
+from exogauge.storage.database import make_engine
+
+log = logging.getLogger(__name__)
+
+LEASE_S = 10.0
+
+
+def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEASE_S) -> None:
+    """Run jobs until SIGTERM or SIGINT, or until the parent is gone (`with_parent`: its end of stdin closes).
+
+    The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
+    """
+    engine = make_engine(settings.database_url)
+    worker_id = new_worker_id()
+    folder = settings.data_dir / "work" / worker_id
+    lease = Lease(engine, worker_id, lease_s)
+    runner = Runner(engine, FolderBlobs(settings.blobs), worker_id, folder)
+    reaper = Reaper(engine, JobQueue(engine), lease_s, folder.parent)
+    leaving = threading.Event()
+
+    def lost() -> None:
+        log.error("worker %s was declared dead; it ends without writing anything", worker_id)
+        os._exit(3)
+
+    signal.signal(signal.SIGTERM, lambda *_: leaving.set())
+    signal.signal(signal.SIGINT, lambda *_: leaving.set())
+    if with_parent:
+        leave_with_parent(leaving.set)
+    lease.take()
+    folder.mkdir(parents=True, exist_ok=True)
+    lease.keep(lost, reaper.reap)
+    take_jobs(settings.database_url, worker_id, runner.run)
+    log.info("worker %s takes jobs", worker_id)
+    leaving.wait()
+    try:
+        runner.leave()
+        lease.give_back()
+    finally:
+        os._exit(0)  # threads of the engine may still wait for a computation that is gone
