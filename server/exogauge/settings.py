@@ -1,0 +1,71 @@
+"""What an operator can set, read once from the environment (`EXOGAUGE_…`)."""
+
+from __future__ import annotations
+
+from ipaddress import ip_address
+from pathlib import Path
+from typing import Self, final
+
+from pydantic import Field, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+MIB = 1024 * 1024
+
+
+@final
+class Settings(BaseSettings):
+    """One installation. Every field can be set as `EXOGAUGE_<NAME>`; the defaults serve one person on one machine."""
+
+    model_config = SettingsConfigDict(env_prefix="EXOGAUGE_", frozen=True, extra="forbid")
+
+    data_dir: Path = Field(default=Path("exogauge-data"), description="everything the service keeps, unless said below")
+    database_url: str = Field(
+        default="", repr=False, description="sqlite:///FILE or postgresql://…; a file in data_dir"
+    )
+    blob_dir: Path | None = Field(default=None, description="content-addressed files; data_dir/blobs")
+    host: str = Field(default="127.0.0.1", description="address to listen on")
+    port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
+    root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
+    workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
+    max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
+    max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
+    max_bundle_files: int = Field(default=1000, ge=1, description="most files in one bundle")
+    max_description_bytes: int = Field(default=MIB, ge=1024, description="largest study.yaml, robot.yaml, device.yaml")
+    lab: str = Field(default="local", min_length=1, max_length=64, description="the one lab of this installation")
+
+    @model_validator(mode="after")
+    def _fill_places(self) -> Self:
+        data = self.data_dir.expanduser().absolute()
+        object.__setattr__(self, "data_dir", data)
+        object.__setattr__(self, "blob_dir", (self.blob_dir or data / "blobs").expanduser().absolute())
+        if not self.database_url:
+            object.__setattr__(self, "database_url", f"sqlite:///{data / 'exogauge.sqlite'}")
+        return self
+
+    @property
+    def blobs(self) -> Path:
+        """Folder of the blob store, absolute."""
+        assert self.blob_dir is not None
+        return self.blob_dir
+
+    @property
+    def scratch(self) -> Path:
+        """Folder for what is being received or unpacked; nothing in it outlives a request."""
+        return self.data_dir / "scratch"
+
+    @property
+    def local_only(self) -> bool:
+        """Whether the server listens on the loopback interface only."""
+        try:
+            return ip_address(self.host).is_loopback
+        except ValueError:
+            return self.host == "localhost"
+
+
+def packaged_folder(name: str) -> Path:
+    """A folder that ships with the code: `exogauge/_packaged/<name>` in a wheel, the top-level folder in a checkout."""
+    package = Path(__file__).resolve().parent
+    for folder in (package / "_packaged" / name, package.parents[1] / name):
+        if folder.is_dir():
+            return folder
+    raise FileNotFoundError(f"the folder {name!r} is neither packaged with exogauge nor in a source checkout")

@@ -1,0 +1,155 @@
+"""Bytes, kept under the SHA-256 of what they are. A blob never changes; writing one twice changes nothing."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import IO, BinaryIO, Protocol, final
+
+from exogauge.errors import Fault, NotFound, TooLarge, Unavailable
+
+CHUNK = 1024 * 1024
+SHA256_HEX = re.compile(r"[0-9a-f]{64}")
+
+
+class BlobStore(Protocol):
+    """What the rest asks of a place that keeps bytes; an object store can fill it too."""
+
+    def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
+        """Keep all of `source`, durably, and return its SHA-256 in hex. More than `limit` bytes raise TooLarge."""
+        ...
+
+    def open(self, sha256: str) -> BinaryIO: ...
+    def size(self, sha256: str) -> int: ...
+    def exists(self, sha256: str) -> bool: ...
+    def delete(self, sha256: str) -> None: ...
+    def iterate(self) -> Iterator[str]: ...
+
+    def path_for(self, sha256: str) -> Path | None:
+        """A local, read-only path of the blob where the store has one; None where it has not."""
+        ...
+
+
+@final
+class FolderBlobs:
+    """Blobs in a folder: `ab/cdef…`. A write is temp file -> fsync -> rename -> fsync of the folder, so that a hash
+    that is there holds all its bytes, whenever the process or the machine was killed."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.incoming = folder / "incoming"
+        with disk("prepare the blob folder"):
+            self.incoming.mkdir(parents=True, exist_ok=True)
+
+    def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
+        with disk("store the file"), NamedTemporaryFile(dir=self.incoming, delete=False) as temporary:
+            try:
+                sha256 = copy_hashed(source, temporary, limit)
+                temporary.flush()
+                os.fsync(temporary.fileno())
+                self._publish(Path(temporary.name), sha256)
+            finally:
+                Path(temporary.name).unlink(missing_ok=True)
+        return sha256
+
+    def _publish(self, temporary: Path, sha256: str) -> None:
+        target = self._path(sha256)
+        if target.exists():
+            os.utime(target)  # young again: a sweeper of old orphans leaves it alone
+            fsync_folder(target.parent)  # whoever renamed it may have been killed before this
+            return
+        if not target.parent.exists():
+            target.parent.mkdir(exist_ok=True)
+            fsync_folder(self.folder)
+        temporary.chmod(0o444)
+        temporary.replace(target)
+        fsync_folder(target.parent)
+
+    def open(self, sha256: str) -> BinaryIO:
+        try:
+            return self._path(sha256).open("rb")
+        except FileNotFoundError as error:
+            raise NotFound(f"no blob {sha256}") from error
+
+    def size(self, sha256: str) -> int:
+        try:
+            return self._path(sha256).stat().st_size
+        except FileNotFoundError as error:
+            raise NotFound(f"no blob {sha256}") from error
+
+    def exists(self, sha256: str) -> bool:
+        return self._path(sha256).is_file()
+
+    def delete(self, sha256: str) -> None:
+        self._path(sha256).unlink(missing_ok=True)
+
+    def iterate(self) -> Iterator[str]:
+        for folder in sorted(self.folder.glob("[0-9a-f][0-9a-f]")):
+            yield from sorted(folder.name + path.name for path in folder.iterdir())
+
+    def path_for(self, sha256: str) -> Path | None:
+        path = self._path(sha256)
+        if not path.is_file():
+            raise NotFound(f"no blob {sha256}")
+        return path
+
+    def _path(self, sha256: str) -> Path:
+        if not SHA256_HEX.fullmatch(sha256):
+            raise NotFound("not the name of a blob")
+        return self.folder / sha256[:2] / sha256[2:]
+
+
+def copy_hashed(source: bytes | Path | BinaryIO, target: IO[bytes], limit: int | None = None) -> str:
+    """Copy `source` to `target` in chunks and return the SHA-256 of what was copied."""
+    digest, written = hashlib.sha256(), 0
+    for chunk in chunks(source):
+        written += len(chunk)
+        if limit is not None and written > limit:
+            raise TooLarge(Fault(f"more than {limit} bytes", "file_too_large", "Split it, or ask for a higher limit."))
+        digest.update(chunk)
+        target.write(chunk)
+    return digest.hexdigest()
+
+
+def chunks(source: bytes | Path | BinaryIO) -> Iterator[bytes]:
+    if isinstance(source, bytes):
+        yield source
+    elif isinstance(source, Path):
+        with source.open("rb") as stream:
+            yield from chunks(stream)
+    else:
+        while chunk := source.read(CHUNK):
+            yield chunk
+
+
+def copy_out(blobs: BlobStore, sha256: str, target: Path) -> None:
+    """Write a blob to `target` (a copy: whoever changes it does not change the store)."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with blobs.open(sha256) as source, target.open("wb") as out:
+        shutil.copyfileobj(source, out, CHUNK)
+
+
+def fsync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def disk(what: str) -> Iterator[None]:
+    """A disk that is full, read-only or broken becomes `Unavailable` (its cause keeps the errno)."""
+    try:
+        yield
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        text = "the disk is full" if full else (error.strerror or str(error))
+        raise Unavailable(f"cannot {what} now: {text}") from error

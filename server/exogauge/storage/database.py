@@ -1,0 +1,135 @@
+"""The database engine: one factory for SQLite and PostgreSQL, and the facts that make both behave alike.
+
+SQLite: write-ahead log, `BEGIN IMMEDIATE` (a deferred BEGIN fails at once when it turns into a write), foreign keys on,
+30 s of patience, synchronous=FULL because an acknowledged upload must survive a power cut. A connection or session with
+the execution option `readonly=True` begins deferred and never waits for the writer.
+Neither database protects a read-modify-write: change rows with `UPDATE … WHERE <what must still hold>`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, final
+
+import sqlalchemy as sa
+from sqlalchemy import event
+from sqlalchemy.engine import URL, Connection, Dialect, Engine, make_url
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.orm import Session
+from sqlalchemy.types import TypeDecorator
+
+from exogauge.errors import Unavailable
+
+NAMING = {
+    "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+    "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+    "ck": "ck_%(table_name)s_%(constraint_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_N_name)s_%(referred_table_name)s",
+    "pk": "pk_%(table_name)s",
+}
+PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreign_keys=ON")
+READONLY = {"readonly": True, "postgresql_readonly": True}
+
+
+@final
+class UtcDateTime(TypeDecorator[datetime]):
+    """Aware UTC in Python on both databases; a naive value is refused instead of guessed."""
+
+    impl = sa.DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError("a time needs its zone; use datetime.now(UTC)")
+        value = value.astimezone(UTC)
+        return value.replace(tzinfo=None) if dialect.name == "sqlite" else value
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+
+@final
+class FiniteFloat(TypeDecorator[float]):
+    """A float that is a number: SQLite would store NaN as NULL, PostgreSQL would keep it."""
+
+    impl = sa.Float(53)
+    cache_ok = True
+
+    def process_bind_param(self, value: float | None, dialect: Dialect) -> float | None:
+        if value is not None and not math.isfinite(value):
+            raise ValueError("not a finite number; store its absence instead")
+        return value
+
+
+def database_url(text: str) -> URL:
+    """The SQLAlchemy address of `sqlite:///…` or `postgresql://…` (psycopg 3)."""
+    url = make_url(text)
+    if url.drivername in ("postgres", "postgresql"):
+        url = url.set(drivername="postgresql+psycopg")
+    if url.get_backend_name() not in ("sqlite", "postgresql"):
+        raise ValueError(f"database {url.get_backend_name()!r} is not supported; use sqlite or postgresql")
+    if url.get_backend_name() == "sqlite" and url.database in (None, "", ":memory:"):
+        raise ValueError("an in-memory SQLite database cannot be shared with workers; name a file")
+    return url
+
+
+def make_engine(text: str, *, foreign_keys: bool = True) -> Engine:
+    """An engine with the behaviour described above. `foreign_keys=False` is for migrations only."""
+    url = database_url(text)
+    if url.get_backend_name() == "postgresql":
+        return sa.create_engine(
+            url, pool_pre_ping=True, pool_size=10, connect_args={"connect_timeout": 5, "options": "-c timezone=UTC"}
+        )
+    assert url.database is not None
+    Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+    engine = sa.create_engine(url, pool_size=10)
+    pragmas = PRAGMAS if foreign_keys else tuple(p.replace("foreign_keys=ON", "foreign_keys=OFF") for p in PRAGMAS)
+
+    @event.listens_for(engine, "connect")
+    def configure(connection: Any, _record: Any) -> None:
+        connection.isolation_level = None  # the driver's own implicit BEGIN is off; ours follows
+        for pragma in pragmas:
+            connection.execute(f"PRAGMA {pragma}")
+
+    @event.listens_for(engine, "begin")
+    def begin(connection: Connection) -> None:
+        readonly = connection.get_execution_options().get("readonly")
+        connection.exec_driver_sql("BEGIN" if readonly else "BEGIN IMMEDIATE")
+
+    return engine
+
+
+@contextmanager
+def serving(what: str) -> Iterator[None]:
+    """Turn a database that is away, locked or full into `Unavailable`; other database errors pass as they are."""
+    try:
+        yield
+    except (OperationalError, InterfaceError) as error:
+        raise Unavailable(f"the database cannot {what} now: {first_line(error)}") from error
+    except DBAPIError as error:
+        if error.connection_invalidated:
+            raise Unavailable(f"the database cannot {what} now: {first_line(error)}") from error
+        raise
+    except sa.exc.TimeoutError as error:
+        raise Unavailable(f"the database cannot {what} now: all connections are in use") from error
+
+
+def first_line(error: DBAPIError) -> str:
+    return (str(error.orig).strip().splitlines() or [type(error).__name__])[0]
+
+
+def database_now(session: Session) -> datetime:
+    """The database's clock, aware UTC: the one clock that all processes share (leases need it)."""
+    if session.get_bind().dialect.name == "sqlite":
+        text = session.execute(sa.text("SELECT strftime('%Y-%m-%d %H:%M:%f', 'now')")).scalar_one()
+        return datetime.fromisoformat(text).replace(tzinfo=UTC)
+    now: datetime = session.execute(sa.text("SELECT clock_timestamp()")).scalar_one()
+    return now.astimezone(UTC)

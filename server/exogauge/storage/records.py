@@ -1,0 +1,101 @@
+"""What the store hands out: frozen copies of rows. Nothing outside `storage` holds a database row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Generic, TypeVar, final
+
+Record = TypeVar("Record")
+
+
+@final
+@dataclass(frozen=True)
+class Page(Generic[Record]):
+    """One page of a list, newest first; `after` continues it, None at its end."""
+
+    items: tuple[Record, ...]
+    after: tuple[datetime, str] | None
+
+
+@final
+@dataclass(frozen=True)
+class RobotRecord:
+    id: str
+    created_at: datetime
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
+class LogRecord:
+    id: str
+    created_at: datetime
+    name: str
+    content_hash: str
+    sha256: str
+    size: int
+    mapping_sha256: str | None
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
+class StudyRecord:
+    id: str
+    created_at: datetime
+    name: str
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
+class JobRecord:
+    """progress: 0..1. reason: why it failed. log: the last lines of what the worker said."""
+
+    id: str
+    created_at: datetime
+    kind: str
+    study_id: str
+    request_hash: str
+    settings: Mapping[str, Any]
+    code_version: str
+    state: str
+    progress: float
+    message: str
+    reason: str | None
+    attempts: int
+    cancel_requested: bool
+    started_at: datetime | None
+    finished_at: datetime | None
+    worker: str | None
+    log: str
+    revision: int
+
+
+@final
+@dataclass(frozen=True)
+class ResultRecord:
+    id: str
+    created_at: datetime
+    job_id: str
+    study_id: str
+    sha256: str
+    size: int
+
+
+@final
+@dataclass(frozen=True)
+class ArtifactRecord:
+    id: str
+    created_at: datetime
+    job_id: str
+    name: str
+    sha256: str
+    size: int
+    media_type: str

@@ -1,0 +1,89 @@
+"""What every noun of the store shares: rows of one lab, turned into records, newest first in pages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Any, TypeVar, final
+
+import sqlalchemy as sa
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
+
+from exogauge.errors import Conflict, NotFound
+from exogauge.storage import tables
+from exogauge.storage.records import Page
+
+Record = TypeVar("Record")
+RACES = 5
+
+
+@final
+@dataclass(frozen=True)
+class Lab:
+    """One lab's rows inside one transaction."""
+
+    session: Session
+    lab_id: str
+
+    def select(self, table: type[tables.Owned]) -> sa.Select[Any]:
+        return sa.select(table).where(table.lab_id == self.lab_id).execution_options(populate_existing=True)
+
+    def one(self, record: type[Record], query: sa.Select[Any]) -> Record | None:
+        row = self.session.scalars(query.limit(1)).first()
+        return None if row is None else as_record(record, row)
+
+    def get(self, record: type[Record], table: type[tables.Owned], key: str, noun: str) -> Record:
+        found = self.one(record, self.select(table).where(table.id == key))
+        if found is None:
+            raise NotFound(f"there is no {noun} {key}")
+        return found
+
+    def page(
+        self,
+        record: type[Record],
+        table: type[tables.Owned],
+        query: sa.Select[Any],
+        after: tuple[datetime, str] | None,
+        limit: int,
+    ) -> Page[Record]:
+        if after is not None:
+            when, key = after
+            older = sa.and_(table.created_at == when, table.id < key)
+            query = query.where(sa.or_(table.created_at < when, older))
+        rows = self.session.scalars(query.order_by(table.created_at.desc(), table.id.desc()).limit(limit + 1)).all()
+        shown = rows[:limit]
+        end = (shown[-1].created_at, shown[-1].id) if len(rows) > limit else None
+        return Page(tuple(as_record(record, row) for row in shown), end)
+
+    def find_or_add(
+        self, find: Callable[[], Record | None], make: Callable[[], list[tables.Base]], noun: str
+    ) -> tuple[Record, bool]:
+        """The record that `find` finds, or one made of the rows of `make`; a unique constraint decides any race."""
+        for _ in range(RACES):
+            if (found := find()) is not None:
+                return found, False
+            try:
+                with self.session.begin_nested():
+                    for row in make():
+                        self.session.add(row)
+                        self.session.flush()
+            except IntegrityError:
+                continue
+            if (made := find()) is not None:
+                return made, True
+        raise Conflict(f"this {noun} is being changed by someone else; try again")
+
+    def audit(self, action: str, kind: str, key: str, before: str | None = None, after: str | None = None) -> None:
+        """Record who did what; `local` until there are accounts."""
+        entry = tables.AuditEntry(
+            lab_id=self.lab_id, actor="local", action=action, subject_kind=kind, subject_id=key,
+            before_hash=before, after_hash=after,
+        )  # fmt: skip
+        self.session.add(entry)
+
+
+def as_record(record: type[Record], row: Any) -> Record:
+    """The one conversion from a row to what leaves `storage`: by equal names."""
+    return record(**{field.name: getattr(row, field.name) for field in fields(record)})  # type: ignore[arg-type]

@@ -1,0 +1,62 @@
+"""Studies: folders of files, pinned by hash when they are handed in and never changed after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any, final
+
+from exogauge.storage import tables
+from exogauge.storage.blobs import BlobStore, copy_out
+from exogauge.storage.files import PinnedFile, content_hash
+from exogauge.storage.records import Page, StudyRecord
+from exogauge.storage.rows import Lab
+
+
+@final
+@dataclass(frozen=True)
+class Studies:
+    lab: Lab
+    blobs: BlobStore
+
+    def add(self, name: str, files: Sequence[PinnedFile], summary: Mapping[str, Any]) -> tuple[StudyRecord, bool]:
+        """The study made of these files, and whether it is new; the same files are the same study."""
+        pinned = content_hash(files)
+        same = self.lab.select(tables.Study).where(tables.Study.content_hash == pinned)
+
+        def make() -> list[tables.Base]:
+            key = tables.new_id()
+            study = tables.Study(
+                id=key, lab_id=self.lab.lab_id, name=name, content_hash=pinned, summary=dict(summary)
+            )  # fmt: skip
+            return [study, *(self._file(key, file) for file in files)]
+
+        study, new = self.lab.find_or_add(lambda: self.lab.one(StudyRecord, same), make, "study")
+        if new:
+            self.lab.audit("add", "study", study.id, after=pinned)
+        return study, new
+
+    def get(self, key: str) -> StudyRecord:
+        return self.lab.get(StudyRecord, tables.Study, key, "study")
+
+    def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[StudyRecord]:
+        return self.lab.page(StudyRecord, tables.Study, self.lab.select(tables.Study), after, limit)
+
+    def files(self, key: str) -> tuple[PinnedFile, ...]:
+        query = self.lab.select(tables.StudyFile).where(tables.StudyFile.study_id == key)
+        rows = self.lab.session.scalars(query.order_by(tables.StudyFile.path))
+        return tuple(PinnedFile(row.path, row.sha256, row.size) for row in rows)
+
+    def write_to(self, key: str, folder: Path) -> StudyRecord:
+        """Lay the study's files out below `folder`, as they were handed in."""
+        study = self.get(key)
+        for file in self.files(key):
+            copy_out(self.blobs, file.sha256, folder / file.path)
+        return study
+
+    def _file(self, study_id: str, file: PinnedFile) -> tables.StudyFile:
+        return tables.StudyFile(
+            lab_id=self.lab.lab_id, study_id=study_id, path=file.path, sha256=file.sha256, size=file.size
+        )

@@ -1,0 +1,223 @@
+"""The tables. Every row of a lab carries `lab_id`; keys are random UUIDs; times are aware UTC; arrays live in blobs."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any, final
+from uuid import uuid4
+
+import sqlalchemy as sa
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+from exogauge.storage.database import NAMING, FiniteFloat, UtcDateTime
+
+UUID = sa.String(36)
+SHA256 = sa.String(64)
+NAME = sa.String(200)
+PATH = sa.String(500)
+STATES = ("queued", "running", "succeeded", "failed", "cancelled")
+LIVE_STATES = ("queued", "running", "succeeded")  # what makes an equal request the same job
+
+
+def new_id() -> str:
+    return str(uuid4())
+
+
+def utc_now() -> datetime:
+    return datetime.now(UTC)
+
+
+def one_of(column: str, values: tuple[str, ...]) -> str:
+    return f"{column} IN ({', '.join(repr(value) for value in values)})"
+
+
+class Base(DeclarativeBase):
+    metadata = sa.MetaData(naming_convention=NAMING)
+
+
+class Owned:
+    """Columns of every row that belongs to a lab."""
+
+    id: Mapped[str] = mapped_column(UUID, primary_key=True, default=new_id)
+    lab_id: Mapped[str] = mapped_column(sa.String(64), default="local")
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+def owned_by(table: str) -> Mapped[str]:
+    """A key into `table`; the row goes when its owner goes."""
+    return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
+
+
+@final
+class Robot(Owned, Base):
+    """One version of a robot bundle. content_hash: over the paths and hashes of its files."""
+
+    __tablename__ = "robots"
+    __table_args__ = (
+        sa.UniqueConstraint("lab_id", "name", "version"),
+        sa.UniqueConstraint("lab_id", "name", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    name: Mapped[str] = mapped_column(NAME)
+    version: Mapped[int]
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+
+
+@final
+class RobotFile(Owned, Base):
+    """One file of a robot bundle."""
+
+    __tablename__ = "robot_files"
+    __table_args__ = (sa.UniqueConstraint("robot_id", "path"),)
+    robot_id: Mapped[str] = owned_by("robots")
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class Log(Owned, Base):
+    """An uploaded log, byte for byte, with what its reading said of it. mapping_sha256: the mapping it is read with."""
+
+    __tablename__ = "logs"
+    __table_args__ = (
+        sa.UniqueConstraint("lab_id", "name", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    name: Mapped[str] = mapped_column(NAME)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+    mapping_sha256: Mapped[str | None] = mapped_column(SHA256, index=True)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+
+
+@final
+class Study(Owned, Base):
+    """A study as it was handed in; its files are pinned by hash and never change."""
+
+    __tablename__ = "studies"
+    __table_args__ = (
+        sa.UniqueConstraint("lab_id", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    name: Mapped[str] = mapped_column(NAME)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+
+
+@final
+class StudyFile(Owned, Base):
+    """One pinned file of a study: study.yaml, the robot bundle, logs, mappings, device."""
+
+    __tablename__ = "study_files"
+    __table_args__ = (sa.UniqueConstraint("study_id", "path"),)
+    study_id: Mapped[str] = owned_by("studies")
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class Job(Owned, Base):
+    """What the page and the API read about a job; the engine keeps its own tables.
+
+    Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
+    request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
+    """
+
+    __tablename__ = "jobs"
+    __table_args__ = (
+        sa.CheckConstraint(one_of("state", STATES), name="state"),
+        sa.CheckConstraint("progress >= 0 AND progress <= 1", name="progress"),
+        sa.Index(
+            "uq_jobs_live_request_hash",
+            "lab_id",
+            "request_hash",
+            unique=True,
+            sqlite_where=sa.text(one_of("state", LIVE_STATES)),
+            postgresql_where=sa.text(one_of("state", LIVE_STATES)),
+        ),
+        sa.Index(None, "lab_id", "created_at", "id"),
+        sa.Index(None, "state"),
+    )
+    kind: Mapped[str] = mapped_column(sa.String(64))
+    study_id: Mapped[str] = owned_by("studies")
+    request_hash: Mapped[str] = mapped_column(SHA256)
+    settings: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
+    code_version: Mapped[str] = mapped_column(sa.String(64), default="")
+    state: Mapped[str] = mapped_column(sa.String(16), default="queued")
+    progress: Mapped[float] = mapped_column(FiniteFloat, default=0.0)
+    message: Mapped[str] = mapped_column(sa.Text, default="")
+    reason: Mapped[str | None] = mapped_column(sa.Text)
+    attempts: Mapped[int] = mapped_column(default=0)
+    cancel_requested: Mapped[bool] = mapped_column(default=False)
+    started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    finished_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    worker: Mapped[str | None] = mapped_column(sa.String(200))
+    log: Mapped[str] = mapped_column(sa.Text, default="")
+    revision: Mapped[int] = mapped_column(default=0, onupdate=sa.text("revision + 1"))
+
+
+@final
+class Result(Owned, Base):
+    """results.json of a job; at most one per job."""
+
+    __tablename__ = "results"
+    __table_args__ = (sa.UniqueConstraint("job_id"),)
+    job_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("jobs.id", ondelete="CASCADE"))
+    study_id: Mapped[str] = owned_by("studies")
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class Artifact(Owned, Base):
+    """A file that a job made; name is its path below the job's output folder."""
+
+    __tablename__ = "artifacts"
+    __table_args__ = (sa.UniqueConstraint("job_id", "name"),)
+    job_id: Mapped[str] = owned_by("jobs")
+    name: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+    media_type: Mapped[str] = mapped_column(sa.String(100))
+
+
+@final
+class IdempotencyKey(Owned, Base):
+    """A POST that was made with a key. answer: None while it is in flight; owner: the process that serves it."""
+
+    __tablename__ = "idempotency_keys"
+    __table_args__ = (sa.UniqueConstraint("lab_id", "key"),)
+    key: Mapped[str] = mapped_column(sa.String(255))
+    owner: Mapped[str] = mapped_column(sa.String(300))
+    request_hash: Mapped[str | None] = mapped_column(SHA256)
+    answer: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
+
+
+@final
+class WorkerLease(Base):
+    """A worker process that is alive as long as beat_at is recent on the database's clock."""
+
+    __tablename__ = "worker_leases"
+    worker_id: Mapped[str] = mapped_column(sa.String(200), primary_key=True)
+    beat_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    started_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    host: Mapped[str] = mapped_column(sa.String(255))
+    pid: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class AuditEntry(Owned, Base):
+    """Who did what to what; rows are only ever added."""
+
+    __tablename__ = "audit"
+    __table_args__ = (sa.Index(None, "lab_id", "created_at"),)
+    actor: Mapped[str] = mapped_column(sa.String(200))
+    action: Mapped[str] = mapped_column(sa.String(64))
+    subject_kind: Mapped[str] = mapped_column(sa.String(64))
+    subject_id: Mapped[str] = mapped_column(UUID)
+    before_hash: Mapped[str | None] = mapped_column(SHA256)
+    after_hash: Mapped[str | None] = mapped_column(SHA256)
