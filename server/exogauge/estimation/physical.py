@@ -1,0 +1,160 @@
+"""Least squares over bodies that can exist: every pseudo-inertia stays positive definite.
+
+    min over phi, other   ‖R [phi; other] - z‖² + Σ_i w_i d(phi_i, phi_ref_i)
+    d(phi, ref) = tr(J_ref⁻¹ J) - log det(J_ref⁻¹ J) - 4
+
+R and z are a least-squares problem in square-root form, rows divided by their standard deviation. The problem is
+convex in phi itself, so it is solved there (`interior_point`) and what is found is the global minimum, with a bound on
+how far it can be off. Log-Cholesky coordinates also keep bodies possible, but bend the problem, and run to -∞ when
+the answer lies on the border. Two uses:
+
+- weights given: the log-det distance is the a-priori term of phi, and R must not hold another one;
+- no weights: R holds whatever is known before, and the distance is only a barrier, too light to cost anything that
+  matters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.linalg as sl
+from numpy.typing import NDArray
+
+from exogauge.errors import PhysicallyImpossible
+from exogauge.estimation.interior_point import minimise
+from exogauge.estimation.log_cholesky import log_det_distance, nearest_possible, relative_margin
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@final
+@dataclass(frozen=True)
+class PhysicalSolution:
+    """phi: (N, 10). other: (K,). x: (10 N + K,) both, in the order of R's columns.
+
+    cost: ‖R x - z‖². distance: (N,) log-det distance to the reference; margin: (N,) smallest eigenvalue of J_ref⁻¹ J,
+    positive for a possible body; both nan for a held body. held: (N,) bodies kept at the reference.
+    excess: bound on how far the objective (without weights: the cost) still lies above its minimum.
+    iterations: Newton steps, each one QR of about 20 N rows and 10 N columns.
+    """
+
+    phi: Array
+    other: Array
+    x: Array
+    cost: float
+    distance: Array
+    margin: Array
+    held: BoolArray
+    excess: float
+    iterations: int
+    converged: bool
+    warnings: tuple[str, ...]
+
+
+def solve_physical(
+    R: Array,
+    z: Array,
+    phi_ref: Array,
+    *,
+    weight: float | Array | None = None,
+    held: BoolArray | None = None,
+    tolerance: float = 1e-4,
+    max_iterations: int = 100,
+) -> PhysicalSolution:
+    """The least-squares solution among bodies that can exist.
+
+    R: (M, 10 N + K) any matrix, columns [phi_0 … phi_{N-1}, other]. z: (M,). phi_ref: (N, 10) a-priori bodies.
+    weight: scalar or (N,), positive, in units of R's squared rows; None = the distance is only a barrier.
+    held: (N,) bodies kept at phi_ref; bodies without any mass or inertia in phi_ref are always held.
+    tolerance: how far above its minimum the objective may end, in units of R's squared rows (squared standard
+    deviations); at the default nobody can tell the two apart.
+
+    A reference that no body can have is replaced by the nearest possible one, with a warning; one without positive
+    mass has none: `PhysicallyImpossible`.
+    """
+    bodies = phi_ref.shape[0]
+    others = R.shape[1] - 10 * bodies
+    if others < 0 or z.shape != (R.shape[0],):
+        raise ValueError(f"R {R.shape}, z {z.shape} and {bodies} bodies do not fit together")
+    warnings: list[str] = []
+    held = np.all(phi_ref == 0, axis=1) | (np.zeros(bodies, bool) if held is None else held)
+    reference = _possible_references(phi_ref, held, warnings)
+    free = ~held
+
+    R_phi, R_other = R[:, : 10 * bodies].reshape(-1, bodies, 10), R[:, 10 * bodies :]
+    z_free = z - np.einsum("mnp,np->m", R_phi[:, held], phi_ref[held])
+    phi, excess, iterations, converged = phi_ref.copy(), 0.0, 0, True
+    if free.any():
+        A, b = _without_others(R_phi[:, free].reshape(len(R), -1), z_free, R_other)
+        barrier = tolerance / (32.0 * bodies)  # at the border it costs 4 of these a body, and its trace about as much
+        weights = np.full(bodies, barrier) if weight is None else _checked(weight, bodies)
+        phi[free], excess, iterations, converged = minimise(
+            A, b, reference[free], weights[free], tolerance / 2, max_iterations
+        )
+    margin, distance = np.full(bodies, np.nan), np.full(bodies, np.nan)
+    margin[free] = relative_margin(phi[free], reference[free])
+    distance[free] = log_det_distance(phi[free], reference[free])
+    if weight is None:
+        excess += barrier * float(np.sum(4 + np.abs(distance[free]))) if free.any() else 0.0
+    if not converged:
+        warnings.append(
+            f"the search among possible bodies stopped after {iterations} steps, {excess:.2g} squared standard "
+            f"deviations above the minimum at most; {tolerance:.2g} was asked for"
+        )
+    other = _least_squares_others(R_other, z_free - np.einsum("mnp,np->m", R_phi[:, free], phi[free]), warnings)
+    x = np.concatenate([phi.ravel(), other])
+    cost = float(np.sum((R @ x - z) ** 2))
+    return PhysicalSolution(phi, other, x, cost, distance, margin, held, excess, iterations, converged, tuple(warnings))
+
+
+def _possible_references(phi_ref: Array, held: BoolArray, warnings: list[str]) -> Array:
+    massless = np.flatnonzero(~held & (phi_ref[:, 0] <= 0))
+    if len(massless):
+        raise PhysicallyImpossible(
+            f"bodies {massless.tolist()} have no positive mass before identification: give one, or hold them",
+            [str(i) for i in massless],
+        )
+    reference = phi_ref.copy()
+    reference[~held] = nearest_possible(phi_ref[~held])
+    raised = np.flatnonzero(np.any(reference != phi_ref, axis=1))
+    if len(raised):
+        warnings.append(
+            f"the a-priori inertia of bodies {raised.tolist()} is not physically possible, or nearly not: "
+            "the nearest possible one is the reference instead"
+        )
+    return reference
+
+
+def _checked(weight: float | Array, bodies: int) -> Array:
+    weights = np.array(np.broadcast_to(np.asarray(weight, dtype=np.float64), (bodies,)))
+    if not np.all(weights > 0):
+        raise ValueError("weights of the log-det distance must be positive; None asks for a barrier only")
+    return weights
+
+
+def _without_others(R_phi: Array, z: Array, R_other: Array) -> tuple[Array, Array]:
+    """(A, b): min over other of ‖R_phi phi + R_other other - z‖² = ‖A phi - b‖² + constant; A: at most 10 N rows."""
+    rest: Array = np.column_stack([R_phi, z])
+    if R_other.size:
+        U, singular, _ = np.linalg.svd(R_other, full_matrices=False)
+        Q = U[:, singular > 1e-13 * singular[0]]
+        rest = np.asarray(rest - Q @ (Q.T @ rest), dtype=np.float64)
+    columns = R_phi.shape[1]
+    if rest.shape[0] > columns:
+        rest = np.asarray(sl.qr(rest, mode="r", overwrite_a=True, check_finite=False)[0])[:columns]
+    return rest[:, :-1], rest[:, -1]
+
+
+def _least_squares_others(R_other: Array, z: Array, warnings: list[str]) -> Array:
+    if not R_other.shape[1]:
+        return np.zeros(0)
+    other, _, rank, _ = np.linalg.lstsq(R_other, z, rcond=1e-13)
+    if rank < R_other.shape[1]:
+        warnings.append(
+            f"{R_other.shape[1] - int(rank)} combinations of the non-inertial parameters are decided by nothing: "
+            "the smallest values are given"
+        )
+    return np.asarray(other, dtype=np.float64)
