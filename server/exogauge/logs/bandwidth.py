@@ -28,8 +28,9 @@ def suggest_cutoff(values: Array, rate_hz: float) -> float:
         E(f_c) = sum_f (2 pi f)^4 [ (1 - G)^2 S_motion + G^2 S_noise ],
     S_noise: the white floor seen at 0.3-0.45 x rate; S_motion: the spectrum less the floor where it stands out of it.
     Then the upper quartile over the joints that move (a few slow ones must not blur a fast one), between 1 Hz and
-    0.2 x rate. A joint that moves less than it is noisy has no say; if none moves the answer is 1 Hz. What was low-passed before it
-    was stored shows a floor that is too low and so gets a cut-off that is too high: bounded, but look at the spectrum.
+    0.2 x rate. A joint that moves less than it is noisy has no say; if none moves the answer is 1 Hz. What was
+    low-passed before it was stored shows too low a floor and so gets too high a cut-off: bounded, but look at the
+    spectrum.
     """
     fastest = FASTEST * rate_hz
     slowest = min(SLOWEST_HZ, fastest)
