@@ -1,0 +1,18 @@
+"""Names and units of the inertial parameters, body by body, in the order of `RigidTree.phi`."""
+
+from __future__ import annotations
+
+from exogauge.robots.tree import RigidTree
+
+SYMBOLS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+UNITS = ("kg", *("kg·m",) * 3, *("kg·m²",) * 6)
+
+
+def parameter_names(tree: RigidTree) -> tuple[str, ...]:
+    """(10N,) `m[link]` mass, `mx[link]` … first moments, `Ixx[link]` … inertia about the link frame's origin."""
+    return tuple(f"{symbol}[{body}]" for body in tree.bodies for symbol in SYMBOLS)
+
+
+def parameter_units(tree: RigidTree) -> tuple[str, ...]:
+    """(10N,) SI units."""
+    return UNITS * len(tree.bodies)
