@@ -15,15 +15,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TypeVar, final
 
-import sqlalchemy as sa
-from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
-from sqlalchemy.orm import Session
-
 from exogauge.errors import Cancelled, ExogaugeError, Unavailable
-from exogauge.jobs import recipes, records
+from exogauge.jobs import claims
+from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
-from exogauge.storage.blobs import BlobStore
-from exogauge.storage.tables import Job
+from exogauge.jobs.recipes import recipe_for
+from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.records import JobRecord
+from exogauge.storage.store import Storage
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -47,10 +46,10 @@ def until_it_works(action: Callable[[], T], patience_s: float = math.inf) -> T:
     while True:
         try:
             return action()
-        except (OperationalError, InterfaceError, sa.exc.TimeoutError, Unavailable) as error:
+        except Unavailable as error:
             if time.monotonic() > give_up:
                 raise
-            log.warning("cannot do this now, trying again in %.1f s: %s", pause_s, error)
+            log.warning("trying again in %.1f s: %s", pause_s, error)
             time.sleep(pause_s)
             pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
 
@@ -59,8 +58,8 @@ def until_it_works(action: Callable[[], T], patience_s: float = math.inf) -> T:
 class Runner:
     """Runs jobs, one at a time, for one worker. scratch: this worker's own folder."""
 
-    def __init__(self, engine: sa.Engine, blobs: BlobStore, worker_id: str, scratch: Path) -> None:
-        self._engine, self._blobs, self._worker, self._scratch = engine, blobs, worker_id, scratch
+    def __init__(self, storage: Storage, worker_id: str, scratch: Path) -> None:
+        self._storage, self._worker, self._scratch = storage, worker_id, scratch
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
@@ -74,7 +73,7 @@ class Runner:
                     self._attempt(job)
                 except ComputeChildDied as error:
                     log.warning("job %s: %s", job.id, error)
-                    self._note(job, f"attempt {job.attempts}: {error}\n{error.stderr}")
+                    self._note(job, f"{error}\n{error.stderr}")
                     continue
                 except NotMineAnyMore:
                     log.warning("job %s is no longer ours", job.id)
@@ -82,23 +81,19 @@ class Runner:
                     log.info("job %s goes back into the queue", job.id)
                 return
 
-    def _claim(self, job_id: str) -> Job | None:
-        with Session(self._engine, expire_on_commit=False) as session, session.begin():
-            job = records.claim(session, job_id, self._worker)
-        if job is None:
-            return None
-        if job.cancel_requested:
-            self._end(job, "cancelled", "cancelled on request")
-            return None
-        if job.attempts > records.MAX_ATTEMPTS:
-            times = f"{records.MAX_ATTEMPTS} times"
-            self._end(
-                job, "failed", f"the process that ran it died {times} (crash, kill or out of memory); see the log"
-            )
-            return None
+    def _claim(self, job_id: str) -> JobRecord | None:
+        with self._storage.transaction() as store:
+            job = claims.claim(store.session, job_id, self._worker)
+            if job is not None and job.cancel_requested:
+                claims.end_cancelled(store.session, job.id, self._worker)
+                return None
+            if job is not None and job.attempts > MAX_ATTEMPTS:
+                died = f"the process that ran it died {MAX_ATTEMPTS} times (crash, kill or out of memory); see the log"
+                claims.fail(store.session, job.id, self._worker, died)
+                return None
         return job
 
-    def _attempt(self, job: Job) -> None:
+    def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
         started, folder = time.monotonic(), self._scratch / job.id
         log.info("job %s: attempt %d", job.id, job.attempts)
@@ -107,41 +102,38 @@ class Runner:
             log.info("job %s succeeded in %.1f s", job.id, time.monotonic() - started)
         except (ComputeChildDied, NotMineAnyMore, Leaving):
             raise
-        except Cancelled as error:
-            self._end(job, "cancelled", str(error))
+        except Cancelled:
+            self._cancelled(job)
         except ComputeFailed as error:
             reason = str(error) if error.expected else f"unexpected error ({error.kind}): {error}"
-            self._end(job, "failed", reason, log_text=error.trace or "")
+            self._fail(job, reason, error.trace or "")
         except ExogaugeError as error:
-            self._end(job, "failed", str(error))
+            self._fail(job, str(error))
         except Exception as error:
             log.exception("job %s", job.id)
-            self._end(job, "failed", f"unexpected error ({type(error).__name__}): {error}")
+            self._fail(job, f"unexpected error ({type(error).__name__}): {error}")
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
-    def _compute_and_save(self, job: Job, folder: Path) -> None:
-        recipe = recipes.RECIPES.get(job.kind)
-        if recipe is None:
-            raise ExogaugeError(f"this worker knows no jobs of kind {job.kind!r}")
+    def _compute_and_save(self, job: JobRecord, folder: Path) -> None:
+        recipe = recipe_for(job.kind)
         source, out = folder / "study", folder / "out"
         shutil.rmtree(folder, ignore_errors=True)
         out.mkdir(parents=True)
         source.mkdir()
-        files = until_it_works(lambda: self._pinned(job))
-        recipes.load(self._blobs, files, source)
+        until_it_works(lambda: self._load(job, source))
         self._child.call(
             recipe.compute, source, out, job.settings, lambda p, m: self._watch(job, p, m), recipe.timeout_s
         )
-        products = until_it_works(lambda: recipes.keep(self._blobs, out), DISK_PATIENCE_S)
-        until_it_works(lambda: self._succeed(job, products))
+        files = until_it_works(lambda: keep_folder(self._storage.blobs, out), DISK_PATIENCE_S)
+        until_it_works(lambda: self._succeed(job, files))
 
-    def _pinned(self, job: Job) -> dict[str, str]:
-        with Session(self._engine) as session, session.begin():
-            return recipes.pinned_files(session, job)
+    def _load(self, job: JobRecord, folder: Path) -> None:
+        with self._storage.reading() as store:
+            store.studies.write_to(job.study_id, folder)
 
-    def _watch(self, job: Job, progress: float | None, message: str | None) -> None:
-        """Called by the child's loop. Progress and wishes are best effort; a database that is away stops nothing."""
+    def _watch(self, job: JobRecord, progress: float | None, message: str | None) -> None:
+        """Called while the child computes. Best effort: a database that is away stops no computation."""
         if self._leaving.is_set():
             raise Leaving
         now = time.monotonic()
@@ -149,11 +141,12 @@ class Runner:
             return
         self._looked = now
         try:
-            with Session(self._engine) as session, session.begin():
-                if progress is not None:
-                    records.report(session, job.id, self._worker, progress, message or "")
-                wanted = records.cancel_wanted(session, job.id, self._worker)
-        except SQLAlchemyError as error:
+            if progress is not None:
+                with self._storage.transaction() as store:
+                    claims.report(store.session, job.id, self._worker, progress, message or "")
+            with self._storage.reading() as store:
+                wanted = claims.cancel_wanted(store.session, job.id, self._worker)
+        except Unavailable as error:
             log.warning("job %s: progress not written: %s", job.id, error)
             return
         if wanted is None:
@@ -161,27 +154,35 @@ class Runner:
         if wanted:
             raise Cancelled("cancelled on request")
 
-    def _succeed(self, job: Job, products: list[recipes.Product]) -> None:
-        with Session(self._engine) as session, session.begin():
-            line = stamped(f"attempt {job.attempts} succeeded on {self._worker}")
-            if not records.finish(session, job.id, self._worker, "succeeded", log=line):
+    def _succeed(self, job: JobRecord, files: tuple[PinnedFile, ...]) -> None:
+        with self._storage.transaction() as store:
+            claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts} succeeded"))
+            if not claims.succeed(store.session, job, self._worker, self._storage.lab_id, files):
                 raise NotMineAnyMore(job.id)
-            recipes.save(session, job, products)
 
-    def _end(self, job: Job, state: records.Ending, reason: str, log_text: str = "") -> None:
-        log.info("job %s %s: %s", job.id, state, reason)
-        text = stamped(f"attempt {job.attempts} {state} on {self._worker}: {reason}") + log_text
+    def _fail(self, job: JobRecord, reason: str, trace: str = "") -> None:
+        log.info("job %s failed: %s", job.id, reason)
+        self._note(job, f"{reason}\n{trace}")
 
         def write() -> None:
-            with Session(self._engine) as session, session.begin():
-                records.finish(session, job.id, self._worker, state, reason, text)
+            with self._storage.transaction() as store:
+                claims.fail(store.session, job.id, self._worker, reason)
 
         until_it_works(write)
 
-    def _note(self, job: Job, text: str) -> None:
+    def _cancelled(self, job: JobRecord) -> None:
+        log.info("job %s cancelled", job.id)
+
         def write() -> None:
-            with Session(self._engine) as session, session.begin():
-                records.note(session, job.id, self._worker, stamped(text))
+            with self._storage.transaction() as store:
+                claims.end_cancelled(store.session, job.id, self._worker)
+
+        until_it_works(write)
+
+    def _note(self, job: JobRecord, text: str) -> None:
+        def write() -> None:
+            with self._storage.transaction() as store:
+                claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
 
         until_it_works(write)
 
@@ -189,11 +190,11 @@ class Runner:
         """Stop computing, take nothing more, and put back what was not finished in time."""
         self._leaving.set()
         self._one_at_a_time.acquire(timeout=patience_s)  # never released: no further job starts here
-        with Session(self._engine) as session, session.begin():
-            records.release(session, self._worker)
+        with self._storage.transaction() as store:
+            claims.release(store.session, self._worker)
         shutil.rmtree(self._scratch, ignore_errors=True)
 
 
 def stamped(text: str) -> str:
     """A line of the job's log."""
-    return f"{datetime.now(UTC).isoformat(timespec='seconds')} {text}\n"
+    return f"{datetime.now(UTC).isoformat(timespec='seconds')} {text.rstrip()}\n"

@@ -15,7 +15,7 @@ from typing import final
 import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
-from exogauge.jobs import records
+from exogauge.jobs.claims import unattended
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.leases import delete_stale, live_workers
 
@@ -57,7 +57,7 @@ class Reaper:
         Leases are read after the entries: a worker takes its lease before its first entry, so none is misjudged.
         """
         with Session(self._engine) as session, session.begin():
-            waiting = records.unattended(session)
+            waiting = unattended(session)
         if not waiting:
             return
         entries = self._queue.entries()

@@ -13,8 +13,7 @@ from exogauge.jobs.leases import Lease, new_worker_id
 from exogauge.jobs.reaper import Reaper
 from exogauge.jobs.supervisor import leave_with_parent
 from exogauge.settings import Settings
-from exogauge.storage.blobs import FolderBlobs
-from exogauge.storage.database import make_engine
+from exogauge.storage.store import open_storage
 
 log = logging.getLogger(__name__)
 
@@ -26,12 +25,12 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
 
     The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
     """
-    engine = make_engine(settings.database_url)
+    storage = open_storage(settings)
     worker_id = new_worker_id()
     folder = settings.data_dir / "work" / worker_id
-    lease = Lease(engine, worker_id, lease_s)
-    runner = Runner(engine, FolderBlobs(settings.blobs), worker_id, folder)
-    reaper = Reaper(engine, JobQueue(engine), lease_s, folder.parent)
+    lease = Lease(storage.engine, worker_id, lease_s)
+    runner = Runner(storage, worker_id, folder)
+    reaper = Reaper(storage.engine, JobQueue(storage.engine), lease_s, folder.parent)
     leaving = threading.Event()
 
     def lost() -> None:

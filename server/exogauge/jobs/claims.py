@@ -1,0 +1,143 @@
+"""Which worker has which job, and how it ended. Every change is one guarded UPDATE.
+
+    queued ──claim──> running ──succeed | fail | end_cancelled──> succeeded | failed | cancelled
+       ^                 │  ^
+       └─────release─────┘  └── claim again: its worker's lease is gone
+
+A guard that does not hold changes nothing and the function says so. Whoever lost a race has lost it once, in the
+database, and not in the memories of two processes. An ended job never changes; trying again makes a new one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge.errors import ExogaugeError
+from exogauge.storage.database import database_now
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.records import JobRecord
+from exogauge.storage.rows import Lab, as_record
+from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
+
+MAX_ATTEMPTS = 4
+LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
+RESULTS = "results.json"
+MEDIA_TYPES = {
+    ".parquet": "application/vnd.apache.parquet",
+    ".urdf": "application/xml",
+    ".json": "application/json",
+    ".csv": "text/csv; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+}
+
+
+def held_by_nobody() -> sa.ColumnElement[bool]:
+    """The job's worker holds no lease: it died, or left."""
+    return Job.worker.is_(None) | Job.worker.not_in(sa.select(WorkerLease.worker_id))
+
+
+def held_by(job_id: str, worker: str) -> sa.ColumnElement[bool]:
+    """The job runs at this worker."""
+    return sa.and_(Job.id == job_id, Job.state == "running", Job.worker == worker)
+
+
+def change(session: Session, guard: sa.ColumnElement[bool], values: Mapping[str, Any]) -> int:
+    """Set `values` where `guard` still holds; returns how many jobs it held for."""
+    statement = sa.update(Job).where(guard).values(**values)
+    done = session.execute(statement, execution_options={"synchronize_session": False})
+    return cast("sa.CursorResult[Any]", done).rowcount
+
+
+def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
+    """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt."""
+    free = (Job.state == "queued") | ((Job.state == "running") & (held_by_nobody() | (Job.worker == worker)))
+    alive = sa.exists().where(WorkerLease.worker_id == worker)
+    taken = {
+        "state": "running",
+        "worker": worker,
+        "attempts": Job.attempts + 1,
+        "progress": 0.0,
+        "message": "",
+        "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
+    }
+    if not change(session, sa.and_(Job.id == job_id, free, alive), taken):
+        return None
+    row = session.scalars(sa.select(Job).where(Job.id == job_id).execution_options(populate_existing=True)).one()
+    return as_record(JobRecord, row)
+
+
+def report(session: Session, job_id: str, worker: str, progress: float, message: str) -> bool:
+    """Say how far the job is; False when it is no longer this worker's."""
+    said = {"progress": min(max(progress, 0.0), 1.0), "message": printable(message)[:1000]}
+    return change(session, held_by(job_id, worker), said) == 1
+
+
+def append_log(session: Session, job_id: str, worker: str, text: str) -> bool:
+    """Add to the job's log; its end stays."""
+    added = printable(text)[-LOG_TAIL:]
+    surplus = sa.func.length(Job.log) + len(added) - LOG_TAIL
+    kept = sa.func.substr(Job.log, sa.case((surplus > 0, surplus + 1), else_=1))
+    return change(session, held_by(job_id, worker), {"log": kept.concat(added)}) == 1
+
+
+def cancel_wanted(session: Session, job_id: str, worker: str) -> bool | None:
+    """Whether somebody asked to cancel; None when the job is no longer this worker's."""
+    return session.scalar(sa.select(Job.cancel_requested).where(held_by(job_id, worker)))
+
+
+def fail(session: Session, job_id: str, worker: str, reason: str) -> bool:
+    """End the job with the reason why."""
+    ended = {"state": "failed", "reason": printable(reason), "finished_at": database_now(session)}
+    return change(session, held_by(job_id, worker), ended) == 1
+
+
+def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
+    """End the job because its owner asked."""
+    ended = {"state": "cancelled", "reason": "cancelled while it ran", "finished_at": database_now(session)}
+    return change(session, held_by(job_id, worker), ended) == 1
+
+
+def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: Sequence[PinnedFile]) -> bool:
+    """End the job with these files, already in the blob store: all rows appear, once, or none does."""
+    main = next((file for file in files if file.path == RESULTS), None)
+    if main is None:
+        raise ExogaugeError(f"the computation made no {RESULTS}")
+    ended = {"state": "succeeded", "progress": 1.0, "message": "", "finished_at": database_now(session)}
+    if not change(session, held_by(job.id, worker), ended):
+        return False
+    ours = {"lab_id": lab_id, "job_id": job.id}
+    session.add(Result(study_id=job.study_id, sha256=main.sha256, size=main.size, **ours))
+    for file in files:
+        kind = media_type(file.path)
+        session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))
+    Lab(session, lab_id).audit("succeed", "job", job.id, after=main.sha256)
+    return True
+
+
+def release(session: Session, worker: str) -> int:
+    """Put back what runs here: the worker leaves of its own will, so this was no attempt."""
+    back = {"state": "queued", "worker": None, "attempts": Job.attempts - 1, "progress": 0.0, "message": ""}
+    return change(session, sa.and_(Job.state == "running", Job.worker == worker), back)
+
+
+def unattended(session: Session) -> list[str]:
+    """Jobs that need an entry in the queue: queued ones, and running ones whose worker is gone."""
+    needing = (Job.state == "queued") | ((Job.state == "running") & held_by_nobody())
+    return list(session.scalars(sa.select(Job.id).where(needing)))
+
+
+def media_type(name: str) -> str:
+    suffix = name[name.rfind(".") :].lower() if "." in name else ""
+    return MEDIA_TYPES.get(suffix, "application/octet-stream")
+
+
+def printable(text: str) -> str:
+    """Without what PostgreSQL cannot keep: NUL and lone surrogates."""
+    return text.replace("\0", "\ufffd").encode("utf-8", "replace").decode()

@@ -1,0 +1,92 @@
+"""What a user asks of jobs: submit, cancel, try again, and where in the queue one is."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge import __version__
+from exogauge.errors import Conflict
+from exogauge.jobs.claims import change
+from exogauge.jobs.engine import JobQueue
+from exogauge.jobs.recipes import recipe_for
+from exogauge.storage.database import database_now
+from exogauge.storage.records import JobRecord
+from exogauge.storage.rows import Lab
+from exogauge.storage.store import Store
+from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease
+
+
+def request_hash(study_hash: str, kind: str, settings: Mapping[str, Any], code_version: str) -> str:
+    """What makes two requests the same: study content, kind, settings and code version."""
+    text = json.dumps([study_hash, kind, settings, code_version], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def submit(
+    store: Store, queue: JobQueue, study_id: str, kind: str, settings: Mapping[str, Any]
+) -> tuple[JobRecord, bool]:
+    """The job of this request, and whether it is new; a failed or cancelled one does not count.
+
+    The row and its entry in the queue are written in the transaction of `store`: both or neither.
+    """
+    recipe_for(kind)
+    study = store.studies.get(study_id)
+    asked = request_hash(study.content_hash, kind, settings, __version__)
+    lab = Lab(store.session, store.lab_id)
+    same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
+
+    def make() -> list[Base]:
+        common = {"lab_id": store.lab_id, "study_id": study_id, "code_version": __version__}
+        return [Job(kind=kind, request_hash=asked, settings=dict(settings), **common)]
+
+    job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")
+    if new:
+        queue.enqueue(store.session, job.id)
+        lab.audit("submit", "job", job.id, after=asked)
+    return job, new
+
+
+def try_again(store: Store, queue: JobQueue, job_id: str) -> tuple[JobRecord, bool]:
+    """A new job with the request of one that failed or was cancelled; that one stays as it is."""
+    job = store.jobs.get(job_id)
+    if job.state not in ("failed", "cancelled"):
+        raise Conflict(f"only a failed or cancelled job can be tried again; this one is {job.state}")
+    return submit(store, queue, job.study_id, job.kind, job.settings)
+
+
+def cancel(store: Store, job_id: str) -> JobRecord:
+    """A queued job ends at once, a running one is asked to stop, an ended one stays as it is."""
+    store.jobs.get(job_id)
+    this = sa.and_(Job.id == job_id, Job.lab_id == store.lab_id)
+    now = database_now(store.session)
+    ended = {"state": "cancelled", "reason": "cancelled before it started", "finished_at": now}
+    if not change(store.session, this & (Job.state == "queued"), {"cancel_requested": True, **ended}):
+        change(store.session, this & (Job.state == "running"), {"cancel_requested": True})
+    Lab(store.session, store.lab_id).audit("cancel", "job", job_id)
+    return store.jobs.get(job_id)
+
+
+def place_in_words(session: Session, job: JobRecord) -> str | None:
+    """What the owner of a queued job wants to know; None for any other job."""
+    if job.state != "queued":
+        return None
+    workers = count(session, sa.select(WorkerLease.worker_id))
+    if workers == 0:
+        return "waiting for a worker: none is running (`exogauge work` starts one)"
+    before = (Job.created_at < job.created_at) | ((Job.created_at == job.created_at) & (Job.id < job.id))
+    ahead = count(session, sa.select(Job.id).where(Job.state == "queued", before))
+    running = count(session, sa.select(Job.id).where(Job.state == "running"))
+    if ahead == 0:
+        return "next to start" if running >= workers else "starting"
+    jobs, plural = "job" if ahead == 1 else "jobs", "" if workers == 1 else "s"
+    return f"{ahead} {jobs} ahead in the queue, {running} running on {workers} worker{plural}"
+
+
+def count(session: Session, rows: sa.Select[Any]) -> int:
+    return session.scalar(sa.select(sa.func.count()).select_from(rows.subquery())) or 0
