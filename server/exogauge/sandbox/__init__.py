@@ -1,1 +1,21 @@
-"""A short-lived child process that opens what users uploaded, with limits on memory and time."""
+"""The only place where a stranger's file is opened: a short-lived child process with little memory and time."""
+
+from exogauge.sandbox.parent import (
+    LogRequest,
+    LogSummary,
+    RobotRequest,
+    RobotSummary,
+    canonicalise,
+    check_robot,
+    parse_log,
+)
+
+__all__ = [
+    "LogRequest",
+    "LogSummary",
+    "RobotRequest",
+    "RobotSummary",
+    "canonicalise",
+    "check_robot",
+    "parse_log",
+]

@@ -1,0 +1,7 @@
+"""Names of the files through which parent and child speak, all in the child's own temporary folder."""
+
+from __future__ import annotations
+
+ANSWER = "answer.json"  # {"result": …}, {"error": class, "faults": […]}, or {"error": what stopped the child}
+LOG = "log.parquet"  # the canonical table, written by the child
+URDF = "robot.urdf"  # the bytes to check, written by the parent
