@@ -64,6 +64,7 @@ class Runner:
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
         self._looked = 0.0
+        self._unsaid: tuple[float, str] | None = None
 
     def run(self, job_id: str) -> None:
         """Bring a job to an end, or leave it alone when it is not free."""
@@ -118,6 +119,7 @@ class Runner:
     def _compute_and_save(self, job: JobRecord, folder: Path) -> None:
         recipe = recipe_for(job.kind)
         source, out = folder / "study", folder / "out"
+        self._unsaid = None
         shutil.rmtree(folder, ignore_errors=True)
         out.mkdir(parents=True)
         source.mkdir()
@@ -136,14 +138,17 @@ class Runner:
         """Called while the child computes. Best effort: a database that is away stops no computation."""
         if self._leaving.is_set():
             raise Leaving
+        if progress is not None:
+            self._unsaid = (progress, message or "")
         now = time.monotonic()
         if now - self._looked < LOOK_EVERY_S:
             return
         self._looked = now
         try:
-            if progress is not None:
+            if self._unsaid is not None:
                 with self._storage.transaction() as store:
-                    claims.report(store.session, job.id, self._worker, progress, message or "")
+                    claims.report(store.session, job.id, self._worker, *self._unsaid)
+                self._unsaid = None
             with self._storage.reading() as store:
                 wanted = claims.cancel_wanted(store.session, job.id, self._worker)
         except Unavailable as error:

@@ -35,15 +35,15 @@ def submit(
 
     The row and its entry in the queue are written in the transaction of `store`: both or neither.
     """
-    recipe_for(kind)
+    wanted = recipe_for(kind).checked(settings)
     study = store.studies.get(study_id)
-    asked = request_hash(study.content_hash, kind, settings, __version__)
+    asked = request_hash(study.content_hash, kind, wanted, __version__)
     lab = Lab(store.session, store.lab_id)
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
         common = {"lab_id": store.lab_id, "study_id": study_id, "code_version": __version__}
-        return [Job(kind=kind, request_hash=asked, settings=dict(settings), **common)]
+        return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")
     if new:

@@ -1,0 +1,124 @@
+"""Jobs: ask for one, watch it, stop it, ask again."""
+
+from __future__ import annotations
+
+import threading
+from datetime import datetime
+from typing import Annotated, Any, Self, final
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+from sqlalchemy.orm import Session
+
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
+from exogauge.api.shapes import Answer, ListOf, State
+from exogauge.jobs import requests
+from exogauge.jobs.engine import JobQueue
+from exogauge.storage.records import JobRecord
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+CREATING = threading.Lock()
+
+
+def get_queue(request: Request, storage: StorageDep) -> JobQueue:
+    """The queue of this process, made when it is first needed."""
+    with CREATING:
+        if not hasattr(request.app.state, "job_queue"):
+            request.app.state.job_queue = JobQueue(storage.engine)
+    queue: JobQueue = request.app.state.job_queue
+    return queue
+
+
+QueueDep = Annotated[JobQueue, Depends(get_queue)]
+
+
+@final
+class JobRequest(BaseModel):
+    """What to do with a study. settings: override those of its study.yaml."""
+
+    model_config = ConfigDict(extra="forbid")
+    study_id: str = Field(min_length=1, max_length=64)
+    kind: str = Field(default="evaluate", min_length=1, max_length=64)
+    settings: dict[str, Any] = Field(default_factory=dict)
+
+
+@final
+class JobOut(Answer):
+    """progress: 0..1. message: what it does now. place: where in the queue it is, in words. reason: why it did not
+    succeed. revision: grows with every change and is the id of its events."""
+
+    id: str
+    study_id: str
+    kind: str
+    settings: dict[str, Any]
+    state: State
+    progress: float
+    message: str
+    place: str | None = None
+    reason: str | None
+    attempts: int
+    cancel_requested: bool
+    code_version: str
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    revision: int
+    log: str | None = None
+
+    @classmethod
+    def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
+        answer = cls.model_validate({**vars(job), "log": job.log if with_log else None})
+        answer.place = requests.place_in_words(session, job)
+        return answer
+
+
+@final
+class JobList(ListOf):
+    items: list[JobOut]
+
+
+@router.post("", status_code=202, operation_id="submit_job", responses={200: {"model": JobOut}})
+def submit_job(wanted: JobRequest, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
+    """202: a new job. 200: an equal request is queued, running or succeeded already; this is its job."""
+    job, new = requests.submit(store, queue, wanted.study_id, wanted.kind, wanted.settings)
+    return located(JobOut.of(job, store.session), new, request, response)
+
+
+@router.get("", operation_id="list_jobs")
+def list_jobs(
+    store: ReaderDep,
+    cursor: Cursor,
+    limit: Limit = 50,
+    study_id: Annotated[str | None, Query(max_length=64)] = None,
+    state: State | None = None,
+) -> JobList:
+    """Newest first."""
+    page = store.jobs.page(cursor, limit, study_id=study_id, state=state)
+    items = [JobOut.of(job, store.session) for job in page.items]
+    return JobList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/{id}", operation_id="get_job")
+def get_job(id: Id, store: ReaderDep) -> JobOut:
+    """With its log."""
+    return JobOut.of(store.jobs.get(str(id)), store.session, with_log=True)
+
+
+@router.post("/{id}/cancel", operation_id="cancel_job")
+def cancel_job(id: Id, store: StoreDep) -> JobOut:
+    """A queued job ends at once, a running one within a second, an ended one stays as it is."""
+    return JobOut.of(requests.cancel(store, str(id)), store.session)
+
+
+@router.post("/{id}/retry", status_code=202, operation_id="retry_job", responses={200: {"model": JobOut}})
+def retry_job(id: Id, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
+    """A new job with the request of a failed or cancelled one."""
+    job, new = requests.try_again(store, queue, str(id))
+    return located(JobOut.of(job, store.session), new, request, response)
+
+
+def located(job: JobOut, new: bool, request: Request, response: Response) -> JobOut:
+    """Say where the job is to be found, and whether it is new."""
+    response.headers["Location"] = request.app.url_path_for("get_job", id=job.id)
+    response.status_code = 202 if new else 200
+    return job
