@@ -14,7 +14,6 @@ class Coulomb:
     name = "coulomb"
     sentence = "Friction of constant size opposes the motion."
     coefficient = Quantity("tau_c", "N·m", low=0.0)
-    sharp = True
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.direction

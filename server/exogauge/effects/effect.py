@@ -29,13 +29,15 @@ class JointSignals:
 
     drive: (T,) [A], or [N·m] where torque is logged. velocity: (T,) [rad/s]. acceleration: (T,) [rad/s²].
     direction: (T,) sign of the velocity, 0 within the threshold that velocity noise sets (sgn_ε in [Evaluator] (7)).
-    stick: (T,) at rest the sign of the residual torque r ([Evaluator] (8)-(9)), 0 when moving.
+    rest: (T,) 1 - |direction|. stick: (T,) rest times the sign of the residual torque r ([Evaluator] (8)-(9)).
+    Where the drive is low-passed, direction and rest have passed the same filter.
     """
 
     drive: Array
     velocity: Array
     acceleration: Array
     direction: Array
+    rest: Array
     stick: Array
 
 
@@ -43,13 +45,11 @@ class JointEffect(Protocol):
     """One reason why the torque at a joint is what it is. One file each; `EFFECT` is the instance the catalogue finds.
 
     name: identifier, a contract with results.json. sentence: for the user. coefficient: what is estimated.
-    sharp: the column jumps (a sign), so it must pass the low-pass filter that the measurements passed.
     """
 
     name: ClassVar[str]
     sentence: ClassVar[str]
     coefficient: ClassVar[Quantity]
-    sharp: ClassVar[bool]
 
     def column(self, signals: JointSignals) -> Array:
         """(T,) torque delivered to the joint by the actuator per unit of the coefficient, friction negative."""

@@ -17,7 +17,6 @@ class MotorGain:
     name = "motor_gain"
     sentence = "The motor turns current into torque in proportion."
     coefficient = Quantity("k_T", "N·m/A", low=0.0)
-    sharp = False
 
     def column(self, signals: JointSignals) -> Array:
         return signals.drive

@@ -16,7 +16,6 @@ class MotorOffset:
     name = "motor_offset"
     sentence = "The motor amplifier adds a constant torque."
     coefficient = Quantity("tau_o", "N·m")
-    sharp = False
 
     def column(self, signals: JointSignals) -> Array:
         return np.ones_like(signals.drive)

@@ -17,7 +17,6 @@ class RotorInertia:
     name = "rotor_inertia"
     sentence = "The rotor's inertia, seen through the gear, resists acceleration."
     coefficient = Quantity("J_r", "kg·m²", low=0.0)
-    sharp = False
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.acceleration

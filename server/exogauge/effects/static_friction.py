@@ -17,7 +17,6 @@ class StaticFriction:
     name = "static_friction"
     sentence = "At rest, friction holds the joint against what pushes it."
     coefficient = Quantity("tau_s", "N·m", low=0.0)
-    sharp = True
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.stick

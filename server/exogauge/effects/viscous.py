@@ -14,7 +14,6 @@ class Viscous:
     name = "viscous"
     sentence = "Friction grows in proportion to speed."
     coefficient = Quantity("k_d", "N·m·s/rad", low=0.0)
-    sharp = False
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.velocity

@@ -21,6 +21,8 @@ class PriorLeastSquares:
     Solved in x: the prior on s is, for what the data see, a prior on x with covariance D W^{-1} D^T, and the rest of s
     follows (`Prior.lift`). So parameters that the data cannot see are held by construction, not by a small weight.
 
+    information (m, F), target (m,): the data alone, ‖information x_free - target‖², rows divided by their std.
+
     Implements [Evaluator] (15). Differs from print: W_phi has the size of the parameters
     wanted, W_xi that of all joint parameters (5 N_J, more with more effects).
     """
@@ -30,7 +32,7 @@ class PriorLeastSquares:
         self.prior, self.strength = prior, strength
         R, z, rest = statistics.square_root(weights)
         z = z - R[:, known] @ prior.seen_mean[known]
-        self.information = R[:, free]
+        self.information, self.target = R[:, free], z
         offset = z - self.information @ prior.seen_mean[free]
         stacked = np.vstack([self.information, np.sqrt(strength) * prior.whitening])
         target = np.concatenate([offset, np.zeros(len(free))])

@@ -53,6 +53,10 @@ class Statistics:
             self.store[kind] = np.asfortranarray(upper_factor(stacked))
         self.count[kind] += len(block)
 
+    def cleared(self) -> Statistics:
+        """The same parameters and kinds, no rows."""
+        return Statistics.empty(self.size, self.columns, self.form)
+
     def __add__(self, other: Statistics) -> Statistics:
         if self.form == "gram":
             store = [a + b for a, b in zip(self.store, other.store, strict=True)]

@@ -35,7 +35,11 @@ class Parameter:
 @final
 @dataclass(frozen=True)
 class ChannelFit:
-    """RMSE of one predicted channel on one log. channel: `base.fx` … `base.mz` or `tau.<joint>`; unit N or N·m."""
+    """RMSE of one predicted channel on one log. channel: `base.fx` … `base.mz` or `tau.<joint>`; unit N or N·m.
+
+    rest_share: share of samples at which the joint stands still, where only an interval of the torque is predictable;
+    rmse_moving, rmse_at_rest: the identified RMSE of either part.
+    """
 
     channel: str
     unit: str
@@ -44,6 +48,9 @@ class ChannelFit:
     rmse_prior: float
     rmse_identified: float
     noise_floor: float
+    rest_share: float = 0.0
+    rmse_moving: float | None = None
+    rmse_at_rest: float | None = None
 
 
 @final

@@ -14,7 +14,7 @@ from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
 
-Actuation = Literal["current", "torque"]
+Actuation = Literal["current", "torque", "none"]
 JOINT_PARAMETERS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
 
 
@@ -23,6 +23,7 @@ JOINT_PARAMETERS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
 class Joint:
     """One actuated joint. prior, prior_std: by the names in `JOINT_PARAMETERS`, joint-side SI units.
 
+    actuation none: neither current nor torque is logged; the joint moves, and gives no equation of its own.
     A torque-actuated joint has k_T = 1, known. Missing priors are 0 (k_T of a current-actuated joint must be given),
     missing standard deviations are chosen by `identification.prior`.
     """

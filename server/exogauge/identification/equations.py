@@ -1,0 +1,153 @@
+"""The equations of motion of a log as rows: base axes and actuator axes together ([Evaluator] (11), corrected).
+
+    Y_o φ         = F_o
+    Y_j φ - Z ξ   = F_j          Z: one column per effect and axis
+
+expressed in the base link, so that neither its pose nor its velocity is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import JointEffect
+from exogauge.estimation.statistics import Form, Statistics
+from exogauge.identification.preparation import Prepared
+from exogauge.robots.base_parameters import BaseParameters
+from exogauge.robots.description import Robot
+from exogauge.robots.regressor import contact_effect
+from exogauge.robots.row_blocks import Rows
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+Tick = Callable[[float], None]
+
+CHUNK = 500  # samples per batch: a few MB of regressor, whatever the log's length
+
+
+@final
+@dataclass(frozen=True)
+class Equations:
+    """Which parameters each row holds. P = B + A·K parameters x = [φ_b (B), ξ (A, K) axis by axis].
+
+    blocks: regressor rows in the parameters of base. effects: K.
+    Row kinds: 6 base axes if floating, then A actuator axes.
+    """
+
+    robot: Robot
+    blocks: Rows
+    base: BaseParameters
+    effects: Sequence[JointEffect]
+
+    @property
+    def base_size(self) -> int:
+        return len(self.base.columns)
+
+    @property
+    def size(self) -> int:
+        return self.base_size + len(self.robot.joints) * len(self.effects)
+
+    @property
+    def first_axis(self) -> int:
+        return 6 if self.robot.floating else 0
+
+    def effect_columns(self, axis: int) -> IntArray:
+        """Indices in x of the K coefficients of one axis."""
+        return self.base_size + axis * len(self.effects) + np.arange(len(self.effects))
+
+    def columns(self) -> list[IntArray]:
+        """Indices in x of every row kind."""
+        own: list[IntArray] = [np.empty(0, dtype=np.intp)] * self.first_axis
+        own += [self.effect_columns(axis) for axis in range(len(self.robot.joints))]
+        return [np.concatenate([c, e]) for c, e in zip(self.blocks.columns, own, strict=True)]
+
+    def rows(self, prepared: Prepared, x_signs: Array) -> Iterator[tuple[slice, list[Array]]]:
+        """Chunks of (which of the kept samples, per row kind [A_r | y_r] of shape (n, k_r + 1)).
+
+        The blocks are overwritten by the next chunk.
+
+        x_signs: (P,) parameters from which the sign of the static friction is taken, [Evaluator] (8)-(9).
+        Differs from print: the full residual r = u k_T + τ_o - (Y_j φ - F_j); (9) leaves out M_oj^T q̈_o and the
+        acceleration of the other joints.
+        """
+        columns, reused = self.columns(), None
+        for start in range(0, len(prepared.kept), CHUNK):
+            which = slice(start, min(start + CHUNK, len(prepared.kept)))
+            samples = prepared.kept[which]
+            reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + 1, reused)
+            blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=True)]
+            external = external_effect(self.robot, prepared.motion.q[samples], prepared.wrenches[samples])
+            for kind, block in enumerate(blocks):
+                block[:, -1] = external[:, kind]
+                if kind >= self.first_axis:
+                    self._fill_effects(prepared, kind - self.first_axis, samples, block, x_signs[columns[kind]])
+            yield which, blocks
+
+    def collect(
+        self, prepared: Prepared, x_signs: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
+    ) -> list[Statistics]:
+        """Statistics of `folds` consecutive parts of a log. tick: called with the fraction done."""
+        parts = [Statistics.empty(self.size, self.columns(), form) for _ in range(folds)]
+        edges = np.linspace(0, len(prepared.kept), folds + 1).astype(int)
+        for which, blocks in self.rows(prepared, x_signs):
+            for fold, part in enumerate(parts):
+                start, stop = max(edges[fold], which.start), min(edges[fold + 1], which.stop)
+                if start < stop:
+                    for kind, block in enumerate(blocks):
+                        part.add_rows(kind, block[start - which.start : stop - which.start])
+            tick(which.stop / len(prepared.kept))
+        return parts
+
+    def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:
+        """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
+        columns = self.columns()
+        sums = np.zeros((-(-len(prepared.kept) // length), self.size))
+        for which, blocks in self.rows(prepared, x):
+            stretch = np.arange(which.start, which.stop) // length
+            starts = np.flatnonzero(np.diff(stretch, prepend=-1))
+            for kind, block in enumerate(blocks):
+                residual = block[:, -1] - block[:, :-1] @ x[columns[kind]]
+                scored = block[:, :-1] * (weights[kind] * residual)[:, None]
+                sums[np.ix_(stretch[starts], columns[kind])] += np.add.reduceat(scored, starts, axis=0)
+        return sums
+
+    def residuals(self, prepared: Prepared, x: Array) -> Array:
+        """(T_kept, rows) y - A x."""
+        columns = self.columns()
+        residual = np.empty((len(prepared.kept), len(columns)))
+        for which, blocks in self.rows(prepared, x):
+            for kind, block in enumerate(blocks):
+                residual[which, kind] = block[:, -1] - block[:, :-1] @ x[columns[kind]]
+        return residual
+
+    def _fill_effects(self, prepared: Prepared, axis: int, samples: IntArray, block: Array, x_signs: Array) -> None:
+        """Write the effects' columns of one axis; the effect of the stick sign comes from the row without it."""
+        first = block.shape[1] - 1 - len(self.effects)
+        signals = prepared.signals(axis, samples, np.zeros(len(samples)))
+        without_friction = replace(signals, direction=np.zeros(len(samples)))
+        for k, effect in enumerate(self.effects):
+            block[:, first + k] = -effect.column(without_friction)
+        r = block[:, -1] - block[:, :-1] @ x_signs
+        signals = replace(signals, stick=signals.rest * np.sign(r))
+        for k, effect in enumerate(self.effects):
+            block[:, first + k] = -effect.column(signals)
+
+
+def external_effect(robot: Robot, q: Array, wrenches: Array) -> Array:
+    """(T, rows) generalised force of the contact wrenches on base axes (floating) and actuator axes ([Evaluator] (10)).
+
+    q: (T, J). wrenches: (T, S, 6) world on robot, in the frames of the contact sensors.
+    """
+    J = len(robot.joints)
+    base = 6 if robot.floating else 0
+    total = np.zeros((len(q), base + J))
+    contacts = [sensor for sensor in robot.sensors if sensor.role == "contact"]
+    for index, sensor in enumerate(contacts):
+        total += contact_effect(robot.tree, q, sensor.frame, wrenches[:, index])
+    total[:, base:] = total[:, base:] @ np.linalg.inv(robot.axes_from_joints)
+    return total

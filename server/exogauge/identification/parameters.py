@@ -1,0 +1,94 @@
+"""Every identified number under its name, with its doubt, and whether the data or the prior decided it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.estimation.prior import Prior
+from exogauge.identification.equations import Equations
+from exogauge.identification.result import Parameter
+from exogauge.robots.description import Robot
+from exogauge.robots.parameters import parameter_names, parameter_units
+
+Array = NDArray[np.float64]
+
+DECIDED = 0.5  # a parameter is identifiable where data leave at most this share of the prior's std
+TORQUE_SCALED = frozenset({"k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r"})
+
+
+def scale_is_known(robot: Robot) -> bool:
+    """Whether anything measured fixes the scale of all torques: a contact wrench on the base rows, or a joint torque.
+
+    Without it (φ, ξ) times any factor explains the data as well ([Evaluator] 3.1; rank deficit of exactly one).
+    """
+    contact = robot.floating and any(sensor.role == "contact" for sensor in robot.sensors)
+    return contact or any(joint.actuation == "torque" for joint in robot.joints)
+
+
+def describe(equations: Equations, prior: Prior, standard: Array, covariance: Array) -> tuple[Parameter, ...]:
+    """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth."""
+    robot, effects = equations.robot, equations.effects
+    names = list(parameter_names(robot.tree))
+    units = list(parameter_units(robot.tree))
+    for joint in robot.joints:
+        names += [f"{effect.coefficient.name}[{joint.name}]" for effect in effects]
+        units += [coefficient_unit(effect.coefficient.unit, joint.actuation) for effect in effects]
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    known_scale = scale_is_known(robot)
+    unmeasured = {f"[{joint.name}]" for joint in robot.joints if joint.actuation == "none"}
+    single = [
+        Parameter(
+            name=name,
+            value=float(standard[i]),
+            std=float(std[i]),
+            unit=units[i],
+            prior=float(prior.mean[i]),
+            prior_std=float(prior.std[i]),
+            identifiable=bool(
+                known_scale
+                and prior.std[i] > 0.0
+                and std[i] <= DECIDED * prior.std[i]
+                and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in unmeasured))
+            ),
+        )
+        for i, name in enumerate(names)
+    ]
+    return (*single, *_base_parameters(equations, prior, standard, covariance, names, units, known_scale))
+
+
+def coefficient_unit(unit: str, actuation: str) -> str:
+    """k_T of a joint whose torque is logged is a pure number."""
+    return "1" if unit == "N·m/A" and actuation != "current" else unit
+
+
+def _base_parameters(
+    equations: Equations,
+    prior: Prior,
+    standard: Array,
+    covariance: Array,
+    names: list[str],
+    units: list[str],
+    known_scale: bool,
+) -> list[Parameter]:
+    """The combinations of inertial parameters that the equations see, named after their leading one."""
+    base, size = equations.base, equations.robot.tree.phi.size
+    result = []
+    for row, leading in zip(base.regroup, base.columns, strict=True):
+        used = np.flatnonzero(row)
+        variance = float(row[used] @ covariance[np.ix_(used, used)] @ row[used])
+        prior_std = float(np.sqrt(np.sum((row[used] * prior.std[used]) ** 2)))
+        std = float(np.sqrt(max(variance, 0.0)))
+        result.append(
+            Parameter(
+                name=f"base[{names[leading]}]",
+                value=float(row @ standard[:size]),
+                std=std,
+                unit=units[leading],
+                prior=float(row @ prior.mean[:size]),
+                prior_std=prior_std,
+                identifiable=known_scale and std <= DECIDED * prior_std,
+                combination={names[j]: float(row[j]) for j in used},
+            )
+        )
+    return result

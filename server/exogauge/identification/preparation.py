@@ -1,0 +1,189 @@
+"""From a log to what the equations take: filtered alike on both sides, differentiated, on actuator axes, decimated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import JointSignals
+from exogauge.errors import BadLog, Fault
+from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.derivatives import derivative_noise_gain, differentiate, differentiate_twice
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.model import Log
+from exogauge.logs.noise import white_noise_std
+from exogauge.robots.description import Robot
+from exogauge.robots.motion import Motion
+
+Array = NDArray[np.float64]
+
+DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
+THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
+THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
+LONGEST_STEP = 1.5  # nominal sampling steps: a longer one is a gap
+
+
+@final
+@dataclass(frozen=True)
+class Prepared:
+    """One log at its own rate, low-passed; A = J actuator axes, S contact sensors.
+
+    motion: filtered and differentiated. drive: (T, A) [A, or N·m where torque is logged], filtered.
+    axis_velocity, axis_acceleration: (T, A).
+    direction: (T, A) sgn_ε of the axis velocity; rest: (T, A) 1 - |direction|; both through the filter that the drive
+    passed, because a sign jumps where a low-passed torque cannot.
+    wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
+    raw_drive, raw_direction, raw_wrenches: not filtered.
+    kept: samples that enter a fit (settled ends left out, decimated).
+    """
+
+    log: Log
+    low_pass: LowPass
+    motion: Motion
+    drive: Array
+    axis_velocity: Array
+    axis_acceleration: Array
+    direction: Array
+    rest: Array
+    wrenches: Array
+    raw_drive: Array
+    raw_direction: Array
+    raw_wrenches: Array
+    kept: NDArray[np.intp]
+
+    def signals(self, axis: int, samples: slice | NDArray[np.intp], stick: Array) -> JointSignals:
+        """What the effects of one axis see of the low-passed log."""
+        return JointSignals(
+            drive=self.drive[samples, axis],
+            velocity=self.axis_velocity[samples, axis],
+            acceleration=self.axis_acceleration[samples, axis],
+            direction=self.direction[samples, axis],
+            rest=self.rest[samples, axis],
+            stick=stick,
+        )
+
+    def raw_signals(self, axis: int, samples: slice, stick: Array) -> JointSignals:
+        """The same with the drive and the signs as they are without the low-pass."""
+        direction = self.raw_direction[samples, axis]
+        return replace(
+            self.signals(axis, samples, stick),
+            drive=self.raw_drive[samples, axis],
+            direction=direction,
+            rest=1.0 - np.abs(direction),
+        )
+
+
+def needed_channels(robot: Robot) -> tuple[str, ...]:
+    """Names of the channels without which `robot` cannot be identified."""
+    names = [f"q.{joint.name}" for joint in robot.joints]
+    names += [f"{DRIVE[joint.actuation]}.{joint.name}" for joint in robot.joints if joint.actuation != "none"]
+    if robot.floating:
+        names += [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
+    names += [name for sensor in robot.sensors if sensor.role == "contact" for name in wrench_channels(sensor.name)]
+    return tuple(names)
+
+
+def wrench_channels(sensor: str) -> tuple[str, ...]:
+    return tuple(f"ft.{sensor}.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz"))
+
+
+def choose_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
+    """[Hz] the highest cut-off that the positions of any fitted log call for."""
+    names = [f"q.{joint.name}" for joint in robot.joints]
+    return max(suggest_cutoff(log.stack(names), log.rate_hz) for log in logs)
+
+
+def velocity_threshold(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Array:
+    """(A,) [rad/s] below which an axis counts as at rest, from the measured noise of its velocity."""
+    joints = [f"q.{joint.name}" for joint in robot.joints]
+    noise, top = np.zeros(len(joints)), np.zeros(len(joints))
+    for log in logs:
+        q, low_pass = log.stack(joints), LowPass(cutoff_hz, log.rate_hz)
+        gain = derivative_noise_gain(low_pass, 1)
+        std = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in q.T])
+        if "q" in robot.noise:
+            std = np.maximum(std, robot.noise["q"])
+        noise = np.maximum(noise, gain * std)
+        top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
+    mixing = np.abs(robot.axes_from_joints)
+    axis_noise = np.sqrt(mixing**2 @ noise**2)
+    return np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
+
+
+def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepared:
+    """Filter, differentiate, transform to the base link and to the actuator axes. threshold: (A,) [rad/s]."""
+    require_even_clock(log)
+    missing = [name for name in needed_channels(robot) if not log.has(name)]
+    if missing:
+        advice = "Add the column, or describe the robot without it in robot.yaml."
+        raise BadLog([Fault("this column is missing", "missing_channel", advice, log.name, column=m) for m in missing])
+    low_pass = LowPass(cutoff_hz, log.rate_hz)
+    names = [joint.name for joint in robot.joints]
+    q = low_pass.apply(log.stack([f"q.{name}" for name in names]))
+    dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
+    acc, gyro, gyro_dot = _base_motion(robot, log, low_pass)
+    C = robot.axes_from_joints
+    raw_drive = _drive_on_axes(robot, log)
+    contacts = [sensor for sensor in robot.sensors if sensor.role == "contact"]
+    raw_wrenches = np.zeros((log.samples, len(contacts), 6))
+    for index, sensor in enumerate(contacts):
+        raw_wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
+    axis_velocity = dq @ C.T
+    direction = np.where(np.abs(axis_velocity) < threshold, 0.0, np.sign(axis_velocity))
+    settle = min(low_pass.settle_samples, log.samples // 10)
+    return Prepared(
+        log=log,
+        low_pass=low_pass,
+        motion=Motion(q, dq, ddq, acc, gyro, gyro_dot),
+        drive=low_pass.apply(raw_drive),
+        axis_velocity=axis_velocity,
+        axis_acceleration=ddq @ C.T,
+        direction=low_pass.apply(direction),
+        rest=low_pass.apply(1.0 - np.abs(direction)),
+        wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
+        raw_drive=raw_drive,
+        raw_direction=direction,
+        raw_wrenches=raw_wrenches,
+        kept=np.arange(settle, log.samples - settle, low_pass.decimation()),
+    )
+
+
+def require_even_clock(log: Log) -> None:
+    """Derivatives need a clock without gaps."""
+    step = np.diff(log.time)
+    nominal = float(np.median(step))
+    late = np.flatnonzero(step > LONGEST_STEP * nominal)
+    if late.size:
+        row = int(late[0]) + 2
+        detail = f"{late.size} gaps in time; the first lasts {step[late[0]]:.6g} s where {nominal:.6g} s is usual"
+        raise BadLog(Fault(detail, "time_gap", "Cut the log at its gaps or resample it.", log.name, row, "t"))
+
+
+def _drive_on_axes(robot: Robot, log: Log) -> Array:
+    """(T, A): motor currents belong to axes already; joint torques are brought there by C^{-T}."""
+    drive = np.zeros((log.samples, len(robot.joints)))
+    torque = np.array([joint.actuation == "torque" for joint in robot.joints])
+    for index, joint in enumerate(robot.joints):
+        if joint.actuation != "none":
+            drive[:, index] = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
+    if torque.any():
+        to_axes = np.linalg.inv(robot.axes_from_joints)
+        drive[:, torque] = drive[:, torque] @ to_axes[np.ix_(torque, torque)]
+    return drive
+
+
+def _base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:
+    """Proper acceleration of the base link's origin, angular velocity and acceleration, in the base frame (T, 3)."""
+    if robot.T_base_imu is None:
+        still = np.zeros((log.samples, 3))
+        return np.tile([0.0, 0.0, 9.81], (log.samples, 1)), still, still
+    R, r = robot.T_base_imu.rotation, robot.T_base_imu.translation
+    gyro = low_pass.apply(log.stack(["gyro.x", "gyro.y", "gyro.z"])) @ R.T
+    f_imu = low_pass.apply(log.stack(["acc.x", "acc.y", "acc.z"])) @ R.T
+    gyro_dot = differentiate(gyro, log.rate_hz)
+    acc = f_imu - np.cross(gyro_dot, r) - np.cross(gyro, np.cross(gyro, r))
+    return acc, gyro, gyro_dot

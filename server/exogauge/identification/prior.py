@@ -1,0 +1,156 @@
+"""What is believed of every parameter before the data: the maker's values and how far they may be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import JointEffect
+from exogauge.estimation.prior import Prior
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.preparation import Prepared
+from exogauge.robots.base_parameters import BaseParameters
+from exogauge.robots.description import Joint, Robot
+
+Array = NDArray[np.float64]
+
+INERTIAL_STD = 0.25  # relative, where the maker gives none
+GAIN_STD = 0.2  # relative, of k_T
+GYRATION_FLOOR_M = 0.03  # a link is not a point, even if its file says so
+MASS_FLOOR_SHARE = 0.05  # of the mean link mass, for the spread of links given (almost) no mass
+
+
+@final
+@dataclass(frozen=True)
+class Scales:
+    """Typical sizes seen on each actuator axis, (A,): what a friction could be at all.
+
+    torque [N·m], velocity [rad/s], acceleration [rad/s²].
+    """
+
+    torque: Array
+    velocity: Array
+    acceleration: Array
+
+
+def scales(robot: Robot, logs: Sequence[Prepared]) -> Scales:
+    """Root mean squares over the fitted logs, with the a-priori k_T where currents are logged."""
+
+    def rms(columns: Sequence[Array]) -> Array:
+        return np.asarray(np.sqrt(np.mean(np.vstack(columns) ** 2, axis=0)) + 1e-9)
+
+    k_T = np.array([joint_prior(joint, "k_T") for joint in robot.joints])
+    return Scales(
+        torque=np.abs(k_T) * rms([log.drive[log.kept] for log in logs]),
+        velocity=rms([log.axis_velocity[log.kept] for log in logs]),
+        acceleration=rms([log.axis_acceleration[log.kept] for log in logs]),
+    )
+
+
+def joint_prior(joint: Joint, name: str) -> float:
+    """A-priori value of one joint parameter; k_T is 1 by definition where torque is logged."""
+    if name == "k_T" and joint.actuation != "current":
+        return 1.0
+    return float(joint.prior.get(name, 0.0))
+
+
+def per_parameter(robot: Robot, base: BaseParameters, effects: Sequence[JointEffect], seen: Scales) -> Prior:
+    """A standard deviation for every parameter: the maker's where given, else a spread that its size suggests."""
+    mean = np.concatenate([robot.tree.phi.ravel(), _joint_means(robot, effects).ravel()])
+    std = np.concatenate([inertial_std(robot).ravel(), _joint_stds(robot, effects, seen).ravel()])
+    return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects)))
+
+
+def hold_scale(robot: Robot, effects: Sequence[JointEffect], prior: Prior, seen: Scales) -> tuple[Prior, str]:
+    """The prior with the most loaded joint's k_T held, and a sentence for the user.
+
+    Where only currents are measured, (φ, ξ) times any factor solves the equations, zero too, and least squares would
+    shrink everything to suit the noise. One number must be believed; all others then follow it.
+    """
+    joint = int(np.argmax(seen.torque))
+    gain = [effect.name for effect in effects].index("motor_gain")
+    std = prior.std.copy()
+    std[robot.tree.phi.size + joint * len(effects) + gain] = 0.0
+    return Prior(prior.mean, std, prior.seen), (
+        "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
+        f"common factor. The maker's k_T of {robot.joints[joint].name} was taken as exact and everything follows it. "
+        "Log a force/torque sensor, or move a known load, to fix the factor."
+    )
+
+
+def as_printed(robot: Robot, prior: Prior, statistics: Statistics, weights: Array, base_size: int, K: int) -> Prior:
+    """The uniform weights of [Evaluator] (16)-(17): one for φ, one for each kind of joint parameter.
+
+    Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j); offsets and signs weigh
+    N_T σ_max(W_j). All w are 1 here; the common factor is the prior's strength.
+    """
+    G, _, _ = statistics.normal(weights)
+    D = prior.seen
+    inertial = D[:base_size, : robot.tree.phi.size]
+    largest = np.linalg.eigvalsh(inertial.T @ G[:base_size, :base_size] @ inertial)[-1]
+    std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
+    information = np.diag(G)[base_size:].reshape(-1, K)
+    kind_weight = np.maximum(information.max(axis=0), 1e-300)
+    std[robot.tree.phi.size :] = np.tile(1.0 / np.sqrt(kind_weight), len(robot.joints))
+    return Prior(prior.mean, np.where(prior.std == 0.0, 0.0, std), D)
+
+
+def seen_matrix(base: BaseParameters, joint_parameters: int) -> Array:
+    """D with x = D [φ; ξ]: base parameters of φ, ξ itself."""
+    B, standard = base.regroup.shape
+    D = np.zeros((B + joint_parameters, standard + joint_parameters))
+    D[:B, :standard] = base.regroup
+    D[B:, standard:] = np.eye(joint_parameters)
+    return D
+
+
+def inertial_std(robot: Robot) -> Array:
+    """(N, 10) standard deviations from a relative spread ρ per link.
+
+    m: ρ m. First moments: a centre of mass wrong by ρ times the radius of gyration, and the mass's own error.
+    Inertia: ρ times what the elements can differ by, the largest principal moment about the origin.
+    """
+    phi = robot.tree.phi
+    rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
+    floor = MASS_FLOOR_SHARE * phi[:, 0].mean()
+    m = np.maximum(phi[:, 0], floor)
+    c = phi[:, 1:4] / m[:, None]
+    trace = phi[:, 4] + phi[:, 6] + phi[:, 9]
+    about_com = np.maximum(trace - 2.0 * m * np.sum(c**2, axis=1), 0.0)
+    gyration = np.maximum(np.sqrt(0.5 * about_com / m), GYRATION_FLOOR_M)
+    std = np.empty_like(phi)
+    std[:, 0] = rho * m
+    std[:, 1:4] = np.sqrt((rho * m * gyration)[:, None] ** 2 + (rho[:, None] * phi[:, 1:4]) ** 2)
+    size = m * (gyration**2 + np.sum(c**2, axis=1))
+    std[:, 4:] = rho[:, None] * np.maximum(np.abs(phi[:, 4:]), 0.5 * size[:, None])
+    return std
+
+
+def _joint_means(robot: Robot, effects: Sequence[JointEffect]) -> Array:
+    names = [effect.coefficient.name for effect in effects]
+    return np.array([[joint_prior(j, name) for name in names] for j in robot.joints])
+
+
+def _joint_stds(robot: Robot, effects: Sequence[JointEffect], seen: Scales) -> Array:
+    """(A, K): the maker's spread, or as large as the torque that was seen could make the coefficient."""
+    possible = {
+        "k_d": seen.torque / seen.velocity,
+        "J_r": seen.torque / seen.acceleration,
+    }
+    std = np.empty((len(robot.joints), len(effects)))
+    for a, joint in enumerate(robot.joints):
+        for k, effect in enumerate(effects):
+            name = effect.coefficient.name
+            if name == "k_T" and joint.actuation != "current":
+                std[a, k] = 0.0
+            elif name in joint.prior_std:
+                std[a, k] = joint.prior_std[name]
+            elif name == "k_T":
+                std[a, k] = GAIN_STD * abs(joint_prior(joint, name))
+            else:
+                std[a, k] = possible.get(name, seen.torque)[a]
+    return std

@@ -1,0 +1,123 @@
+import numpy as np
+import pytest
+
+from exogauge.errors import BadLog, BadStudy
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+
+JOINTS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
+
+
+def by_name(result):
+    return {parameter.name: parameter for parameter in result.parameters}
+
+
+def truth_of(truth, parameter):
+    """The true value of a standard, joint or base parameter, from its name alone."""
+    if parameter.combination:
+        return sum(c * true_standard(truth, name) for name, c in parameter.combination.items())
+    return true_standard(truth, parameter.name)
+
+
+def true_standard(truth, name):
+    kind, subject = name[:-1].split("[")
+    if kind in truth.xi:
+        return truth.xi[kind][[j.name for j in truth.robot.joints].index(subject)]
+    element = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz").index(kind)
+    return truth.phi[truth.robot.tree.bodies.index(subject), element]
+
+
+def fit(truth, make_log, noise, settings=None, fitted=(1, 2), held_out=(9,)):
+    recordings = [Recording(make_log(truth, seed, noise=noise), False) for seed in fitted]
+    recordings += [Recording(make_log(truth, seed, noise=noise), True) for seed in held_out]
+    return identify(truth.robot, recordings, settings or Settings(cutoff_hz=8.0))
+
+
+@pytest.mark.parametrize("floating", [True, False])
+def test_known_truth_comes_back_without_noise(make_truth, make_log, floating):
+    truth = make_truth(floating, actuation="current" if floating else "torque")
+    result = fit(truth, make_log, noise=0.0, settings=Settings(cutoff_hz=8.0, prior_strength=1e-6))
+    for parameter in result.parameters:
+        if parameter.combination or parameter.name.split("[")[0] in JOINTS:
+            true = truth_of(truth, parameter)
+            share = 0.06 if parameter.name.startswith("tau_s") else 0.02  # stops are few, and filtered
+            assert abs(parameter.value - true) < max(share * abs(true), 0.03), parameter.name
+
+
+def test_most_intervals_hold_the_truth(make_truth, make_log):
+    truth = make_truth(floating=True, joints=3, seed=3)
+    result = fit(truth, make_log, noise=1.0)
+    decided = [p for p in result.parameters if p.identifiable]
+    inside = [abs(p.value - truth_of(truth, p)) < 1.96 * p.std for p in decided]
+    assert len(decided) > 30
+    assert np.mean(inside) > 0.85
+
+
+def test_held_out_error_shrinks_to_the_noise(make_truth, make_log):
+    truth = make_truth(floating=True, seed=4)
+    result = fit(truth, make_log, noise=1.0)
+    for one in result.validation:
+        if one.held_out and one.channel.startswith("base"):
+            assert one.rmse_identified < 1.2 * one.noise_floor
+            assert one.rmse_identified < 0.5 * one.rmse_prior
+
+
+def test_coupled_axes_get_their_own_friction(make_truth, make_log):
+    C = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.7, 1.0]])
+    truth = make_truth(floating=False, actuation="torque", seed=5, coupling=C)
+    values = by_name(fit(truth, make_log, noise=0.1, settings=Settings(cutoff_hz=8.0)))
+    for joint, k_d in zip(("j1", "j2", "j3"), truth.xi["k_d"], strict=True):
+        assert values[f"k_d[{joint}]"].value == pytest.approx(k_d, rel=0.05)
+
+
+def test_the_sign_of_static_friction_is_found_from_the_residual(make_truth, make_log):
+    truth = make_truth(floating=True, seed=6)
+    values = by_name(fit(truth, make_log, noise=0.5))
+    for joint, tau_s in zip(("j1", "j2", "j3"), truth.xi["tau_s"], strict=True):
+        assert values[f"tau_s[{joint}]"].value == pytest.approx(tau_s, rel=0.1)
+
+
+def test_currents_alone_on_a_fixed_robot_do_not_fix_the_scale(make_truth, make_log):
+    result = fit(make_truth(floating=False), make_log, noise=0.5)
+    assert not any(p.identifiable for p in result.parameters)
+    assert any("common factor" in warning for warning in result.warnings)
+
+
+def test_accurate_mode_agrees_with_the_statistics(make_truth, make_log):
+    truth = make_truth(floating=True, seed=7)
+    fast = fit(truth, make_log, 1.0, Settings(cutoff_hz=8.0, prior_strength=1.0), fitted=(1,), held_out=())
+    exact = fit(
+        truth, make_log, 1.0, Settings(cutoff_hz=8.0, prior_strength=1.0, solver="rows"), fitted=(1,), held_out=()
+    )
+    for a, b in zip(fast.parameters, exact.parameters, strict=True):
+        assert abs(a.value - b.value) < 1e-5 * a.std + 1e-12, a.name
+
+
+def test_every_link_is_possible_when_asked_for(make_truth, make_log):
+    truth = make_truth(floating=True, seed=8)
+    result = fit(truth, make_log, 3.0, Settings(cutoff_hz=8.0, consistency="physical"), fitted=(1,))
+    assert all(result.consistent_links)
+    held_out = [one for one in result.validation if one.held_out and one.channel == "base.mx"]
+    assert held_out[0].rmse_identified < 0.7 * held_out[0].rmse_prior
+
+
+def test_the_printed_prior_also_beats_the_maker(make_truth, make_log):
+    truth = make_truth(floating=True, seed=9)
+    result = fit(truth, make_log, 1.0, Settings(cutoff_hz=8.0, prior="as_printed"))
+    for one in result.validation:
+        if one.held_out and one.channel.startswith("base"):
+            assert one.rmse_identified < 0.6 * one.rmse_prior
+
+
+def test_a_missing_channel_is_named(make_truth, make_log):
+    truth = make_truth(floating=True)
+    log = make_log(truth, 1, seconds=5.0)
+    channels = {name: values for name, values in log.channels.items() if name != "gyro.y"}
+    with pytest.raises(BadLog, match=r"gyro\.y"):
+        identify(truth.robot, [Recording(type(log)(log.name, log.time, channels), False)], Settings(cutoff_hz=8.0))
+
+
+def test_nothing_to_fit_is_refused(make_truth, make_log):
+    truth = make_truth(floating=True)
+    with pytest.raises(BadStudy, match="no log to identify from"):
+        identify(truth.robot, [Recording(make_log(truth, 1, seconds=5.0), True)], Settings())
