@@ -34,7 +34,7 @@ class Input:
 
 @final
 class Bundle:
-    """root: folder that holds the study file; study_file: its name there. A zip's unpacked copy goes with the bundle."""
+    """root: folder that holds study_file. A zip's unpacked copy ends with the bundle."""
 
     def __init__(self, root: Path, study_file: str, temporary: Path | None = None) -> None:
         self.root, self.study_file = root.resolve(), study_file

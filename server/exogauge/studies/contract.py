@@ -168,7 +168,9 @@ class Transmission(_Part):
         if len(self.matrix) != size or any(len(row) != size for row in self.matrix):
             raise ValueError(f"the matrix must be {size} x {size}: one row (motor) and one column per joint")
         if any(self.matrix[i][i] == 0.0 for i in range(size)):
-            raise ValueError("a motor's own gear (the matrix's diagonal) cannot be 0; order the joints like their motors")
+            raise ValueError(
+                "a motor's own gear (the matrix's diagonal) cannot be 0; order the joints like their motors"
+            )
         return self
 
 

@@ -130,7 +130,9 @@ def log_names(file: StudyFile, name: str, data: bytes) -> tuple[str, ...]:
         if each in names[:k]:
             row = place(data, ("logs", k))
             raise BadStudy(
-                Fault(f"two logs would be named {each!r}", "duplicate_log", "Give one a `name`.", name, row, f"logs.{k}")
+                Fault(
+                    f"two logs would be named {each!r}", "duplicate_log", "Give one a `name`.", name, row, f"logs.{k}"
+                )
             )
     return tuple(names)
 
@@ -139,18 +141,22 @@ def _stem(entry: LogEntry) -> str:
     base = entry.file[0].rsplit("/", 1)[-1]
     for ending in (".gz", ".csv", ".parquet", ".txt", ".tsv", ".log"):
         base = base.removesuffix(ending)
-    plain = "".join(sign if sign.isalnum() and sign.isascii() or sign in "_.+-" else "_" for sign in base)
+    plain = "".join(sign if (sign.isalnum() and sign.isascii()) or sign in "_.+-" else "_" for sign in base)
     return plain.lstrip(".+-")[:80] or "log"
 
 
 def _steps(file: StudyFile, name: str, data: bytes) -> tuple[Step, ...]:
     """identify now; what a later version adds is skipped and says so."""
-    asked = file.steps or [step for step in STEPS if step == "identify" or file.device is not None]
-    if "identify" in asked and not any(entry.role == "identification" for entry in file.logs):
+    asked = file.steps or STEPS
+    if "identify" not in asked:
+        row = place(data, ("steps",))
+        advice = "Every step of this version starts with `identify`: add it, or leave `steps` out."
+        raise BadStudy(Fault("nothing to do", "no_step", advice, name, row, "steps"))
+    if not any(entry.role == "identification" for entry in file.logs):
         row = place(data, ("logs",))
-        advice = "Give at least one log role: identification."
+        advice = "Give at least one log `role: identification`."
         raise BadStudy(Fault("no log to identify from", "no_identification_log", advice, name, row, "logs"))
-    return tuple(Step(step, None if step == "identify" else NOT_IN_THIS_VERSION) for step in asked)
+    return tuple(Step(step, None if step == "identify" else NOT_IN_THIS_VERSION) for step in STEPS if step in asked)
 
 
 def read_recordings(study: Study) -> list[Recording]:

@@ -14,6 +14,7 @@ from exogauge.errors import BadRobot, Fault
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
+from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.contract import RobotFile, SensorEntry
 from exogauge.studies.yaml_file import MAX_BYTES, Pointer, dotted, load_yaml, place, suggestion
@@ -49,20 +50,43 @@ def read_robot(bundle: Bundle, name: str, *, named_in: str | None = None) -> tup
     page = _Page(name, data)
     _refuse_repeated(entry, page)
     urdf = bundle.read(entry.urdf, limit=MAX_URDF_BYTES, named_in=name, column="urdf")
+    base_link, urdf_name = _check_names(entry, urdf, page)
     tree = load_tree(
         urdf,
         joints=tuple(joint.name for joint in entry.joints),
-        base_link=entry.base_link,
+        base_link=base_link,
         floating=entry.base == "floating",
         cut_frames=tuple(sensor.frame for sensor in entry.ft_sensors if sensor.role == "contact"),
         file=entry.urdf,
     )
-    return describe(entry, tree, page), entry, urdf
+    robot = describe(entry, tree, page, name=entry.name or urdf_name or entry.urdf.rsplit("/", 1)[-1])
+    return robot, entry, urdf
 
 
-def describe(entry: RobotFile, tree: RigidTree, page: _Page) -> Robot:
+def _check_names(entry: RobotFile, urdf: bytes, page: _Page) -> tuple[str, str]:
+    """(base link, robot's name in the URDF). The base link of a fixed base is the URDF's root where none is named.
+
+    Names are checked here, because here their line in robot.yaml is known.
+    """
+    robot = read_urdf(urdf, entry.urdf)
+    links = [link.get("name", "") for link in robot.findall("link")]
+    joints = [joint.get("name", "") for joint in robot.findall("joint") if joint.get("type") in MOVING_TYPES]
+    for k, joint in enumerate(entry.joints):
+        if joint.name not in joints:
+            detail = f"the URDF holds no movable joint {joint.name!r}"
+            raise page.fault(detail, "unknown_joint", ("joints", k, "name"), suggestion(joint.name, joints), joint.name)
+    if entry.base_link is not None:
+        if entry.base_link not in links:
+            detail, advice = f"the URDF holds no link {entry.base_link!r}", suggestion(entry.base_link, links)
+            raise page.fault(detail, "unknown_link", ("base_link",), advice, entry.base_link)
+        return entry.base_link, robot.get("name", "")
+    children = {child.get("link") for joint in robot.findall("joint") for child in joint.findall("child")}
+    return next(link for link in links if link not in children), robot.get("name", "")
+
+
+def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot:
     return Robot(
-        name=entry.name or entry.urdf.rsplit("/", 1)[-1].removesuffix(".urdf"),
+        name=name,
         tree=tree,
         joints=tuple(
             Joint(
@@ -143,7 +167,9 @@ def _imu_in_base(entry: RobotFile, tree: RigidTree, page: _Page) -> pin.SE3 | No
     body, T_body_frame = _frame(name, tree, page, ("imu", key))
     if body != 0:
         detail = f"the IMU sits on {tree.bodies[body]!r}, the base link is {tree.bodies[0]!r}"
-        raise page.fault(detail, "imu_not_on_base", ("imu", key), "Name the link that carries the IMU as base_link.", name)
+        raise page.fault(
+            detail, "imu_not_on_base", ("imu", key), "Name the link that carries the IMU as base_link.", name
+        )
     if entry.imu.frame is not None:
         return T_body_frame
     rotation = pin.rpy.rpyToMatrix(np.array(entry.imu.rpy or (0.0, 0.0, 0.0)))
@@ -157,7 +183,9 @@ def _sensor(sensor: SensorEntry, index: int, tree: RigidTree, page: _Page) -> Wr
 
 def _frame(name: str, tree: RigidTree, page: _Page, pointer: Pointer) -> tuple[int, pin.SE3]:
     if name not in tree.frames:
-        raise page.fault(f"the URDF holds no frame {name!r}", "unknown_frame", pointer, suggestion(name, list(tree.frames)))
+        raise page.fault(
+            f"the URDF holds no frame {name!r}", "unknown_frame", pointer, suggestion(name, list(tree.frames))
+        )
     return tree.frames[name]
 
 

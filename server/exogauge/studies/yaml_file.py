@@ -25,7 +25,7 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.yaml_implicit_resolvers = {key: list(value) for key, value in yaml.SafeLoader.yaml_implicit_resolvers.items()}
-_Loader.add_implicit_resolver(  # type: ignore[no-untyped-call]
+_Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float", re.compile(r"^[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+$"), list("-+0123456789")
 )
 
@@ -58,7 +58,7 @@ def dotted(pointer: Sequence[str | int]) -> str:
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """"Did you mean …?" where something is near, otherwise the choices."""
+    """ "Did you mean …?" where something is near, otherwise the choices."""
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     if near:
         return f"Did you mean {near[0]!r}?"
@@ -80,7 +80,7 @@ def _compose(data: bytes, file: str, error: type[BadInput]) -> yaml.Node:
         for event in yaml.parse(text, Loader=_Loader):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MAX_DEPTH:
-                row = event.start_mark.line + 1
+                row = event.start_mark.line + 1 if event.start_mark else None
                 raise TooLarge(Fault(f"nested deeper than {MAX_DEPTH} levels", "yaml_too_deep", "", file, row))
         node = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as problem:
@@ -95,9 +95,9 @@ def _compose(data: bytes, file: str, error: type[BadInput]) -> yaml.Node:
 def _construct(node: yaml.Node) -> Any:
     loader = _Loader("")
     try:
-        return loader.construct_document(node)  # type: ignore[no-untyped-call]
+        return loader.construct_document(node)
     finally:
-        loader.dispose()  # type: ignore[no-untyped-call]
+        loader.dispose()
 
 
 def _expanded_size(node: yaml.Node, known: dict[int, int], open_nodes: set[int]) -> int:

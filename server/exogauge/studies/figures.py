@@ -1,0 +1,148 @@
+"""Drawings of the report as inline SVG; colours are CSS variables, so one drawing serves light, dark and paper.
+
+Like Figs 9-11 of [Evaluator]: measured thick and grey, identified model thin and solid, a-priori model thin and dotted.
+"""
+
+from __future__ import annotations
+
+import io
+import itertools
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from exogauge.identification.result import Prediction
+
+Array = NDArray[np.float64]
+
+BUCKETS = 500
+COLOURS = {  # drawn with the sentinel, shown with the variable of the page's style sheet
+    "--ink": "#010101",
+    "--muted": "#020202",
+    "--line": "#030303",
+    "--measured": "#040404",
+    "--identified": "#050505",
+    "--prior": "#060606",
+}
+_STYLE = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "exogauge",
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "axes.edgecolor": COLOURS["--line"],
+    "axes.labelcolor": COLOURS["--muted"],
+    "xtick.color": COLOURS["--line"],
+    "ytick.color": COLOURS["--line"],
+    "xtick.labelcolor": COLOURS["--muted"],
+    "ytick.labelcolor": COLOURS["--muted"],
+    "text.color": COLOURS["--ink"],
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": COLOURS["--line"],
+    "grid.linewidth": 0.5,
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+
+
+def draw_series(prediction: Prediction, channels: Sequence[str], notes: Mapping[str, str], key: str) -> str:
+    """One panel per channel over time. notes: text at a panel's upper right. key: prefix that makes ids unique."""
+    with matplotlib.rc_context({**_STYLE, "text.parse_math": False}):  # names are text, even with a $ in them
+        figure = Figure(figsize=(9.0, 0.55 + 1.5 * len(channels)), layout="constrained")
+        axes = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, channel in zip(axes, channels, strict=True):
+            _panel(axis, prediction, channel)
+            axis.set_title(label(channel), loc="left", fontsize=9.5, fontweight="bold", color=COLOURS["--ink"], pad=4)
+            axis.set_title(notes.get(channel, ""), loc="right", fontsize=8.5, color=COLOURS["--muted"], pad=4)
+        axes[-1].set_xlabel("time [s]")
+        return _svg(figure, key)
+
+
+def draw_curve(points: Sequence[tuple[float, float]], chosen: float, key: str) -> str:
+    """Score on held-out blocks against the factor on the prior's weight; the chosen factor is marked."""
+    ordered = sorted((factor, score) for factor, score in points if factor > 0 and np.isfinite(score))
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=(5.2, 2.3), layout="constrained")
+        axis = figure.subplots()
+        axis.set_xscale("log")
+        axis.grid(axis="y")
+        factors, scores = [list(column) for column in zip(*ordered, strict=True)]
+        axis.plot(factors, scores, color=COLOURS["--identified"], linewidth=1.3, marker="o", markersize=3.5)
+        if factors[0] <= chosen <= factors[-1]:
+            axis.axvline(chosen, color=COLOURS["--prior"], linewidth=1.0, linestyle=(0, (1, 2)))
+        axis.set_xlabel("factor on the prior's weight")
+        axis.set_ylabel("held-out error, weighted")
+        axis.yaxis.set_major_locator(MaxNLocator(4))
+        return _svg(figure, key)
+
+
+def _panel(axis: Any, prediction: Prediction, channel: str) -> None:
+    lines: tuple[tuple[Mapping[str, Array], str, float, Any], ...] = (
+        (prediction.measured, "--measured", 3.2, "-"),
+        (prediction.predicted_prior, "--prior", 1.1, (0, (1.2, 1.4))),
+        (prediction.predicted, "--identified", 1.1, "-"),
+    )
+    axis.grid(axis="y")
+    for values, colour, width, style in lines:
+        if channel in values:
+            time, drawn = thin_out(prediction.time, values[channel])
+            axis.plot(time, drawn, color=COLOURS[colour], linewidth=width, linestyle=style, solid_joinstyle="round")
+    axis.set_ylabel(f"[{prediction.units.get(channel, '')}]")
+    axis.yaxis.set_major_locator(MaxNLocator(4))
+    axis.margins(x=0.0)
+
+
+def thin_out(time: Array, values: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
+    """Smallest and largest value of each bucket, in time order: what the eye would see. For drawing only."""
+    if time.size <= 2 * buckets:
+        return time, values
+    edges = np.linspace(0, time.size, buckets + 1).astype(int)
+    kept = list[int]()
+    for start, stop in itertools.pairwise(edges.tolist()):
+        block = values[start:stop]
+        if np.isfinite(block).any():
+            kept += sorted({start + int(np.nanargmin(block)), start + int(np.nanargmax(block))})
+    return time[kept], values[kept]
+
+
+def label(channel: str) -> str:
+    """`base.my` -> `base moment y`, `tau.torso_pitch` -> `torso_pitch`."""
+    kind, _, rest = channel.partition(".")
+    if kind == "base":
+        return f"base {'force' if rest[:1] == 'f' else 'moment'} {rest[1:]}"
+    return rest if kind == "tau" else channel
+
+
+def _svg(figure: Figure, key: str) -> str:
+    """Bare <svg> for embedding: no fixed size, no metadata, no style sheet of its own, ids prefixed with `key`,
+    the page's font, and variables in place of the sentinel colours."""
+    FigureCanvasSVG(figure)
+    sink = io.StringIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # the browser has more fonts
+        figure.savefig(sink, format="svg", transparent=True, metadata={"Date": None})
+    text = sink.getvalue()
+    box = re.search(r'viewBox="([-\d. ]+)"', text)
+    assert box is not None
+    body = text[text.index(">", text.index("<svg")) + 1 :]
+    body = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", body, flags=re.S)
+    body = re.sub(r'(\bid="|url\(#)', rf"\g<1>{key}-", body)
+    body = body.replace('xlink:href="#', f'href="#{key}-')
+    body = re.sub(r"font: (?:(\d+) )?([\d.]+)px [^;\"]*", _page_font, body)
+    for variable, sentinel in COLOURS.items():
+        body = body.replace(sentinel, f"var({variable})")
+    body = re.sub(r"\s*\n\s*", "\n", body).strip()
+    return f'<svg viewBox="{box.group(1)}" xmlns="http://www.w3.org/2000/svg" aria-hidden="true">{body}'
+
+
+def _page_font(match: re.Match[str]) -> str:
+    weight = f"; font-weight: {match.group(1)}" if match.group(1) else ""
+    return f"font-size: {match.group(2)}px{weight}"

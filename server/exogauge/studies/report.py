@@ -1,0 +1,169 @@
+"""report.html: one file that says what was found, shows it, and says where it came from; no outside requests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import jinja2
+from markupsafe import Markup
+
+from exogauge.identification.result import Identification, Prediction
+from exogauge.studies.figures import draw_curve, draw_series, label
+from exogauge.studies.report_tables import (
+    base_table,
+    figure_channels,
+    fit_tables,
+    joint_table,
+    link_table,
+    unknowns,
+)
+from exogauge.studies.results import Evaluation, Summary, results, summaries
+from exogauge.studies.rounding import significant
+
+MAX_DRAWN_LOGS = 4
+
+_ENVIRONMENT = jinja2.Environment(
+    loader=jinja2.PackageLoader("exogauge.studies", "templates"),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_KIND_WORDS = {"base_moment": "Base moment", "trunk_torque": "Trunk torque", "joint_torque": "Joint torque"}
+
+
+@final
+@dataclass(frozen=True)
+class Drawing:
+    """An inline SVG, the words that stand in for it, and the caption's words."""
+
+    svg: Markup
+    words: str
+    log: str
+    held_out: bool
+
+
+@final
+@dataclass(frozen=True)
+class Tile:
+    """One headline number: RMSE with the maker's values, with the identified ones, and the noise floor."""
+
+    title: str
+    prior: str
+    identified: str
+    floor: str
+    unit: str
+    percent: float
+    floor_percent: float
+    note: str
+
+
+def render_report(evaluation: Evaluation) -> str:
+    found = evaluation.identification
+    content = results(evaluation)
+    joints = [joint.name for joint in evaluation.robot.joints]
+    pooled = summaries(found, joints)
+    columns, rows = joint_table(found, evaluation.robot)
+    held_out = any(fit.held_out for fit in found.validation)
+    return _ENVIRONMENT.get_template("report.html.j2").render(
+        evaluation=evaluation,
+        found=found,
+        content=content,
+        synthetic="synthetic" in evaluation.name.lower(),
+        lead=lead(evaluation, pooled),
+        tiles=[_tile(each) for each in pooled],
+        held_out=held_out,
+        held_out_tables=fit_tables(found, held_out=True),
+        fitted_tables=fit_tables(found, held_out=False),
+        drawings=_drawings(found, pooled, held_out),
+        drawn_logs=MAX_DRAWN_LOGS,
+        joint_columns=columns,
+        joint_rows=rows,
+        link_rows=link_table(found, evaluation.robot),
+        base_rows=base_table(found),
+        unknowns=unknowns(found),
+        curve=_curve(found),
+        sig=significant,
+    )
+
+
+def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
+    """What was identified, from what, and how well it predicts: the report's first sentences."""
+    found = evaluation.identification
+    logs = {prediction.log: prediction.held_out for prediction in found.predictions}
+    fitted = sum(not held_out for held_out in logs.values())
+    joints, links = len(evaluation.robot.joints), len(evaluation.robot.tree.bodies)
+    text = (
+        f"{_count(joints, 'joint')} and {_count(links, 'moving link')} of {evaluation.robot.name} were identified from "
+        f"{_count(found.samples, 'sample')} of {_count(fitted, 'log')}. "
+    )
+    sentences = []
+    for each in (item for item in pooled if item.kind != "joint_torque" or len(pooled) == 1):
+        words = "falls" if each.rmse_identified < each.rmse_prior else "rises"
+        sentences.append(
+            f"the {_KIND_WORDS[each.kind].lower()} error {words} from {significant(each.rmse_prior)} to "
+            f"{significant(each.rmse_identified)} {each.unit} RMSE (noise floor {significant(each.noise_floor, 2)})"
+        )
+    if sentences:
+        held_out = pooled[0].held_out
+        where = f"On {_count(len(pooled[0].logs), 'held-out log')}" if held_out else "On the fitted logs themselves"
+        text += f"{where}, {'; '.join(sentences)}."
+        if not held_out:
+            text += " No log was held out, so this says how well the model fits, not how well it predicts."
+    return text
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", "\u202f")
+
+
+def _tile(each: Summary) -> Tile:
+    longest = max(each.rmse_prior, each.rmse_identified, 1e-300)
+    names = [label(channel) for channel in each.channels]
+    shown = ", ".join(names) if len(names) <= 3 else f"{len(names)} channels"
+    return Tile(
+        _KIND_WORDS[each.kind],
+        significant(each.rmse_prior),
+        significant(each.rmse_identified),
+        significant(each.noise_floor, 2),
+        each.unit,
+        100 * each.rmse_identified / longest,
+        100 * each.noise_floor / longest,
+        shown,
+    )
+
+
+def _drawings(found: Identification, pooled: Sequence[Summary], held_out: bool) -> list[Drawing]:
+    trunk = next((each.channels for each in pooled if each.kind == "trunk_torque"), ())
+    logs = [prediction for prediction in found.predictions if prediction.held_out == held_out]
+    drawings = []
+    for k, prediction in enumerate(logs[:MAX_DRAWN_LOGS]):
+        fits = [fit for fit in found.validation if fit.log == prediction.log]
+        notes = {
+            fit.channel: f"RMSE {significant(fit.rmse_prior)} → {significant(fit.rmse_identified)} {fit.unit}"
+            for fit in fits
+        }
+        for part, channels in zip("ab", figure_channels(fits, trunk), strict=True):
+            present = [channel for channel in channels if channel in prediction.measured]
+            if present:
+                drawings.append(_drawing(prediction, present, notes, f"f{k}{part}"))
+    return drawings
+
+
+def _drawing(prediction: Prediction, channels: Sequence[str], notes: Mapping[str, str], key: str) -> Drawing:
+    shown = "; ".join(f"{label(channel)}: {notes.get(channel, 'no error stated')}" for channel in channels)
+    words = f"Measured, identified and a-priori curves over time on log {prediction.log}. {shown}."
+    return Drawing(Markup(draw_series(prediction, channels, notes, key)), words, prediction.log, prediction.held_out)
+
+
+def _curve(found: Identification) -> dict[str, Any] | None:
+    points = [(factor, score) for factor, score in found.prior_curve if factor > 0.0]
+    if len(points) < 2:
+        return None
+    best = min(points, key=lambda point: point[1])
+    words = (
+        f"Held-out error against the prior's factor; the smallest, {significant(best[1])}, at {significant(best[0])}."
+    )
+    return {"svg": Markup(draw_curve(points, found.prior_strength, "curve")), "words": words, "points": points}

@@ -1,0 +1,216 @@
+"""The report's tables as plain rows of text: what stands in which cell, with the digits a number deserves."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.identification.result import Array, ChannelFit, Identification, Parameter
+from exogauge.robots.description import JOINT_PARAMETERS, Robot
+from exogauge.studies.figures import label
+from exogauge.studies.rounding import rounded, significant, with_std
+
+_NAME = re.compile(r"^(?P<kind>[^\[\]]+)\[(?P<where>.*)\]$")
+JOINT_WORDS = {
+    "k_T": "torque constant",
+    "k_d": "viscous friction",
+    "tau_c": "Coulomb friction",
+    "tau_s": "static friction",
+    "tau_o": "offset",
+    "J_r": "rotor inertia",
+}
+ADVICE = {
+    "link": "Turn the joints around these links through larger angles and faster, in several directions at once; "
+    "with a floating base also tilt and sway the base.",
+    "k_T": "Move these joints with a load that changes: larger accelerations, or against gravity.",
+    "k_d": "Move these joints at more than one speed, slow and fast.",
+    "tau_c": "Let these joints move steadily in both directions.",
+    "tau_s": "Let these joints stand still under load, between movements in both directions.",
+    "tau_o": "Move these joints in both directions through the same angles.",
+    "J_r": "Accelerate these joints harder, at the same posture and speed in both directions.",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Cell:
+    """A number as shown. kept: it stays at (or near) the maker's value, because the data do not decide it."""
+
+    value: str
+    std: str
+    prior: str
+    kept: bool
+
+
+@final
+@dataclass(frozen=True)
+class FitRow:
+    """One channel on one log. bars: percent of the longer one, prior and identified; floor: the tick's place."""
+
+    channel: str
+    unit: str
+    prior: str
+    identified: str
+    floor: str
+    prior_bar: float
+    identified_bar: float
+    floor_bar: float
+    ratio: str
+    worse: bool
+
+
+@final
+@dataclass(frozen=True)
+class LinkRow:
+    link: str
+    mass: Cell | None
+    com_prior: str
+    com: str
+    com_kept: bool
+    possible: bool
+
+
+@final
+@dataclass(frozen=True)
+class Unknown:
+    """What the data cannot tell, of one sort: the places, and what to record to change that."""
+
+    title: str
+    places: tuple[str, ...]
+    advice: str
+
+
+def fit_tables(found: Identification, held_out: bool) -> dict[str, list[FitRow]]:
+    """Log -> one row per channel."""
+    tables: dict[str, list[FitRow]] = defaultdict(list)
+    for fit in found.validation:
+        if fit.held_out == held_out:
+            tables[fit.log].append(_fit_row(fit))
+    return dict(tables)
+
+
+def _fit_row(fit: ChannelFit) -> FitRow:
+    longest = max(fit.rmse_prior, fit.rmse_identified, fit.noise_floor, 1e-300)
+    ratio = fit.rmse_identified / fit.rmse_prior if fit.rmse_prior > 0 else float("nan")
+    return FitRow(
+        label(fit.channel),
+        fit.unit,
+        significant(fit.rmse_prior),
+        significant(fit.rmse_identified),
+        significant(fit.noise_floor, 2),
+        100 * fit.rmse_prior / longest,
+        100 * fit.rmse_identified / longest,
+        100 * fit.noise_floor / longest,
+        significant(ratio, 2),
+        ratio > 1.0,
+    )
+
+
+def joint_table(
+    found: Identification, robot: Robot
+) -> tuple[list[tuple[str, str, str]], list[tuple[str, list[Cell | None]]]]:
+    """(columns as symbol, words, unit; rows as joint, cells)."""
+    known = {parameter.name: parameter for parameter in found.parameters}
+    names = [*JOINT_PARAMETERS, *(name for name in found.joint_values if name not in JOINT_PARAMETERS)]
+    joints = [joint.name for joint in robot.joints]
+    used = [name for name in names if any(f"{name}[{joint}]" in known for joint in joints)]
+    columns = []
+    for name in used:
+        units = dict.fromkeys(known[f"{name}[{joint}]"].unit for joint in joints if f"{name}[{joint}]" in known)
+        columns.append((name, JOINT_WORDS.get(name, name.replace("_", " ")), " or ".join(units)))
+    rows = [(joint, [_cell(known.get(f"{name}[{joint}]")) for name in used]) for joint in joints]
+    return columns, rows
+
+
+def link_table(found: Identification, robot: Robot) -> list[LinkRow]:
+    """Mass and centre of mass of every moving link; a centre of mass has no std here, its parts are in parameters."""
+    known = {parameter.name: parameter for parameter in found.parameters}
+    rows = []
+    for k, link in enumerate(robot.tree.bodies):
+        kept = [not known[f"{axis}[{link}]"].identifiable for axis in ("mx", "my", "mz") if f"{axis}[{link}]" in known]
+        rows.append(
+            LinkRow(
+                link,
+                _cell(known.get(f"m[{link}]")),
+                _com(robot.tree.phi[k, :4]),
+                _com(found.phi[k, :4]),
+                bool(kept) and all(kept),
+                bool(found.consistent_links[k]),
+            )
+        )
+    return rows
+
+
+def base_table(found: Identification) -> list[tuple[str, str, Cell]]:
+    """(leading name, the combination in words, numbers with the unit in the value) of every base parameter."""
+    rows = []
+    for parameter in found.parameters:
+        match = _NAME.match(parameter.name)
+        cell = _cell(parameter)
+        if match and match["kind"] == "base" and cell:
+            value = Cell(f"{cell.value}", f"{cell.std} {parameter.unit}", cell.prior, cell.kept)
+            rows.append((match["where"], combination(parameter.combination), value))
+    return rows
+
+
+def combination(parts: Mapping[str, float], shown: int = 5) -> str:
+    """`m[a] + 0.31 mz[b] − …`, the largest coefficients first."""
+    ordered = sorted(parts.items(), key=lambda item: -abs(item[1]))
+    text = ""
+    for name, factor in ordered[:shown]:
+        size = "" if abs(abs(factor) - 1.0) < 1e-9 else significant(abs(factor), 3) + " "
+        sign = "− " if factor < 0 else ("+ " if text else "")
+        text += f"{' ' if text else ''}{sign}{size}{name}"
+    return text + (f" + {len(ordered) - shown} more" if len(ordered) > shown else "")
+
+
+def unknowns(found: Identification) -> list[Unknown]:
+    """Unidentifiable parameters, by link and by sort of joint parameter, each with advice."""
+    links: dict[str, list[str]] = defaultdict(list)
+    joints: dict[str, list[str]] = defaultdict(list)
+    for name in found.unidentifiable:
+        match = _NAME.match(name)
+        kind, where = (match["kind"], match["where"]) if match else (name, "")
+        if kind == "base":
+            links[f"combination led by {where}"] = []
+        elif kind in JOINT_WORDS or kind in found.joint_values:
+            joints[kind].append(where)
+        else:
+            links[where].append(kind)
+    result = []
+    if links:
+        places = tuple(f"{link}: {', '.join(kinds)}" if kinds else link for link, kinds in links.items())
+        result.append(Unknown("Inertia of links", places, ADVICE["link"]))
+    for kind, places_of in joints.items():
+        title = f"{JOINT_WORDS.get(kind, kind)} {kind}" if kind in JOINT_WORDS else kind
+        result.append(Unknown(title[0].upper() + title[1:], tuple(places_of), ADVICE.get(kind, "")))
+    return result
+
+
+def figure_channels(fits: Sequence[ChannelFit], trunk: Sequence[str], most: int = 4) -> tuple[list[str], list[str]]:
+    """(base moments, joint torques) worth drawing for one log: the trunk's, then those that improved most."""
+    channels = [fit.channel for fit in fits]
+    moments: list[str] = [channel for channel in ("base.mx", "base.my", "base.mz") if channel in channels]
+    torques = [fit for fit in fits if fit.channel.startswith("tau.")]
+    gained = sorted(torques, key=lambda fit: fit.rmse_identified - fit.rmse_prior)
+    chosen = [channel for channel in trunk if channel in channels][:most]
+    chosen += [fit.channel for fit in gained if fit.channel not in chosen][: most - len(chosen)]
+    return moments, chosen
+
+
+def _cell(parameter: Parameter | None) -> Cell | None:
+    if parameter is None:
+        return None
+    value, std = with_std(parameter.value, parameter.std)
+    return Cell(value, std, significant(parameter.prior), not parameter.identifiable)
+
+
+def _com(phi: Array) -> str:
+    """Centre of mass [mm] in the link frame."""
+    mass = float(phi[0])
+    if mass <= 0.0:
+        return "–"
+    return ", ".join(rounded(1000 * float(moment) / mass, 0) for moment in phi[1:4])

@@ -1,0 +1,232 @@
+"""results.json and the result tables: the contract's keys, finite numbers, the same bytes for the same inputs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, is_dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, final
+
+from exogauge.identification.result import ChannelFit, Identification, Parameter
+from exogauge.identification.settings import Settings
+from exogauge.robots.description import JOINT_PARAMETERS, Robot
+from exogauge.studies.bundle import Input
+from exogauge.studies.open import Step
+
+VERSION = 1
+PACKAGES = ("exogauge", "numpy", "scipy", "pin", "pyarrow")
+BASE_MOMENT = ("base.mx", "base.my", "base.mz")
+TRUNK_WORDS = ("torso", "waist", "chest", "lumbar", "trunk", "spine")
+
+
+@final
+@dataclass(frozen=True)
+class Evaluation:
+    """All that an evaluation found: what results.json, the tables and the report are written from.
+
+    findings: of the doctor, as mappings with `log`, `channel`, `severity`, `message` … warnings: in sentences.
+    """
+
+    name: str
+    robot: Robot
+    settings: Settings
+    steps: Sequence[Step]
+    inputs: Sequence[Input]
+    findings: Sequence[Mapping[str, Any]]
+    identification: Identification
+    warnings: Sequence[str]
+    files: Mapping[str, str]
+
+
+@final
+@dataclass(frozen=True)
+class Summary:
+    """RMSE over several channels and logs, pooled over samples. kind: `base_moment`, `trunk_torque`, `joint_torque`."""
+
+    kind: str
+    channels: tuple[str, ...]
+    logs: tuple[str, ...]
+    unit: str
+    held_out: bool
+    rmse_prior: float
+    rmse_identified: float
+    noise_floor: float
+
+
+def results(evaluation: Evaluation) -> dict[str, Any]:
+    """The content of results.json; NaN and infinity become null."""
+    found = evaluation.identification
+    joints = [joint.name for joint in evaluation.robot.joints]
+    content = {
+        "version": VERSION,
+        "name": evaluation.name,
+        "robot": evaluation.robot.name,
+        "software": software(),
+        "inputs": [asdict(each) for each in evaluation.inputs],
+        "steps": [
+            {"step": each.step, "status": "skipped", "reason": each.skipped}
+            if each.skipped
+            else {"step": each.step, "status": "done"}
+            for each in evaluation.steps
+        ],
+        "settings": asdict(evaluation.settings),
+        "warnings": [*evaluation.warnings, *found.warnings],
+        "doctor": list(evaluation.findings),
+        "identification": {
+            "summary": [asdict(each) for each in summaries(found, joints)],
+            "validation": [asdict(fit) for fit in found.validation],
+            "parameters": [parameter_entry(each) for each in found.parameters],
+            "joints": joint_entries(found, joints),
+            "unidentifiable": list(found.unidentifiable),
+            "consistent_links": dict(zip(evaluation.robot.tree.bodies, map(bool, found.consistent_links), strict=True)),
+            "prior_strength": found.prior_strength,
+            "prior_curve": [{"factor": factor, "score": score} for factor, score in found.prior_curve],
+            "rank": found.rank,
+            "condition": found.condition,
+            "samples": found.samples,
+            "cutoff_hz": found.cutoff_hz,
+            "velocity_threshold": [
+                {"joint": joint, "value": float(value), "unit": "rad/s"}
+                for joint, value in zip(joints, found.velocity_threshold, strict=False)
+            ],
+        },
+        "files": dict(evaluation.files),
+    }
+    cleaned = finite(content)
+    assert isinstance(cleaned, dict)
+    return cleaned
+
+
+def parameter_entry(parameter: Parameter) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "name": parameter.name,
+        "value": parameter.value,
+        "std": parameter.std,
+        "unit": parameter.unit,
+        "prior": parameter.prior,
+        "prior_std": parameter.prior_std,
+        "identifiable": bool(parameter.identifiable),
+    }
+    if parameter.combination:
+        entry["combination"] = dict(parameter.combination)
+    return entry
+
+
+def joint_entries(found: Identification, joints: Sequence[str]) -> list[dict[str, Any]]:
+    """{joint, k_T: {value, std, unit}, …} with every joint parameter that was in the model."""
+    known = {parameter.name: parameter for parameter in found.parameters}
+    names = [*JOINT_PARAMETERS, *(name for name in found.joint_values if name not in JOINT_PARAMETERS)]
+    entries = []
+    for joint in joints:
+        entry: dict[str, Any] = {"joint": joint}
+        for name in names:
+            parameter = known.get(f"{name}[{joint}]")
+            if parameter is not None:
+                entry[name] = {
+                    key: getattr(parameter, key) for key in ("value", "std", "unit", "prior", "identifiable")
+                }
+        entries.append(entry)
+    return entries
+
+
+def summaries(found: Identification, joints: Sequence[str]) -> list[Summary]:
+    """Base moment, trunk torque and all joint torques, on held-out logs (on fitted ones where none is held out)."""
+    held_out = any(fit.held_out for fit in found.validation)
+    trunk = tuple(f"tau.{name}" for name in joints if any(word in name.lower() for word in TRUNK_WORDS))
+    kinds = {
+        "base_moment": BASE_MOMENT,
+        "trunk_torque": trunk,
+        "joint_torque": tuple(f"tau.{name}" for name in joints),
+    }
+    samples = {prediction.log: prediction.time.size for prediction in found.predictions}
+    pooled = []
+    for kind, channels in kinds.items():
+        fits = [fit for fit in found.validation if fit.channel in channels and fit.held_out == held_out]
+        if fits:
+            pooled.append(_pool(kind, fits, samples, held_out))
+    return pooled
+
+
+def _pool(kind: str, fits: Sequence[ChannelFit], samples: Mapping[str, int], held_out: bool) -> Summary:
+    weights = [samples.get(fit.log, 1) for fit in fits]
+
+    def rms(values: Iterable[float]) -> float:
+        return math.sqrt(sum(w * x * x for w, x in zip(weights, values, strict=True)) / sum(weights))
+
+    return Summary(
+        kind,
+        tuple(dict.fromkeys(fit.channel for fit in fits)),
+        tuple(dict.fromkeys(fit.log for fit in fits)),
+        fits[0].unit,
+        held_out,
+        rms(fit.rmse_prior for fit in fits),
+        rms(fit.rmse_identified for fit in fits),
+        rms(fit.noise_floor for fit in fits),
+    )
+
+
+def to_json(content: Mapping[str, Any]) -> bytes:
+    return (json.dumps(content, allow_nan=False, ensure_ascii=False, indent=1) + "\n").encode()
+
+
+def parameter_table(found: Identification) -> bytes:
+    """parameters.csv: one row per parameter."""
+    columns = ("name", "value", "std", "unit", "prior", "prior_std", "identifiable")
+    return _csv(columns, ([getattr(each, column) for column in columns] for each in found.parameters))
+
+
+def validation_table(found: Identification) -> bytes:
+    """validation.csv: one row per channel and log."""
+    columns = ("channel", "unit", "log", "held_out", "rmse_prior", "rmse_identified", "noise_floor")
+    return _csv(columns, ([getattr(each, column) for column in columns] for each in found.validation))
+
+
+def _csv(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
+    sink = io.StringIO(newline="")
+    writer = csv.writer(sink, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        writer.writerow([_safe(value) for value in row])
+    return sink.getvalue().encode()
+
+
+def _safe(value: Any) -> Any:
+    """Text that a spreadsheet would take for a formula is quoted; truth values are written as in JSON."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "\t"):
+        return "'" + value
+    return value
+
+
+def software() -> dict[str, str]:
+    """Versions that may change a number."""
+    found = {"python": platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def finite(value: Any) -> Any:
+    """Plain JSON values: numpy numbers become numbers, NaN and infinity null."""
+    if hasattr(value, "tolist") and not isinstance(value, str):
+        value = value.tolist()
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, Mapping):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int):
+        return value
+    return str(value)
