@@ -1,0 +1,154 @@
+"""Doctor's rules on the whole body: the IMU against gravity, the feet against the weight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import g
+
+from exogauge.logs.derivatives import differentiate
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.findings import Expectation, Finding
+from exogauge.logs.model import Log
+from exogauge.logs.resampling import is_even
+
+Array = NDArray[np.float64]
+
+ACC, GYRO = ("acc.x", "acc.y", "acc.z"), ("gyro.x", "gyro.y", "gyro.z")
+WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
+RESTING = 0.3  # of the samples: those with the least rotation
+GRAVITY_TOLERANCE = 0.05
+ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 1000.0}
+TILT_HZ = 1.0  # below that an accelerometer sees the direction of gravity
+TILT_RATE = 0.02  # [rad/s] rms: slower tilting says nothing about the gyro
+WEIGHT_TOLERANCE = 0.1
+SIGN_TOLERANCE = 0.25
+
+
+def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """|acc| while the body turns least must be 9.81 m/s²."""
+    acc = _vector(log, ACC)
+    if acc is None:
+        return
+    size = float(np.median(np.linalg.norm(acc[_at_rest(log, acc)], axis=1)))
+    if abs(size / g - 1.0) <= GRAVITY_TOLERANCE:
+        return
+    units = [unit for unit, at_rest in ACC_UNITS.items() if abs(size / at_rest - 1.0) <= GRAVITY_TOLERANCE]
+    detail = f"|acc| at rest is {size:.4g}, not {g:.2f} m/s²"
+    if units:
+        advice = f"declare the unit as {units[0]} in the mapping"
+        yield Finding("error", "acc", "acceleration_unit", detail, advice, value=size)
+    elif size < 0.1 * g:
+        advice = "gravity was taken out of it; the proper acceleration (+9.81 up at rest) is needed"
+        yield Finding("error", "acc", "gravity_missing", detail, advice, value=size)
+    else:
+        advice = "check its unit and calibration, and that the body really rests at times"
+        yield Finding("warning", "acc", "acceleration_scale", detail, advice, value=size)
+
+
+def acceleration_points_down(log: Log, expected: Expectation) -> Iterator[Finding]:
+    acc = _vector(log, ACC)
+    if acc is None or expected.up_in_imu is None:
+        return
+    mean = np.mean(acc, axis=0)
+    cosine = float(mean @ np.asarray(expected.up_in_imu) / np.linalg.norm(mean))
+    if cosine < -0.5:
+        detail = "points down while the robot stands: an accelerometer at rest measures +9.81 upwards"
+        yield Finding("error", "acc", "acceleration_sign", detail, "reverse its sign in the mapping", value=cosine)
+
+
+def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """The gyro must explain how gravity's direction n moves in the IMU: n x dn/dt = -(w - n (n.w))."""
+    acc, gyro = _vector(log, ACC), _vector(log, GYRO)
+    if acc is None or gyro is None or not is_even(log.time) or log.rate_hz < 10.0 * TILT_HZ:
+        return
+    low_pass = LowPass(TILT_HZ, log.rate_hz)
+    if log.samples < 4 * low_pass.settle_samples:
+        return
+    slow = low_pass.apply(acc)
+    up = slow / np.linalg.norm(slow, axis=1)[:, None]
+    seen = -np.cross(up, differentiate(up, log.rate_hz))
+    omega = low_pass.apply(gyro)
+    omega = omega - up * np.sum(up * omega, axis=1)[:, None]
+    inner = slice(low_pass.settle_samples, -low_pass.settle_samples)
+    seen, omega = seen[inner], omega[inner]
+    if np.sqrt(np.mean(seen**2)) < TILT_RATE or not omega.any():
+        return
+    likeness = float(np.sum(seen * omega) / (np.linalg.norm(seen) * np.linalg.norm(omega)))
+    gain = float(np.linalg.norm(omega) / np.linalg.norm(seen)) * float(np.sign(likeness))
+    if likeness > 0.8 and 40.0 < gain < 80.0:
+        detail = f"turns {gain:.3g} times faster than gravity's direction in the accelerometer"
+        yield Finding(
+            "error", "gyro", "gyro_in_degrees", detail, "declare the unit as deg/s in the mapping", value=gain
+        )
+    elif likeness < -0.8:
+        detail = "turns against the way gravity's direction moves in the accelerometer"
+        advice = "one of the two has its sign or its frame reversed"
+        yield Finding("error", "gyro", "gyro_sign", detail, advice, value=gain)
+    elif likeness > 0.8 and not 0.7 < gain < 1.4:
+        detail = f"turns {gain:.3g} times as fast as gravity's direction in the accelerometer"
+        yield Finding("warning", "gyro", "gyro_scale", detail, "check its unit and scale", value=gain)
+
+
+def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Over a log that starts and ends standing, the mean of the total Fz is m g."""
+    sensors = tuple(expected.contacts)
+    if expected.weight_n is None or not sensors or not log.has(*(f"ft.{name}.fz" for name in sensors)):
+        return
+    signs = np.array([expected.contacts[name] for name in sensors])
+    lifts = signs * np.array([float(np.nanmean(log.channels[f"ft.{name}.fz"])) for name in sensors]) / expected.weight_n
+    ratio = float(lifts.sum())
+    if abs(ratio - 1.0) <= WEIGHT_TOLERANCE:
+        return
+    detail = f"the feet carry {ratio:.3g} of the weight of {expected.weight_n:.4g} N"
+    kilograms = ratio * g
+    if abs(ratio + 1.0) <= SIGN_TOLERANCE:
+        advice = "the wrenches are those of the robot on the world: change `sees` in robot.yaml, or the sign"
+        yield Finding("error", "ft.*", "wrench_sign", detail, advice, value=ratio)
+    elif abs(float(np.abs(lifts).sum()) - 1.0) <= WEIGHT_TOLERANCE:
+        names = ", ".join(name for name, lift in zip(sensors, lifts, strict=True) if lift < 0.0)
+        yield Finding("error", "ft.*", "wrench_sign", detail, f"only {names} has its sign reversed", value=ratio)
+    elif abs(kilograms - 1.0) <= WEIGHT_TOLERANCE:
+        yield Finding("error", "ft.*", "force_unit", detail, "declare the unit as kgf in the mapping", value=ratio)
+    else:
+        yield from _weight_elsewhere(log, expected, sensors, signs, detail, ratio)
+
+
+def _weight_elsewhere(
+    log: Log, expected: Expectation, sensors: Sequence[str], signs: Array, detail: str, ratio: float
+) -> Iterator[Finding]:
+    """The weight found in another column: couple before force, or another axis up."""
+    assert expected.weight_n is not None
+    for axis in WRENCH:
+        names = [f"ft.{name}.{axis}" for name in sensors]
+        if axis == "fz" or not log.has(*names):
+            continue
+        share = float(signs @ np.nanmean(log.stack(names), axis=0)) / expected.weight_n
+        if abs(abs(share) - 1.0) > SIGN_TOLERANCE:
+            continue
+        if axis.startswith("m"):
+            advice = f"the weight is in {axis}: the columns hold the couple first, declare that order in the mapping"
+            yield Finding("error", "ft.*", "couple_first", detail, advice, value=ratio)
+        else:
+            advice = f"the weight is in {axis}: right if that axis of the sensors is upright"
+            yield Finding("warning", "ft.*", "weight_on_another_axis", detail, advice, value=ratio)
+        return
+    advice = "does the robot lean on something else, or is the force scale, the zero or the mass of the URDF wrong?"
+    yield Finding("warning", "ft.*", "weight_differs", detail, advice, value=ratio)
+
+
+def _vector(log: Log, names: tuple[str, str, str]) -> Array | None:
+    """(T, 3), or None where a column or a value is missing."""
+    if not log.has(*names):
+        return None
+    vector = log.stack(names)
+    return vector if np.isfinite(vector).all() and vector.any() else None
+
+
+def _at_rest(log: Log, acc: Array) -> NDArray[np.bool_]:
+    """(T,) the samples with the least rotation; without a gyro, those with the least change of acceleration."""
+    gyro = _vector(log, GYRO)
+    activity = np.linalg.norm(np.gradient(acc, axis=0) if gyro is None else gyro - np.median(gyro, axis=0), axis=1)
+    return np.asarray(activity <= np.quantile(activity, RESTING))

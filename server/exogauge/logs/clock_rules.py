@@ -1,0 +1,62 @@
+"""Doctor's rules on the clock: rate, jitter, gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from exogauge.logs.findings import Expectation, Finding
+from exogauge.logs.model import Log
+
+RATE_TOLERANCE = 0.02
+RATE_WRONG = 0.5  # beyond that the declaration or the unit of time is wrong, not the clock
+JITTER = 0.2  # spread of the periods (1 % to 99 %), of their median
+GAP = 5.0  # median periods
+
+
+def unusable_clock(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Nothing else can be examined if time does not run."""
+    if log.samples < 3:
+        yield Finding("error", "t", "too_short", f"the log has {log.samples} samples", "record at least some seconds")
+        return
+    backwards = ~(np.diff(log.time) > 0.0)
+    if backwards.any():
+        row = int(np.argmax(backwards)) + 2
+        detail = f"time does not increase at {int(backwards.sum())} places, first at {log.time[row - 1]:.6g} s"
+        advice = "sort the rows by time and drop repeated ones; a clock that was reset needs two logs"
+        yield Finding("error", "t", "time_not_increasing", detail, advice, row, float(log.time[row - 1]))
+
+
+def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
+    if expected.rate_hz is None:
+        return
+    ratio = log.rate_hz / expected.rate_hz
+    if abs(ratio - 1.0) > RATE_TOLERANCE:
+        detail = f"sampled at {log.rate_hz:.4g} Hz, declared {expected.rate_hz:.4g} Hz"
+        advice = "is t in seconds? Otherwise correct the declared rate"
+        severe = abs(ratio - 1.0) > RATE_WRONG
+        yield Finding("error" if severe else "warning", "t", "rate_differs", detail, advice, value=log.rate_hz)
+
+
+def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
+    periods = np.diff(log.time)
+    median = float(np.median(periods))
+    low, high = np.quantile(periods[periods < GAP * median], [0.01, 0.99])
+    if high - low > JITTER * median:
+        detail = f"sample periods vary from {1e3 * low:.3g} to {1e3 * high:.3g} ms (median {1e3 * median:.3g} ms)"
+        advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
+        yield Finding("warning", "t", "clock_jitters", detail, advice, value=float(high - low) / median)
+
+
+def clock_has_gaps(log: Log, expected: Expectation) -> Iterator[Finding]:
+    periods = np.diff(log.time)
+    gaps = periods > GAP * np.median(periods)
+    if gaps.any():
+        row = int(np.argmax(periods)) + 1
+        detail = (
+            f"{int(gaps.sum())} gap(s) without samples, the longest {periods[row - 1]:.3g} s "
+            f"after t = {log.time[row - 1]:.6g} s"
+        )
+        advice = "cut the log there: filters and derivatives reach across a gap"
+        yield Finding("warning", "t", "clock_has_gaps", detail, advice, row, float(periods[row - 1]))

@@ -1,0 +1,43 @@
+"""Examine a log before it is believed: every rule over every channel, worst news first."""
+
+from __future__ import annotations
+
+from exogauge.logs import body_rules, clock_rules, joint_rules, signal_rules
+from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity
+from exogauge.logs.model import Log
+
+__all__ = ["Expectation", "Finding", "JointLimits", "Severity", "examine"]
+
+RULES: tuple[Rule, ...] = (
+    clock_rules.rate_differs,
+    clock_rules.clock_jitters,
+    clock_rules.clock_has_gaps,
+    signal_rules.not_finite,
+    signal_rules.dead,
+    signal_rules.frozen,
+    signal_rules.saturated,
+    signal_rules.coarse,
+    joint_rules.beyond_limits,
+    joint_rules.beyond_speed,
+    joint_rules.current_in_milliamperes,
+    joint_rules.velocity_is_another,
+    body_rules.gravity_at_rest,
+    body_rules.acceleration_points_down,
+    body_rules.gyro_against_tilt,
+    body_rules.feet_carry_the_weight,
+)
+ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "note": 2}
+
+
+def examine(log: Log, expectation: Expectation | None = None) -> tuple[Finding, ...]:
+    """All findings, errors first, within a severity in the order of `RULES`.
+
+    Nothing in the log is changed. A healthy log yields notes at most. Where the clock itself is unusable, that is
+    the only finding.
+    """
+    expected = expectation or Expectation()
+    stopped = tuple(clock_rules.unusable_clock(log, expected))
+    if stopped:
+        return stopped
+    findings = [finding for rule in RULES for finding in rule(log, expected)]
+    return tuple(sorted(findings, key=lambda finding: ORDER[finding.severity]))

@@ -1,0 +1,95 @@
+"""What the doctor is told about a robot, and what it says about a log."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.logs.model import Log
+
+Array = NDArray[np.float64]
+Severity = Literal["error", "warning", "note"]
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """One thing seen in a log. error: results would be wrong; warning: they may be; note: good to know.
+
+    channel: contract name, `t` for the clock, `ft.*` for all contact sensors together. rule: a stable short code.
+    row counts data rows from 1. value: the number behind the verdict, its meaning is in `detail`.
+    """
+
+    severity: Severity
+    channel: str
+    rule: str
+    detail: str
+    advice: str
+    row: int | None = None
+    value: float | None = None
+
+
+@final
+@dataclass(frozen=True)
+class JointLimits:
+    """Of one joint. lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown."""
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    velocity: float = np.inf
+
+
+@final
+@dataclass(frozen=True)
+class Expectation:
+    """What a log of this robot should look like; whatever is None or empty is not checked.
+
+    rate_hz: as declared. joints: by name. weight_n: total mass x g [N]. contacts: sign of each contact sensor that
+    carries the standing robot (+1: world on robot). actuation: `current` or `torque` by joint. noise: std by channel
+    kind, as in robot.yaml. up_in_imu: (3,) the upward direction in the IMU frame while the robot stands.
+    """
+
+    rate_hz: float | None = None
+    joints: Mapping[str, JointLimits] = field(default_factory=dict)
+    weight_n: float | None = None
+    contacts: Mapping[str, float] = field(default_factory=dict)
+    actuation: Mapping[str, str] = field(default_factory=dict)
+    noise: Mapping[str, float] = field(default_factory=dict)
+    up_in_imu: tuple[float, float, float] | None = None
+
+
+Rule = Callable[[Log, Expectation], Iterator[Finding]]
+
+
+def kind_of(channel: str) -> str:
+    return channel.partition(".")[0]
+
+
+def joint_channels(log: Log, kind: str) -> dict[str, Array]:
+    """joint name -> (T,) of the channels `<kind>.<joint>`."""
+    return {name.partition(".")[2]: values for name, values in log.channels.items() if kind_of(name) == kind}
+
+
+def varies(values: Array) -> bool:
+    """Whether the finite values differ by more than round-off."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and np.ptp(finite) > 1e-12 * np.max(np.abs(finite)))
+
+
+def first_row(flags: NDArray[np.bool_]) -> int:
+    """The data row, from 1, of the first True."""
+    return int(np.argmax(flags)) + 1
+
+
+def longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """(start, length) of the longest run of True; length 0 where there is none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    if edges.size == 0:
+        return 0, 0
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    longest = int(np.argmax(lengths))
+    return int(starts[longest]), int(lengths[longest])

@@ -1,0 +1,178 @@
+"""Doctor's rules on joints: units of position, velocity and current against the limits, and dq against d(q)/dt."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
+
+from exogauge.logs.bandwidth import FASTEST, suggest_cutoff
+from exogauge.logs.derivatives import derivative_noise_gain, differentiate
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, varies
+from exogauge.logs.model import Log
+from exogauge.logs.noise import white_noise_std
+from exogauge.logs.resampling import is_even
+
+Array = NDArray[np.float64]
+
+MOST_AMPERES = 200.0  # no joint of a robot that a person can stand beside takes more
+LONGEST_LAG_S = 0.25
+UNLIKE = 0.8  # correlation below which dq is not the derivative of q
+LAG_SAMPLES = 1.0  # a backward difference lags by half a sample: that is noted, not warned of
+NOTED_LAG = 0.3
+SCALE = 0.1
+ATTENUATION = 0.8  # of the upper half of the motion's band, against the lower
+MOVES = 5.0  # times the noise of its derivative: only then is there a velocity to compare with
+
+
+def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Positions beyond the joint's limits, or 57 times too large: then degrees."""
+    for joint, values in joint_channels(log, "q").items():
+        limits = expected.joints.get(joint)
+        if limits is None or not np.isfinite(values).any():
+            continue
+        span = limits.upper - limits.lower
+        margin = 0.02 * span + 0.01 if np.isfinite(span) else 0.05
+        outside = (values < limits.lower - margin) | (values > limits.upper + margin)
+        if not outside.any():
+            continue
+        row = first_row(outside)
+        worst = float(np.nanmax(np.maximum(limits.lower - values, values - limits.upper)))
+        in_degrees = np.radians(values)
+        fits = np.nanmin(in_degrees) >= limits.lower - margin and np.nanmax(in_degrees) <= limits.upper + margin
+        if fits and np.isfinite(span) and worst > span:
+            detail = f"goes {worst:.3g} rad beyond the joint's limits, but read as degrees it stays within"
+            advice = "declare the unit as deg in the mapping"
+            yield Finding("error", f"q.{joint}", "degrees", detail, advice, row, float(values[row - 1]))
+        else:
+            detail = f"goes {worst:.3g} beyond its limits [{limits.lower:.3g}, {limits.upper:.3g}]"
+            advice = "check unit, sign and zero of the joint, or the limits of the URDF"
+            yield Finding("warning", f"q.{joint}", "beyond_limits", detail, advice, row, float(values[row - 1]))
+
+
+def beyond_speed(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for joint, values in joint_channels(log, "dq").items():
+        limits = expected.joints.get(joint)
+        if limits is None or limits.velocity <= 0.0:
+            continue
+        outside = np.abs(values) > 1.5 * limits.velocity
+        if np.mean(outside) > 0.01:
+            worst = float(np.nanmax(np.abs(values)))
+            detail = f"reaches {worst:.3g}, the limit is {limits.velocity:.3g}"
+            advice = "is it in rad/s, and on the joint's side of the gear?"
+            yield Finding("warning", f"dq.{joint}", "beyond_speed", detail, advice, first_row(outside), worst)
+
+
+def current_in_milliamperes(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for joint, values in joint_channels(log, "i").items():
+        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        if largest > MOST_AMPERES:
+            advice = "declare the unit as mA in the mapping, if that is what the driver logs"
+            detail = f"reaches {largest:.4g} A"
+            yield Finding("warning", f"i.{joint}", "current_in_milliamperes", detail, advice, value=largest)
+
+
+def velocity_is_another(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """A logged velocity that is not the derivative of the logged position: unlike it, scaled, late, or filtered."""
+    velocities = joint_channels(log, "dq")
+    for joint, position in joint_channels(log, "q").items():
+        if joint in velocities and varies(position):
+            likeness = _likeness(log.time, position, velocities[joint])
+            if likeness is not None:
+                yield from _judge(f"dq.{joint}", likeness, log.rate_hz)
+
+
+@final
+@dataclass(frozen=True)
+class Likeness:
+    """correlation: at the best lag. lag: [samples], positive: dq is late. gain: dq per d(q)/dt.
+
+    treble: gain of the upper half of the motion's band over that of the lower; None where there is no motion.
+    """
+
+    correlation: float
+    lag: float
+    gain: float
+    treble: float | None
+
+
+def _judge(channel: str, like: Likeness, rate_hz: float) -> Iterator[Finding]:
+    use_position = "leave it out: velocities are then taken from the position"
+    if abs(like.correlation) < UNLIKE:
+        detail = f"correlates only {like.correlation:.2f} with the derivative of the position"
+        yield Finding("warning", channel, "velocity_unlike", detail, use_position, value=like.correlation)
+    elif abs(like.gain - 1.0) > SCALE and (like.treble is None or like.treble > ATTENUATION):
+        detail = f"is {like.gain:.3g} times the derivative of the position"
+        degrees = abs(like.gain * np.pi / 180.0 - 1.0) < SCALE
+        advice = "declare the unit as deg/s in the mapping" if degrees else "check its unit, sign and side of the gear"
+        yield Finding("error", channel, "velocity_scaled", detail, advice, value=like.gain)
+    elif abs(like.lag) > LAG_SAMPLES:
+        late = "late" if like.lag > 0.0 else "early"
+        detail = f"is {1e3 * abs(like.lag) / rate_hz:.3g} ms ({abs(like.lag):.1f} samples) {late} against the position"
+        yield Finding(
+            "warning", channel, "velocity_lags", detail, f"a filtered velocity; {use_position}", None, like.lag
+        )
+    elif like.treble is not None and like.treble < ATTENUATION:
+        detail = f"has only {100 * like.treble:.0f} % of the derivative's amplitude where the motion is fast"
+        advice = f"low-passed before it was logged; {use_position}"
+        yield Finding("warning", channel, "velocity_filtered", detail, advice, value=like.treble)
+    elif abs(like.lag) > NOTED_LAG:
+        detail = f"is {abs(like.lag):.1f} samples {'late' if like.lag > 0 else 'early'} against the position"
+        yield Finding("note", channel, "velocity_lags_a_little", detail, "as one-sided differences do", None, like.lag)
+
+
+def _likeness(time: Array, position: Array, velocity: Array) -> Likeness | None:
+    """None where the joint moves too little, or the log is too short, to tell."""
+    q, dq, rate = _evenly(time, position, velocity)
+    if q.size < 64:
+        return None
+    cutoff = suggest_cutoff(q[:, None], rate)
+    low_pass = LowPass(cutoff, rate)
+    inner = slice(low_pass.settle_samples // 2, -(low_pass.settle_samples // 2) or None)
+    derived, logged = low_pass.apply(differentiate(q, rate))[inner], low_pass.apply(dq)[inner]
+    noise = white_noise_std(q, rate, FASTEST * rate) * derivative_noise_gain(low_pass, 1)
+    if derived.size < 64 or np.std(derived) < MOVES * noise or not varies(logged):
+        return None
+    derived, logged = derived - derived.mean(), logged - logged.mean()
+    correlation, lag = _lag(derived, logged, round(LONGEST_LAG_S * rate))
+    treble = _treble(derived, logged, noise, LowPass(0.5 * cutoff, rate))
+    gain = np.sign(correlation) * float(np.std(logged) / np.std(derived))
+    return Likeness(correlation, lag, gain, treble)
+
+
+def _evenly(time: Array, *signals: Array) -> tuple[Array, Array, float]:
+    """The two signals on an even clock, holes and jitter bridged by straight lines: good enough for a diagnosis."""
+    rate = float(1.0 / np.median(np.diff(time)))
+    even = time if is_even(time) else np.arange(time[0], time[-1], 1.0 / rate)
+    bridged = [np.interp(even, time[np.isfinite(s)], s[np.isfinite(s)]) for s in signals]
+    return bridged[0], bridged[1], rate
+
+
+def _lag(reference: Array, signal: Array, longest: int) -> tuple[float, float]:
+    """Correlation at the best lag, and that lag in samples (positive: signal is late), to a fraction of one."""
+    lags = correlation_lags(signal.size, reference.size)
+    near = np.abs(lags) <= longest
+    scale = float(np.linalg.norm(reference) * np.linalg.norm(signal))
+    correlation, lags = (correlate(signal, reference, method="fft") / scale)[near], lags[near]
+    at_zero = float(correlation[lags == 0][0])
+    best = int(np.argmax(-correlation if at_zero < -UNLIKE else correlation))
+    shift = 0.0
+    if 0 < best < correlation.size - 1:
+        before, peak, after = correlation[best - 1 : best + 2]
+        bend = before - 2.0 * peak + after
+        shift = 0.5 * float(before - after) / float(bend) if bend != 0.0 else 0.0
+    return float(correlation[best]), float(lags[best]) + shift
+
+
+def _treble(derived: Array, logged: Array, noise: float, low_pass: LowPass) -> float | None:
+    bass_derived, bass_logged = low_pass.apply(derived), low_pass.apply(logged)
+    treble_derived, treble_logged = derived - bass_derived, logged - bass_logged
+    if np.std(treble_derived) < MOVES * noise:
+        return None
+    bass = float(np.std(bass_logged) / np.std(bass_derived))
+    return float(np.std(treble_logged) / np.std(treble_derived)) / bass

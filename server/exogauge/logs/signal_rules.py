@@ -1,0 +1,107 @@
+"""Doctor's rules on single channels, whatever they measure: missing, dead, frozen, clipped, coarse."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.logs.findings import Expectation, Finding, first_row, kind_of, longest_run, varies
+from exogauge.logs.model import Log
+from exogauge.logs.noise import quantisation_step
+
+Array = NDArray[np.float64]
+
+SENSED = ("i", "tau", "acc", "gyro", "ft")  # channels that never rest on one value while they work
+CLIPPED_RUN = 5  # samples at the extreme
+CLIPPED_COUNT = 10
+CLIPPED_SPEED = 0.3  # of the channel's rms change: a clipped signal arrives at its limit in full swing
+FROZEN_S = 0.25
+ALIVE = 0.2  # of the samples may repeat in a channel that is expected to change all the time
+COARSE_BITS = 6.0
+NOTED_BITS = 10.0
+STILL_STEPS = 8.0  # a joint that moves less than that does not move
+
+
+def not_finite(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for channel, values in log.channels.items():
+        bad = ~np.isfinite(values)
+        if bad.any():
+            detail = f"{int(bad.sum())} of {values.size} values are missing, NaN or infinite"
+            advice = "short gaps can be interpolated by resampling; otherwise cut the log or leave the channel out"
+            yield Finding("error", channel, "not_finite", detail, advice, first_row(bad), float(bad.sum()))
+
+
+def dead(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for channel, values in log.channels.items():
+        finite = values[np.isfinite(values)]
+        if finite.size == 0 or varies(values):
+            continue
+        at = float(finite[0])
+        if kind_of(channel) in SENSED:
+            advice = "is the sensor connected and the column the right one? Leave the channel out otherwise"
+            yield Finding("warning", channel, "dead", f"reads {at:g} throughout", advice, value=at)
+        elif kind_of(channel) == "q":
+            advice = "nothing that needs this joint's motion can be identified from this log"
+            yield Finding("note", channel, "does_not_move", f"stays at {at:g} throughout", advice, value=at)
+
+
+def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """A sensor that repeats one value for long although it usually changes with every sample."""
+    for channel, values in log.channels.items():
+        repeats = np.diff(values) == 0.0
+        start, length = longest_run(repeats)
+        if kind_of(channel) not in SENSED or length < max(CLIPPED_RUN, FROZEN_S * log.rate_hz):
+            continue
+        elsewhere = repeats.sum() - length
+        at_extreme = values[start] in (np.nanmin(values), np.nanmax(values))
+        if length < values.size - 10 and elsewhere < ALIVE * (repeats.size - length) and not at_extreme:
+            detail = f"stands at {values[start]:g} for {length / log.rate_hz:.3g} s from t = {log.time[start]:.6g} s"
+            advice = "the sensor or its bus stopped for a while: cut the log there"
+            yield Finding("warning", channel, "frozen", detail, advice, start + 1, float(values[start]))
+
+
+def saturated(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for channel, values in log.channels.items():
+        if kind_of(channel) not in SENSED or not np.isfinite(values).all() or not varies(values):
+            continue
+        for extreme, neighbours in ((values.max(), values.max() - values), (values.min(), values - values.min())):
+            if _clipped(values, neighbours):
+                at = neighbours == 0.0
+                detail = f"stops at {extreme:g} for {int(at.sum())} samples, as if clipped"
+                advice = "a limit of the converter or the controller: those samples say nothing, use a wider range"
+                yield Finding("warning", channel, "saturated", detail, advice, first_row(at), float(extreme))
+
+
+def coarse(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for channel, values in log.channels.items():
+        step = quantisation_step(values[np.isfinite(values)]) if varies(values) else None
+        if step is None:
+            continue
+        steps = float(np.nanmax(values) - np.nanmin(values)) / step
+        bits = math.log2(max(1.0, steps))
+        if kind_of(channel) in ("q", "dq") and steps < STILL_STEPS:
+            continue
+        if bits < NOTED_BITS:
+            detail = f"changes in steps of {step:.3g}: {bits:.1f} effective bits over its range"
+            severe = bits < COARSE_BITS and kind_of(channel) in (*SENSED, "q")
+            advice = "was the column rounded on export? Its rounding is part of the noise" if severe else ""
+            yield Finding("warning" if severe else "note", channel, "coarse", detail, advice, value=step)
+
+
+def _clipped(values: Array, distance: Array) -> bool:
+    """distance: (T,) from the extreme, 0 at it."""
+    at = distance == 0.0
+    count = int(at.sum())
+    if count < CLIPPED_COUNT or count == values.size or longest_run(at)[1] < CLIPPED_RUN:
+        return False
+    nearest = float(distance[~at].min())
+    window = max(0.01 * float(np.ptp(values)), 1.5 * nearest)
+    if count < 3 * int(np.sum(~at & (distance <= window))):
+        return False
+    starts = np.flatnonzero(at[3:] & ~at[2:-1]) + 3
+    arrival = np.abs(values[starts - 1] - values[starts - 3]) / 2.0
+    usual = float(np.sqrt(np.mean(np.diff(values[~at]) ** 2)))
+    return bool(starts.size and np.median(arrival) > CLIPPED_SPEED * usual)

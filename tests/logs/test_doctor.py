@@ -1,0 +1,281 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from scipy.signal import butter, lfilter, sosfiltfilt
+
+from exogauge.logs.doctor import RULES, Expectation, JointLimits, examine
+from exogauge.logs.model import Log
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data"
+RATE, SAMPLES = 200.0, 6000
+WEIGHT = 39.0 * 9.81
+EXPECTED = Expectation(
+    rate_hz=RATE,
+    joints={name: JointLimits(-1.5, 1.5, 6.0) for name in ("hip", "knee", "ankle", "finger")},
+    weight_n=WEIGHT,
+    contacts={"l_foot": 1.0, "r_foot": 1.0},
+    actuation={"hip": "current", "knee": "current", "ankle": "torque", "finger": "current"},
+    up_in_imu=(0.0, 0.0, 1.0),
+)
+Channels = dict[str, np.ndarray]
+ENCODER = 2 * np.pi / 2**16
+
+
+def healthy(rng: np.random.Generator) -> tuple[np.ndarray, Channels]:
+    """Thirty seconds of a robot on two feet: three joints swing, a finger rests, the trunk tilts."""
+    time = np.arange(SAMPLES) / RATE
+    channels: Channels = {}
+    for joint, (slow, fast) in {"hip": (0.3, 1.7), "knee": (0.45, 2.6), "ankle": (0.6, 3.4)}.items():
+        position = 0.5 * np.sin(2 * np.pi * slow * time) + 0.1 * np.sin(2 * np.pi * fast * time + 0.4)
+        channels[f"q.{joint}"] = np.round((position + 2e-5 * rng.standard_normal(SAMPLES)) / ENCODER) * ENCODER
+        channels[f"dq.{joint}"] = np.gradient(position, time) + 1e-3 * rng.standard_normal(SAMPLES)
+        effort = 8.0 * np.sin(position) + np.tanh(30 * np.gradient(position, time))
+        kind = "tau" if joint == "ankle" else "i"
+        channels[f"{kind}.{joint}"] = effort + 0.05 * rng.standard_normal(SAMPLES)
+    channels["q.finger"] = np.full(SAMPLES, 0.2)
+    channels["dq.finger"] = 1e-3 * rng.standard_normal(SAMPLES)
+    channels["i.finger"] = 0.01 * rng.standard_normal(SAMPLES)
+
+    pitch, roll = 0.25 * np.sin(2 * np.pi * 0.25 * time), 0.15 * np.sin(2 * np.pi * 0.4 * time + 1.0)
+    up = np.column_stack([-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)])
+    gyro = np.column_stack([np.gradient(roll, time), np.gradient(pitch, time) * np.cos(roll), 0.05 * np.sin(time)])
+    gyro[:, 2] -= np.gradient(pitch, time) * np.sin(roll)
+    shake = 0.3 * np.sin(2 * np.pi * 3.0 * time)
+    for column, axis in enumerate("xyz"):
+        channels[f"acc.{axis}"] = 9.81 * up[:, column] + shake + 0.05 * rng.standard_normal(SAMPLES)
+        channels[f"gyro.{axis}"] = gyro[:, column] + 0.005 * rng.standard_normal(SAMPLES)
+    share = 0.5 + 0.2 * np.sin(2 * np.pi * 0.4 * time)
+    for foot, part in (("l_foot", share), ("r_foot", 1.0 - share)):
+        for axis, size in {"fx": 20.0, "fy": 10.0, "mx": 8.0, "my": 12.0, "mz": 2.0}.items():
+            wave = size * np.sin(2 * np.pi * 0.7 * time + len(axis))
+            channels[f"ft.{foot}.{axis}"] = wave + (0.1 if axis[0] == "m" else 1.0) * rng.standard_normal(SAMPLES)
+        channels[f"ft.{foot}.fz"] = WEIGHT * part + rng.standard_normal(SAMPLES)
+    return time, channels
+
+
+def doubts(time: np.ndarray, channels: Channels, expected: Expectation = EXPECTED) -> set[tuple[str, str]]:
+    return {(f.rule, f.channel) for f in examine(Log("log", time, channels), expected) if f.severity != "note"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_healthy_log_raises_no_doubt(seed):
+    assert doubts(*healthy(np.random.default_rng(seed))) == set()
+
+
+def test_a_joint_that_rests_is_noted_not_blamed():
+    time, channels = healthy(np.random.default_rng(0))
+    notes = {(f.rule, f.channel) for f in examine(Log("log", time, channels), EXPECTED)}
+    assert ("does_not_move", "q.finger") in notes
+
+
+def clip(channels: Channels) -> None:
+    channels["i.knee"] = np.clip(channels["i.knee"], -3.0, 3.0)
+
+
+def freeze(channels: Channels) -> None:
+    channels["acc.y"][2000:2200] = channels["acc.y"][2000]
+
+
+def drop(channels: Channels) -> None:
+    channels["tau.ankle"][700:703] = np.nan
+
+
+def unplug(channels: Channels) -> None:
+    channels["i.hip"][:] = 0.0
+
+
+def round_off(channels: Channels) -> None:
+    channels["q.knee"] = np.round(channels["q.knee"], 1)
+    del channels["dq.knee"]
+
+
+def in_degrees(channels: Channels) -> None:
+    channels["q.hip"] = np.degrees(channels["q.hip"])
+    del channels["dq.hip"]
+
+
+def velocity_in_degrees(channels: Channels) -> None:
+    channels["dq.ankle"] = np.degrees(channels["dq.ankle"])
+
+
+def shift_zero(channels: Channels) -> None:
+    channels["q.hip"] += 1.2
+
+
+def milliamperes(channels: Channels) -> None:
+    channels["i.hip"] *= 1000.0
+
+
+def wrong_joint(channels: Channels) -> None:
+    channels["dq.hip"] = channels["dq.knee"].copy()
+
+
+def reverse(channels: Channels) -> None:
+    channels["dq.knee"] *= -1.0
+
+
+def lag(channels: Channels) -> None:
+    channels["dq.hip"] = np.roll(channels["dq.hip"], 4)
+
+
+def filter_causally(channels: Channels) -> None:
+    channels["dq.ankle"] = lfilter(*butter(1, 8.0, fs=RATE), channels["dq.ankle"])
+
+
+def filter_both_ways(channels: Channels) -> None:
+    channels["dq.ankle"] = sosfiltfilt(butter(2, 3.0, fs=RATE, output="sos"), channels["dq.ankle"])
+
+
+def scale(kind: str, factor: float) -> Callable[[Channels], None]:
+    def change(channels: Channels) -> None:
+        for name in channels:
+            if name.startswith(kind):
+                channels[name] = channels[name] * factor
+
+    return change
+
+
+def remove_gravity(channels: Channels) -> None:
+    for axis in "xyz":
+        channels[f"acc.{axis}"] = channels[f"acc.{axis}"] - sosfiltfilt(
+            butter(2, 1.0, fs=RATE, output="sos"), channels[f"acc.{axis}"]
+        )
+
+
+def upside_down(channels: Channels) -> None:
+    channels["acc.z"] *= -1.0
+    channels["acc.y"] *= -1.0
+    channels["gyro.z"] *= -1.0
+    channels["gyro.y"] *= -1.0
+
+
+def couple_first(channels: Channels) -> None:
+    for foot in ("l_foot", "r_foot"):
+        force, couple = ([channels[f"ft.{foot}.{kind}{axis}"] for axis in "xyz"] for kind in "fm")
+        for kind, columns in (("f", couple), ("m", force)):
+            channels.update({f"ft.{foot}.{kind}{axis}": c for axis, c in zip("xyz", columns, strict=True)})
+
+
+def lying_sensors(channels: Channels) -> None:
+    for foot in ("l_foot", "r_foot"):
+        up, side = f"ft.{foot}.fz", f"ft.{foot}.fx"
+        channels[up], channels[side] = channels[side], channels[up]
+
+
+CASES = [
+    ("not_finite", "tau.ankle", drop),
+    ("dead", "i.hip", unplug),
+    ("frozen", "acc.y", freeze),
+    ("saturated", "i.knee", clip),
+    ("coarse", "q.knee", round_off),
+    ("degrees", "q.hip", in_degrees),
+    ("beyond_limits", "q.hip", shift_zero),
+    ("current_in_milliamperes", "i.hip", milliamperes),
+    ("velocity_unlike", "dq.hip", wrong_joint),
+    ("velocity_scaled", "dq.knee", reverse),
+    ("velocity_lags", "dq.hip", lag),
+    ("velocity_lags", "dq.ankle", filter_causally),
+    ("velocity_filtered", "dq.ankle", filter_both_ways),
+    ("acceleration_unit", "acc", scale("acc", 1 / 9.81)),
+    ("acceleration_scale", "acc", scale("acc", 1.2)),
+    ("gravity_missing", "acc", remove_gravity),
+    ("acceleration_sign", "acc", upside_down),
+    ("gyro_in_degrees", "gyro", scale("gyro", 57.3)),
+    ("gyro_sign", "gyro", scale("gyro", -1.0)),
+    ("gyro_scale", "gyro", scale("gyro", 2.0)),
+    ("wrench_sign", "ft.*", scale("ft", -1.0)),
+    ("wrench_sign", "ft.*", scale("ft.r_foot", -1.0)),
+    ("force_unit", "ft.*", scale("ft", 1 / 9.81)),
+    ("couple_first", "ft.*", couple_first),
+    ("weight_on_another_axis", "ft.*", lying_sensors),
+    ("weight_differs", "ft.*", scale("ft", 1.3)),
+]
+
+
+@pytest.mark.parametrize(("rule", "channel", "corrupt"), CASES, ids=[f"{case[0]}-{case[2].__name__}" for case in CASES])
+def test_one_fault_fires_its_own_rule_and_no_other(rule, channel, corrupt):
+    time, channels = healthy(np.random.default_rng(7))
+    corrupt(channels)
+    assert doubts(time, channels) == {(rule, channel)}
+
+
+def test_a_velocity_in_degrees_is_told_by_its_scale_and_its_limit():
+    time, channels = healthy(np.random.default_rng(7))
+    velocity_in_degrees(channels)
+    assert doubts(time, channels) == {("velocity_scaled", "dq.ankle"), ("beyond_speed", "dq.ankle")}
+
+
+def test_the_clock_is_compared_with_what_was_declared():
+    time, channels = healthy(np.random.default_rng(8))
+    assert doubts(time * 1.05, {"i.hip": channels["i.hip"]}) == {("rate_differs", "t")}
+    findings = examine(Log("milliseconds", time * 1000.0, {"i.hip": channels["i.hip"]}), EXPECTED)
+    assert [(f.severity, f.rule) for f in findings] == [("error", "rate_differs")]
+
+
+def test_a_clock_with_a_gap_and_one_that_jitters_are_told_apart():
+    time, channels = healthy(np.random.default_rng(9))
+    torn = time + np.where(np.arange(SAMPLES) > 3000, 0.4, 0.0)
+    channels = {"i.hip": channels["i.hip"]}
+    found = [f for f in examine(Log("torn", torn, channels), EXPECTED) if f.severity != "note"]
+    assert [(f.rule, f.row) for f in found] == [("clock_has_gaps", 3001)]
+    jittered = time + np.random.default_rng(9).uniform(0, 0.4 / RATE, SAMPLES)
+    assert doubts(jittered, channels) == {("clock_jitters", "t")}
+
+
+def test_a_clock_that_does_not_run_stops_the_examination():
+    time, channels = healthy(np.random.default_rng(10))
+    channels["i.hip"][:] = np.nan
+    time[100] = time[99]
+    findings = examine(Log("stuck", time, channels), EXPECTED)
+    assert [(f.rule, f.row) for f in findings] == [("time_not_increasing", 101)]
+    assert [f.rule for f in examine(Log("empty", np.zeros(0), {}))] == ["too_short"]
+
+
+@pytest.mark.parametrize("samples", [3, 10, 60, 300])
+@pytest.mark.parametrize("content", ["nan", "zero", "constant", "noise", "huge"])
+def test_no_log_is_too_odd_to_be_examined(samples, content):
+    rng = np.random.default_rng(11)
+    names = list(healthy(rng)[1])
+    make = {
+        "nan": lambda: np.full(samples, np.nan),
+        "zero": lambda: np.zeros(samples),
+        "constant": lambda: np.full(samples, 3.3),
+        "noise": lambda: rng.standard_normal(samples),
+        "huge": lambda: 1e150 * rng.standard_normal(samples),
+    }[content]
+    examine(Log("odd", np.arange(samples) / RATE, {name: make() for name in names}), EXPECTED)
+
+
+def test_every_rule_has_a_case_in_which_it_speaks():
+    rules_with_a_case = {case[0] for case in CASES}
+    assert len(RULES) <= len(rules_with_a_case | {"rate_differs", "clock_jitters", "clock_has_gaps", "beyond_speed"})
+
+
+@pytest.mark.skipif(not (REAL / "dfki_double_pendulum").exists(), reason="real logs are not here")
+def test_a_real_pendulum_log_shows_its_jittering_clock():
+    table = pq.read_table(REAL / "dfki_double_pendulum" / "traj_154220.parquet")
+    columns = {"pos_meas": "q", "vel_meas": "dq", "tau_meas": "tau"}
+    channels = {
+        f"{kind}.joint_{n}": table[f"{column}{n}"].to_numpy() for column, kind in columns.items() for n in (1, 2)
+    }
+    log = Log("swing", table["time"].to_numpy(), channels)
+    assert ("clock_jitters", "t") in {(f.rule, f.channel) for f in examine(log)}
+
+
+@pytest.mark.skipif(not (REAL / "icub_walking").exists(), reason="real logs are not here")
+def test_a_real_walking_log_shows_a_velocity_that_is_none():
+    with h5py.File(REAL / "icub_walking" / "walking.mat") as file:
+        time = np.ravel(file["estimatorJointsTime"])
+        channels = {f"q.{j}": np.array(file["estimatorJointsPos"][j]) for j in range(26)}
+        channels |= {f"dq.{j}": np.array(file["estimatorJointsVel"][j]) for j in range(26)}
+        channels |= {f"acc.{axis}": np.array(file["imuAcc"][k]) for k, axis in enumerate("xyz")}
+        channels |= {f"gyro.{axis}": np.array(file["imuOmega"][k]) for k, axis in enumerate("xyz")}
+        channels |= {f"ft.{foot}.fz": np.ravel(file[f"{foot}ForceZ"]) for foot in ("lf", "rf")}
+    expected = Expectation(weight_n=33.08 * 9.81, contacts={"lf": 1.0, "rf": 1.0})
+    found = {(f.rule, f.channel) for f in examine(Log("walk", time, channels), expected) if f.severity != "note"}
+    assert ("velocity_unlike", "dq.17") in found  # the left knee
+    assert not {rule for rule, channel in found if channel.startswith(("ft", "acc"))}
