@@ -5,21 +5,20 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from exogauge.errors import BadInput, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
-from exogauge.identification.settings import Recording
+from exogauge.identification.settings import Progress
 from exogauge.robots.export import export_urdf
+from exogauge.studies.examine_logs import examine_logs
 from exogauge.studies.open import Study, open_study, read_recordings
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.series import write_series
-
-Progress = Callable[[float, str], None]
 
 RESULT, REPORT, SERIES, URDF = "results.json", "report.html", "series", "identified.urdf"
 PARAMETERS, VALIDATION = "parameters.csv", "validation.csv"
@@ -36,7 +35,7 @@ def evaluate(path: Path, out: Path, progress: Progress, settings: Mapping[str, A
         progress(0.02, "reading the logs")
         recordings = read_recordings(study)
         progress(0.10, "examining the logs")
-        findings = doctor(study, recordings)
+        findings = examine_logs(study.robot, recordings)
 
         def inner(fraction: float, phrase: str) -> None:
             progress(0.15 + 0.70 * fraction, phrase)
@@ -45,11 +44,6 @@ def evaluate(path: Path, out: Path, progress: Progress, settings: Mapping[str, A
         progress(0.87, "writing the results")
         write(study, found, findings, out)
     progress(1.0, "done")
-
-
-def doctor(study: Study, recordings: Sequence[Recording]) -> list[dict[str, Any]]:
-    """The doctor's findings on every log, as entries of results.json."""
-    raise NotImplementedError
 
 
 def write(study: Study, found: Identification, findings: Sequence[Mapping[str, Any]], out: Path) -> None:
