@@ -185,7 +185,7 @@ def unknowns(found: Identification) -> list[Unknown]:
         places = tuple(f"{link}: {', '.join(kinds)}" if kinds else link for link, kinds in links.items())
         result.append(Unknown("Inertia of links", places, ADVICE["link"]))
     for kind, places_of in joints.items():
-        title = f"{JOINT_WORDS.get(kind, kind)} {kind}" if kind in JOINT_WORDS else kind
+        title = f"{JOINT_WORDS[kind]} {kind}" if kind in JOINT_WORDS else kind
         result.append(Unknown(title[0].upper() + title[1:], tuple(places_of), ADVICE.get(kind, "")))
     return result
 

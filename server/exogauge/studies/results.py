@@ -29,7 +29,7 @@ TRUNK_WORDS = ("torso", "waist", "chest", "lumbar", "trunk", "spine")
 class Evaluation:
     """All that an evaluation found: what results.json, the tables and the report are written from.
 
-    findings: of the doctor, as mappings with `log`, `channel`, `severity`, `message` … warnings: in sentences.
+    findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
     """
 
     name: str
