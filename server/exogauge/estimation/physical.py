@@ -67,7 +67,7 @@ def solve_physical(
     """The least-squares solution among bodies that can exist.
 
     R: (M, 10 N + K) any matrix, columns [phi_0 … phi_{N-1}, other]. z: (M,). phi_ref: (N, 10) a-priori bodies.
-    weight: scalar or (N,), positive, in units of R's squared rows; None = the distance is only a barrier.
+    weight: scalar or (N,), in units of R's squared rows; None (or 0 for a body) = the distance is only a barrier.
     held: (N,) bodies kept at phi_ref; bodies without any mass or inertia in phi_ref are always held.
     tolerance: how far above its minimum the objective may end, in units of R's squared rows (squared standard
     deviations); at the default nobody can tell the two apart.
@@ -90,7 +90,7 @@ def solve_physical(
     if free.any():
         A, b = _without_others(R_phi[:, free].reshape(len(R), -1), z_free, R_other)
         barrier = tolerance / (32.0 * bodies)  # at the border it costs 4 of these a body, and its trace about as much
-        weights = np.full(bodies, barrier) if weight is None else _checked(weight, bodies)
+        weights = np.maximum(_checked(weight, bodies), barrier)
         phi[free], excess, iterations, converged = minimise(
             A, b, reference[free], weights[free], tolerance / 2, max_iterations
         )
@@ -128,10 +128,10 @@ def _possible_references(phi_ref: Array, held: BoolArray, warnings: list[str]) -
     return reference
 
 
-def _checked(weight: float | Array, bodies: int) -> Array:
-    weights = np.array(np.broadcast_to(np.asarray(weight, dtype=np.float64), (bodies,)))
-    if not np.all(weights > 0):
-        raise ValueError("weights of the log-det distance must be positive; None asks for a barrier only")
+def _checked(weight: float | Array | None, bodies: int) -> Array:
+    weights = np.array(np.broadcast_to(np.asarray(0.0 if weight is None else weight, dtype=np.float64), (bodies,)))
+    if not np.all(weights >= 0):
+        raise ValueError("weights of the log-det distance must not be negative")
     return weights
 
 
@@ -144,7 +144,8 @@ def _without_others(R_phi: Array, z: Array, R_other: Array) -> tuple[Array, Arra
         rest = np.asarray(rest - Q @ (Q.T @ rest), dtype=np.float64)
     columns = R_phi.shape[1]
     if rest.shape[0] > columns:
-        rest = np.asarray(sl.qr(rest, mode="r", overwrite_a=True, check_finite=False)[0])[:columns]
+        (triangle,) = sl.qr(rest, mode="r", check_finite=False)
+        rest = np.asarray(triangle[:columns], dtype=np.float64)
     return rest[:, :-1], rest[:, -1]
 
 
