@@ -27,12 +27,13 @@ def owner() -> str:
 
 
 def owner_is_gone(text: str) -> bool:
-    """True when the owner was a process of this machine that runs no more."""
-    host, pid, boot = text.split("/")
+    """True when the owner was a process of this machine that runs no more, or this one (which asks only for keys
+    that it is not serving)."""
+    host, pid, _boot = text.split("/")
     if host != socket.gethostname():
         return False
     if int(pid) == os.getpid():
-        return boot != BOOT
+        return True
     try:
         os.kill(int(pid), 0)
     except ProcessLookupError:
@@ -57,7 +58,10 @@ class Keys:
     lab: Lab
 
     def reserve(self, key: str) -> UsedKey | None:
-        """Take the key for a new request (None), or say what it was used for. Keys are forgotten after a day."""
+        """Take the key for a new request (None), or say what it was used for. Keys are forgotten after a day.
+
+        Not to be called for a key that this process is serving at the moment.
+        """
         self._forget()
         try:
             with self.lab.session.begin_nested():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -17,6 +18,7 @@ from exogauge.storage.records import Page
 
 Record = TypeVar("Record")
 RACES = 5
+UUID_TEXT = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 
 @final
@@ -35,9 +37,9 @@ class Lab:
         return None if row is None else as_record(record, row)
 
     def get(self, record: type[Record], table: type[tables.Owned], key: str, noun: str) -> Record:
-        found = self.one(record, self.select(table).where(table.id == key))
+        found = self.one(record, self.select(table).where(table.id == key)) if UUID_TEXT.fullmatch(key) else None
         if found is None:
-            raise NotFound(f"there is no {noun} {key}")
+            raise NotFound(f"there is no {noun} {key[:64]!a}")
         return found
 
     def page(

@@ -1,0 +1,68 @@
+"""The application: one factory, from settings to a FastAPI app that is ready to serve."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+
+from exogauge import __version__
+from exogauge.api import health, logs, openapi, page, problems, results, robots, studies
+from exogauge.api.guard import Guard
+from exogauge.api.idempotency import Idempotency
+from exogauge.settings import Settings
+from exogauge.storage.migrate import prepare
+from exogauge.storage.store import open_storage
+
+PREFIX = "/api/v1"
+ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The service. A new database is created; one at another schema revision is refused (`WrongSchema`)."""
+    settings = settings or Settings()
+    prepare(settings.database_url)
+    storage = open_storage(settings)
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        yield
+        storage.close()
+
+    app = FastAPI(
+        title="exogauge",
+        version=__version__,
+        description=ABOUT,
+        lifespan=lifespan,
+        root_path=settings.root_path,
+        openapi_url=f"{PREFIX}/openapi.json",
+        docs_url=None,  # it loads its code from elsewhere
+        redoc_url=None,
+        redirect_slashes=False,
+        max_body_size=settings.max_upload_bytes,
+    )
+    app.state.settings = settings
+    app.state.storage = storage
+    problems.install(app)
+    app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
+    app.add_middleware(Idempotency)
+    app.add_middleware(Guard, local_only=settings.local_only)
+    for router in (robots.router, logs.router, studies.router, results.router, *job_routers()):
+        app.include_router(router, prefix=PREFIX)
+    app.include_router(health.router)
+    app.include_router(page.router)
+    return app
+
+
+def job_routers() -> list[APIRouter]:
+    """The job engine's own routers."""
+    found = []
+    for name in ("jobs", "events"):
+        try:
+            found.append(importlib.import_module(f"exogauge.api.{name}").router)
+        except ModuleNotFoundError as missing:
+            if missing.name != f"exogauge.api.{name}":
+                raise
+    return found

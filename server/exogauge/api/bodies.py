@@ -1,0 +1,81 @@
+"""Request bodies that a signature cannot say: bundles of files in a form of any field names, or JSON in their place."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Any, final
+
+from fastapi import HTTPException, Request
+from fastapi.exceptions import RequestValidationError
+from pydantic import ValidationError
+from starlette.datastructures import UploadFile
+
+from exogauge.api.dependencies import get_settings
+from exogauge.api.shapes import StudyFromParts
+
+FORM = "multipart/form-data"
+
+
+@final
+@dataclass(frozen=True)
+class BundleUpload:
+    """files: as they came, spooled, unopened. name: the form's `name`, where given."""
+
+    files: tuple[UploadFile, ...]
+    name: str | None
+
+
+async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
+    """The files of a multipart form; they are closed when the request ends."""
+    if media_type(request) != FORM:
+        raise HTTPException(415, f"send the files as {FORM}")
+    async with request.form(max_files=get_settings(request).max_bundle_files, max_fields=20) as form:
+        files = tuple(value for _, value in form.multi_items() if isinstance(value, UploadFile))
+        if not files:
+            raise refused(("body", "files"), "missing", "the form holds no file")
+        name = form.get("name")
+        yield BundleUpload(files, name.strip()[:200] or None if isinstance(name, str) else None)
+
+
+async def study_body(request: Request) -> AsyncIterator[BundleUpload | StudyFromParts]:
+    """A study as files, or as JSON that names a robot and logs uploaded before."""
+    if media_type(request) == "application/json":
+        yield parts(await request.body())
+    else:
+        async for upload in bundle_body(request):
+            yield upload
+
+
+def parts(body: bytes) -> StudyFromParts:
+    try:
+        return StudyFromParts.model_validate_json(body)
+    except ValidationError as error:
+        raise RequestValidationError(
+            [{**entry, "loc": ("body", *entry["loc"])} for entry in error.errors(include_url=False)]
+        ) from error
+
+
+def media_type(request: Request) -> str:
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
+
+
+def refused(place: tuple[str, ...], kind: str, message: str) -> RequestValidationError:
+    return RequestValidationError([{"type": kind, "loc": place, "msg": message}])
+
+
+def bundle_schema(description: str, json_model: type[StudyFromParts] | None = None) -> dict[str, Any]:
+    """The OpenAPI of such a body."""
+    form = {
+        "type": "object",
+        "required": ["files"],
+        "properties": {
+            "files": {"type": "array", "minItems": 1, "items": {"type": "string", "format": "binary"},
+                      "description": description},
+            "name": {"type": "string", "maxLength": 200},
+        },
+    }  # fmt: skip
+    content: dict[str, Any] = {FORM: {"schema": form}}
+    if json_model is not None:
+        content["application/json"] = {"schema": {"$ref": f"#/components/schemas/{json_model.__name__}"}}
+    return {"requestBody": {"required": True, "content": content}}

@@ -1,0 +1,72 @@
+"""What endpoints ask for: the store inside one transaction, settings, a page of a list, an id."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import Depends, Path, Query, Request
+from fastapi.exceptions import RequestValidationError
+
+from exogauge.settings import Settings
+from exogauge.storage.store import Storage, Store
+
+LONGEST_PAGE = 200
+
+
+def get_settings(request: Request) -> Settings:
+    settings: Settings = request.app.state.settings
+    return settings
+
+
+def get_storage(request: Request) -> Storage:
+    """The open database and blob store, for what must happen outside a transaction (writing blobs)."""
+    storage: Storage = request.app.state.storage
+    return storage
+
+
+def get_store(storage: Annotated[Storage, Depends(get_storage)]) -> Iterator[Store]:
+    """A store that commits before the answer is sent: use it with `scope="function"`."""
+    with storage.transaction() as store:
+        yield store
+
+
+def get_reader(storage: Annotated[Storage, Depends(get_storage)]) -> Iterator[Store]:
+    """A store for reading only; it never waits for a writer."""
+    with storage.reading() as store:
+        yield store
+
+
+def decoded_cursor(
+    cursor: Annotated[str | None, Query(max_length=500, description="`next_cursor` of the page before")] = None,
+) -> tuple[datetime, str] | None:
+    """Where a list continues."""
+    if cursor is None:
+        return None
+    try:
+        when, key = json.loads(base64.urlsafe_b64decode(cursor.encode("ascii")))
+        return datetime.fromisoformat(when).astimezone(UTC), str(UUID(key))
+    except (ValueError, TypeError, AttributeError, OverflowError, binascii.Error) as error:
+        fault = {"type": "cursor_invalid", "loc": ("query", "cursor"), "msg": "not a cursor of this service"}
+        raise RequestValidationError([fault]) from error
+
+
+def encoded_cursor(after: tuple[datetime, str] | None) -> str | None:
+    """Opaque to callers; they hand it back as it is."""
+    if after is None:
+        return None
+    return base64.urlsafe_b64encode(json.dumps([after[0].isoformat(), after[1]]).encode()).decode()
+
+
+Id = Annotated[UUID, Path(description="id of the thing")]
+Cursor = Annotated[tuple[datetime, str] | None, Depends(decoded_cursor)]
+Limit = Annotated[int, Query(ge=1, le=LONGEST_PAGE, description="most items of one page")]
+SettingsDep = Annotated[Settings, Depends(get_settings)]
+StorageDep = Annotated[Storage, Depends(get_storage)]
+StoreDep = Annotated[Store, Depends(get_store, scope="function")]
+ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]

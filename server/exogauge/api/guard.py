@@ -1,0 +1,88 @@
+"""Outer guards of every request: who may be asked for, from which page, and what a browser may do with the answer.
+
+There are no accounts yet, so the service must not be usable from a web page that its user happens to visit: a request
+that changes something must come from our own page or from no page, and a server on the loopback interface answers only
+to names that nobody can register (addresses and names without a dot), against DNS rebinding.
+"""
+
+from __future__ import annotations
+
+from ipaddress import ip_address
+from typing import final
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from exogauge.api.problems import problem_response
+
+SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
+OWN_PAGES = ("same-origin", "none")
+PAGE_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+@final
+class Guard:
+    """ASGI middleware. local_only: the server listens on the loopback interface."""
+
+    def __init__(self, app: ASGIApp, local_only: bool) -> None:
+        self.app = app
+        self.local_only = local_only
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        refusal = self.refusal(scope["method"], headers)
+        if refusal is not None:
+            response = problem_response(403, "foreign-page", "Refused", refusal, instance=scope["path"])
+            await response(scope, receive, send)
+            return
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                add_headers(MutableHeaders(scope=message))
+            await send(message)
+
+        await self.app(scope, receive, send_guarded)
+
+    def refusal(self, method: str, headers: Headers) -> str | None:
+        host = headers.get("host", "")
+        if self.local_only and not cannot_be_registered(host):
+            return "this server answers on this machine only; set EXOGAUGE_HOST to serve under a public name"
+        if method in SAFE_METHODS:
+            return None
+        site = headers.get("sec-fetch-site")
+        if site is not None:
+            return None if site in OWN_PAGES else "the request comes from a page of another site"
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+            return "the request comes from a page of another origin"
+        return None
+
+
+def cannot_be_registered(host: str) -> bool:
+    """An address, or a name without a dot (`localhost`)."""
+    try:
+        name = urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return False
+    if name in ("", "localhost") or name.endswith(".localhost"):
+        return True
+    try:
+        ip_address(name)
+    except ValueError:
+        return "." not in name
+    return True
+
+
+def add_headers(headers: MutableHeaders) -> None:
+    headers.setdefault("Content-Security-Policy", PAGE_POLICY)
+    headers.setdefault("Cache-Control", "no-cache")
+    headers["X-Content-Type-Options"] = "nosniff"
+    headers["Referrer-Policy"] = "no-referrer"
+    headers["Cross-Origin-Resource-Policy"] = "same-origin"

@@ -1,0 +1,56 @@
+"""Whether the service can serve: database, blobs, workers."""
+
+from __future__ import annotations
+
+import logging
+
+from fastapi import APIRouter, Response
+
+from exogauge import __version__
+from exogauge.api.dependencies import SettingsDep, StorageDep
+from exogauge.api.shapes import Health
+from exogauge.errors import Unavailable
+from exogauge.storage.store import Storage
+
+log = logging.getLogger(__name__)
+router = APIRouter(tags=["health"])
+PROBE = b"exogauge blob store probe"
+
+
+@router.get(
+    "/healthz",
+    operation_id="getHealth",
+    responses={503: {"model": Health, "description": "Database or blobs do not answer"}},
+)
+def get_health(storage: StorageDep, settings: SettingsDep, response: Response) -> Health:
+    database, alive = ask_database(storage)
+    blobs = ask_blobs(storage)
+    serving = database == blobs == "ok"
+    response.status_code = 200 if serving else 503
+    return Health(
+        status="unavailable" if not serving else "ok" if alive >= settings.workers else "degraded",
+        version=__version__,
+        database=database,
+        blobs=blobs,
+        workers_wanted=settings.workers,
+        workers_alive=alive,
+    )
+
+
+def ask_database(storage: Storage) -> tuple[str, int]:
+    """`ok` or `unavailable`, and how many workers live; the reason stays in the log, it may hold addresses."""
+    try:
+        with storage.reading() as store:
+            return "ok", store.workers_alive()
+    except Unavailable as error:
+        log.warning("health: %s", error)
+        return "unavailable", 0
+
+
+def ask_blobs(storage: Storage) -> str:
+    try:
+        storage.blobs.put(PROBE)
+    except Unavailable as error:
+        log.warning("health: %s", error)
+        return "unavailable"
+    return "ok"

@@ -1,0 +1,132 @@
+"""The child process that opens an uploaded bundle: study, robot or log. Its one answer is a summary or the faults.
+
+Run by `checking` as `python -I -m exogauge.api.opening`: a request on standard input, `answer.json` in its own folder.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ANSWER = "answer.json"
+
+
+def main() -> int:
+    from exogauge.sandbox.limits import Limits
+
+    request = json.load(sys.stdin)
+    Limits(**request["limits"]).apply()
+    Path(ANSWER).write_text(json.dumps(answer(request), allow_nan=False))
+    return 0
+
+
+def answer(request: dict[str, Any]) -> dict[str, Any]:
+    from exogauge.errors import BadInput
+
+    try:
+        tasks: dict[str, Callable[..., dict[str, Any]]] = {"study": study, "robot": robot, "log": log}
+        task = tasks[request["task"]]
+        return {"result": task(Path(request["folder"]), **request["options"])}
+    except BadInput as bad:
+        return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
+    except MemoryError:
+        return {"error": "MemoryError"}
+    except Exception as problem:  # the child's last door: nothing may leave it but an answer
+        traceback.print_exc()
+        return {"error": "Unforeseen", "kind": type(problem).__name__}
+
+
+def study(folder: Path) -> dict[str, Any]:
+    """study.yaml, what it names, and every log from its first row to its last; one log in memory at a time."""
+    from exogauge.errors import BadInput, BadLog, Fault
+    from exogauge.studies.open import missing_columns, open_study
+    from exogauge.studies.read_log import read_entry
+    from exogauge.studies.robot_file import motor_from_joint
+
+    with open_study(folder) as opened:
+        logs, faults = [], list[Fault]()
+        gears = motor_from_joint(opened.robot_file)
+        for entry, name in zip(opened.file.logs, opened.log_names, strict=True):
+            try:
+                read = read_entry(opened.bundle, entry, name, opened.robot_file, gears)
+            except BadInput as bad:
+                faults += bad.faults
+                continue
+            faults += missing_columns(read, opened.robot, entry.file[0])
+            said = {"name": name, "file": list(entry.file), "role": entry.role, "motion": entry.motion}
+            logs.append(said | span(read))
+        if faults:
+            raise BadLog(faults)
+        return {
+            "name": opened.name,
+            "robot": {"file": opened.file.robot, **about(opened.robot)},
+            "logs": logs,
+            "steps": [vars(step) for step in opened.steps],
+        }
+
+
+def robot(folder: Path, file: str) -> dict[str, Any]:
+    from exogauge.studies.bundle import Bundle
+    from exogauge.studies.robot_file import read_robot
+
+    described, entry, _ = read_robot(Bundle(folder, file), file)
+    return {"urdf": entry.urdf, **about(described)}
+
+
+def log(folder: Path, file: str, mapping: str | None, robot: str | None) -> dict[str, Any]:
+    """The log `file`, read through `mapping` where given; with a robot's joints and gears, else with the mapping's own
+    joint names and gears of 1 (enough to find what is broken, not to evaluate)."""
+    import numpy as np
+
+    from exogauge.logs.mapping import read_mapped
+    from exogauge.logs.reading import read_log
+    from exogauge.studies.bundle import Bundle
+    from exogauge.studies.mapping_file import parse_mapping
+    from exogauge.studies.read_log import known_gears
+    from exogauge.studies.robot_file import motor_from_joint, read_robot
+
+    if mapping is None:
+        read = read_log(folder / file, file, file=file)
+        return {"channels": list(read.channels), **span(read)}
+    rules = parse_mapping((folder / mapping).read_bytes(), mapping)
+    if robot is None:
+        joints = joints_of(rules)
+        gears = np.eye(len(joints))
+    else:
+        _, entry, _ = read_robot(Bundle(folder, robot), robot)
+        joints = [joint.name for joint in entry.joints]
+        gears = known_gears(rules, entry, motor_from_joint(entry), mapping)
+    read = read_mapped({file: folder / file}, rules, joints=joints, motor_from_joint=gears, name=file)
+    return {"channels": list(read.channels), **span(read)}
+
+
+def joints_of(rules: Any) -> list[str]:
+    """Joint names that a mapping speaks of, in its order."""
+    channels = [name for part in rules.files for rule in part.rules for name in getattr(rule, "channels", ())]
+    kinds = ("q", "dq", "ddq", "i", "tau", "temp")
+    named = (name.partition(".") for name in channels)
+    return list(dict.fromkeys(joint for kind, _, joint in named if kind in kinds and joint))
+
+
+def about(described: Any) -> dict[str, Any]:
+    """A `Robot` in words a list can show."""
+    return {
+        "name": described.name,
+        "base": "floating" if described.floating else "fixed",
+        "joints": [joint.name for joint in described.joints],
+        "sensors": [sensor.name for sensor in described.sensors],
+        "mass_kg": float(described.tree.mass),
+    }
+
+
+def span(read: Any) -> dict[str, Any]:
+    duration_s = float(read.time[-1] - read.time[0])
+    return {"samples": int(read.samples), "rate_hz": float(read.rate_hz), "duration_s": duration_s}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,206 @@
+"""Errors as RFC 9457 problem documents, for every 4xx and 5xx. The domain knows no HTTP; its statuses are here."""
+
+from __future__ import annotations
+
+import errno
+import logging
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any, final
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel
+from sqlalchemy.exc import DataError, InterfaceError, OperationalError
+from starlette.exceptions import HTTPException
+
+from exogauge.errors import (
+    BadInput,
+    BadLog,
+    BadRobot,
+    BadStudy,
+    Cancelled,
+    Conflict,
+    ExogaugeError,
+    Fault,
+    NotFound,
+    NotIdentifiable,
+    PhysicallyImpossible,
+    TooLarge,
+    Unavailable,
+)
+
+log = logging.getLogger(__name__)
+
+MEDIA_TYPE = "application/problem+json"
+MOST_ERRORS = 100
+STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class that fits counts
+    TooLarge: (413, "too-large", "Too large"),
+    BadLog: (422, "bad-log", "The log breaks a rule"),
+    BadRobot: (422, "bad-robot", "The robot's description breaks a rule"),
+    BadStudy: (422, "bad-study", "The study breaks a rule"),
+    BadInput: (422, "bad-input", "The input breaks a rule"),
+    NotIdentifiable: (422, "not-identifiable", "The data hold no answer"),
+    PhysicallyImpossible: (422, "physically-impossible", "Not a possible body"),
+    NotFound: (404, "not-found", "Not found"),
+    Conflict: (409, "conflict", "Conflict"),
+    Cancelled: (409, "cancelled", "Cancelled"),
+    Unavailable: (503, "unavailable", "Cannot serve now"),
+}
+
+
+@final
+class ProblemError(BaseModel):
+    """One broken rule at one place. row counts data rows from 1, or lines of a text file; pointer: into the request."""
+
+    detail: str
+    code: str
+    pointer: str | None = None
+    file: str | None = None
+    row: int | None = None
+    column: str | None = None
+    value: str | None = None
+    advice: str | None = None
+
+
+@final
+class Problem(BaseModel):
+    """RFC 9457."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str | None = None
+    errors: list[ProblemError] = []
+
+
+def problem_response(
+    status: int,
+    slug: str,
+    title: str,
+    detail: str,
+    *,
+    instance: str | None = None,
+    errors: Sequence[ProblemError] = (),
+    headers: dict[str, str] | None = None,
+) -> JSONResponse:
+    document = Problem(
+        type=f"urn:exogauge:problem:{slug}",
+        title=title,
+        status=status,
+        detail=clean(detail),
+        instance=instance,
+        errors=list(errors[:MOST_ERRORS]),
+    )
+    return JSONResponse(document.model_dump(mode="json"), status, headers, MEDIA_TYPE)
+
+
+def of_error(error: ExogaugeError, instance: str | None = None) -> JSONResponse:
+    """The problem of anything exogauge raises on purpose."""
+    found = (entry for kind, entry in STATUS.items() if isinstance(error, kind))
+    status, slug, title = next(found, (500, "internal", "Internal error"))
+    headers = None
+    if isinstance(error, Unavailable):
+        headers = {"Retry-After": "2"}
+        if disk_is_full(error):
+            status, slug, title = 507, "disk-full", "The disk is full"
+    errors = [of_fault(fault) for fault in error.faults] if isinstance(error, BadInput) else []
+    detail = str(error)
+    if len(errors) > 1:
+        detail = f"{len(errors)} rules are broken; the first: {error.faults[0]}" if isinstance(error, BadInput) else ""
+    return problem_response(status, slug, title, detail, instance=instance, errors=errors, headers=headers)
+
+
+def of_fault(fault: Fault) -> ProblemError:
+    return ProblemError(
+        detail=clean(fault.detail),
+        code=fault.rule,
+        file=cleaned(fault.file),
+        row=fault.row,
+        column=cleaned(fault.column),
+        value=cleaned(fault.value),
+        advice=cleaned(fault.advice or None),
+    )
+
+
+def of_validation(error: RequestValidationError, instance: str | None = None) -> JSONResponse:
+    """What pydantic refuses in path, query, header or body."""
+    errors = [
+        ProblemError(detail=clean(entry["msg"]), code=entry["type"], pointer=pointer(entry["loc"]))
+        for entry in error.errors()
+    ]
+    detail = "; ".join(f"{entry.pointer}: {entry.detail}" for entry in errors[:3])
+    return problem_response(
+        422, "bad-request-content", "The request breaks a rule", detail, instance=instance, errors=errors
+    )
+
+
+def pointer(place: Sequence[str | int]) -> str:
+    """A JSON pointer into the body (`#/logs/0/role`), or the kind and name of a parameter (`query/limit`)."""
+    if not place or place[0] != "body":
+        return clean("/".join(str(part) for part in place))
+    escaped = (str(part).replace("~", "~0").replace("/", "~1") for part in place[1:])
+    return clean("#" + "".join(f"/{part}" for part in escaped))
+
+
+def of_http(error: HTTPException, instance: str | None = None) -> JSONResponse:
+    """What the framework itself refuses: unknown paths and methods, bodies it cannot read."""
+    title = HTTPStatus(error.status_code).phrase
+    slug = title.lower().replace(" ", "-")
+    headers = dict(error.headers) if error.headers else None
+    return problem_response(error.status_code, slug, title, str(error.detail), instance=instance, headers=headers)
+
+
+def disk_is_full(error: BaseException) -> bool:
+    cause = error.__cause__
+    if isinstance(cause, OSError):
+        return cause.errno in (errno.ENOSPC, errno.EDQUOT)
+    return isinstance(cause, OperationalError) and "disk is full" in str(cause.orig)
+
+
+def clean(text: str) -> str:
+    """Text that JSON can carry: no lone surrogates, no endless values."""
+    return text[:4000].encode("utf-8", "backslashreplace").decode()
+
+
+def cleaned(text: str | None) -> str | None:
+    return None if text is None else clean(text)[:500]
+
+
+def install(app: FastAPI) -> None:
+    """Answer every error of the app with a problem document."""
+
+    @app.exception_handler(ExogaugeError)
+    def _ours(request: Request, error: ExogaugeError) -> JSONResponse:
+        if isinstance(error, Unavailable):
+            log.warning("%s %s: %s", request.method, request.url.path, error)
+        return of_error(error, request.url.path)
+
+    @app.exception_handler(RequestValidationError)
+    def _invalid(request: Request, error: RequestValidationError) -> JSONResponse:
+        return of_validation(error, request.url.path)
+
+    @app.exception_handler(HTTPException)
+    def _framework(request: Request, error: HTTPException) -> JSONResponse:
+        return of_http(error, request.url.path)
+
+    @app.exception_handler(OperationalError)
+    @app.exception_handler(InterfaceError)
+    def _database(request: Request, error: Any) -> JSONResponse:
+        log.warning("%s %s: %s", request.method, request.url.path, error)
+        away = Unavailable("the database cannot answer now")
+        away.__cause__ = error
+        return of_error(away, request.url.path)
+
+    @app.exception_handler(DataError)
+    def _unstorable(request: Request, error: DataError) -> JSONResponse:
+        detail = "a value cannot be stored: a control character, or a number out of range"
+        return problem_response(422, "unstorable", "The request breaks a rule", detail, instance=request.url.path)
+
+    @app.exception_handler(Exception)
+    def _defect(request: Request, error: Exception) -> JSONResponse:
+        log.error("%s %s failed", request.method, request.url.path, exc_info=error)
+        detail = "This is a defect of the service, not of your input. Its log names the cause."
+        return problem_response(500, "internal", "Internal error", detail, instance=request.url.path)

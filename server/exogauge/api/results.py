@@ -1,0 +1,77 @@
+"""Results and artifacts: results.json, report.html, series, tables, the identified URDF."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Request
+from fastapi.responses import FileResponse, Response, StreamingResponse
+
+from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.shapes import ArtifactList, ArtifactOut
+from exogauge.storage.blobs import BlobStore, chunks
+
+router = APIRouter(tags=["results"])
+
+NOT_MODIFIED: dict[str, Any] = {"description": "The ETag given in If-None-Match still holds"}
+JSON_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "results.json", "content": {"application/json": {"schema": {"type": "object"}}}},
+    304: NOT_MODIFIED,
+}
+ANY_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The file", "content": {"*/*": {"schema": {"type": "string", "format": "binary"}}}},
+    206: {"description": "The range asked for", "content": {"*/*": {}}},
+    304: NOT_MODIFIED,
+}
+SHOWN = ("text/html", "application/json", "image/png", "image/svg+xml", "text/plain", "text/csv")
+# A report is ours, but what it shows came from uploads: it may style itself and hold pictures, and nothing else.
+REPORT_POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:; script-src 'none'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'; sandbox allow-popups allow-downloads"
+)
+
+
+@router.get("/studies/{study_id}/results", operation_id="getStudyResults", responses=JSON_FILE)
+def get_study_results(study_id: Id, store: ReaderDep, request: Request) -> Response:
+    """results.json of the study's latest job that succeeded."""
+    store.studies.get(str(study_id))
+    result = store.results.of_study(str(study_id))
+    return file_response(store.blobs, request, result.sha256, "results.json", "application/json")
+
+
+@router.get("/jobs/{job_id}/results", operation_id="getJobResults", responses=JSON_FILE)
+def get_job_results(job_id: Id, store: ReaderDep, request: Request) -> Response:
+    result = store.results.of_job(str(job_id))
+    return file_response(store.blobs, request, result.sha256, "results.json", "application/json")
+
+
+@router.get("/jobs/{job_id}/artifacts", operation_id="listArtifacts")
+def list_artifacts(job_id: Id, store: ReaderDep) -> ArtifactList:
+    return ArtifactList(items=[ArtifactOut.of(artifact) for artifact in store.results.artifacts(str(job_id))])
+
+
+@router.get("/jobs/{job_id}/artifacts/{name:path}", operation_id="getArtifact", responses=ANY_FILE)
+def get_artifact(
+    job_id: Id, name: Annotated[str, Path(max_length=500, pattern=r"^[^\x00]*$")], store: ReaderDep, request: Request
+) -> Response:
+    """One file that the job made; ranges and If-None-Match are honoured."""
+    artifact = store.results.artifact(str(job_id), name)
+    return file_response(store.blobs, request, artifact.sha256, artifact.name, artifact.media_type)
+
+
+def file_response(blobs: BlobStore, request: Request, sha256: str, name: str, media_type: str) -> Response:
+    """A blob under its media type, never sniffed, never allowed to act: its ETag is its hash."""
+    etag = f'"{sha256}"'
+    headers = {
+        "ETag": etag,
+        "Cache-Control": "private, no-cache",
+        "Content-Security-Policy": REPORT_POLICY,
+    }
+    if etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    shown = "inline" if media_type.partition(";")[0] in SHOWN else "attachment"
+    path = blobs.path_for(sha256)
+    if path is None:
+        return StreamingResponse(chunks(blobs.open(sha256)), media_type=media_type, headers=headers)
+    last = name.rsplit("/", 1)[-1]
+    return FileResponse(path, headers=headers, media_type=media_type, filename=last, content_disposition_type=shown)

@@ -1,0 +1,53 @@
+"""Robots: robot.yaml and its URDF, handed in as files or as a zip."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Response
+
+from exogauge.api import checking
+from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.shapes import RobotList, RobotOut
+from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.storage.files import keep_folder
+
+router = APIRouter(tags=["robots"])
+FORM = bundle_schema("robot.yaml and its URDF, under their relative paths, or one zip of them")
+
+
+@router.post(
+    "/robots",
+    operation_id="createRobot",
+    status_code=201,
+    responses={200: {"model": RobotOut, "description": "The same files were there already"}},
+    openapi_extra=FORM,
+)
+def create_robot(
+    upload: Annotated[BundleUpload, Depends(bundle_body)],
+    storage: StorageDep,
+    settings: SettingsDep,
+    response: Response,
+) -> RobotOut:
+    """Check and store a robot. Other files under the same name become its next version."""
+    with scratch_folder(settings) as scratch:
+        lay_out(upload.files, scratch, settings)
+        root = root_of(scratch, "robot.yaml")
+        summary = checking.check_robot(root)
+        files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        robot, new = store.robots.add(upload.name or summary["name"], files, summary)
+    response.status_code = 201 if new else 200
+    return RobotOut.of(robot, files)
+
+
+@router.get("/robots", operation_id="listRobots")
+def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> RobotList:
+    page = store.robots.page(cursor, limit)
+    return RobotList(items=[RobotOut.of(robot) for robot in page.items], next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/robots/{robot_id}", operation_id="getRobot")
+def get_robot(robot_id: Id, store: ReaderDep) -> RobotOut:
+    return RobotOut.of(store.robots.get(str(robot_id)), store.robots.files(str(robot_id)))

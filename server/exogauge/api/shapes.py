@@ -1,0 +1,185 @@
+"""What the API answers: pydantic models, each made from a record of the store in one visible place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any, Literal, Self, final
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.records import ArtifactRecord, JobRecord, RobotRecord, StudyRecord
+
+State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
+Role = Literal["identification", "validation", "without_device", "with_device"]
+
+
+class Answer(BaseModel):
+    model_config = ConfigDict(from_attributes=True)
+
+
+@final
+class FileOut(Answer):
+    """A pinned file: its path in the bundle, the SHA-256 of its bytes, its size in bytes."""
+
+    path: str
+    sha256: str
+    size: int
+
+
+@final
+class RobotOut(Answer):
+    """One version of a robot. content_hash covers every file; files are given when one robot is asked for."""
+
+    id: str
+    name: str
+    version: int
+    created_at: datetime
+    content_hash: str
+    summary: dict[str, Any]
+    files: list[FileOut] | None = None
+
+    @classmethod
+    def of(cls, robot: RobotRecord, files: Sequence[PinnedFile] | None = None) -> Self:
+        answer = cls.model_validate(robot)
+        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        return answer
+
+
+@final
+class LogOut(Answer):
+    """A stored log. sha256: of its bytes as uploaded; summary: what its reading found."""
+
+    id: str
+    name: str
+    created_at: datetime
+    sha256: str
+    size: int
+    mapping_sha256: str | None
+    summary: dict[str, Any]
+
+
+@final
+class LatestJob(Answer):
+    """A study's newest job, in short. progress: 0..1; reason: why it failed."""
+
+    id: str
+    kind: str
+    state: State
+    progress: float
+    message: str
+    reason: str | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+@final
+class StudyOut(Answer):
+    """A study. content_hash covers every pinned file; files are given when one study is asked for."""
+
+    id: str
+    name: str
+    created_at: datetime
+    content_hash: str
+    summary: dict[str, Any]
+    latest_job: LatestJob | None = None
+    files: list[FileOut] | None = None
+
+    @classmethod
+    def of(cls, study: StudyRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+        answer = cls.model_validate(study)
+        answer.latest_job = None if job is None else LatestJob.model_validate(job)
+        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        return answer
+
+
+@final
+class ArtifactOut(Answer):
+    """A file that a job made; href is relative to the API's root `/api/v1/`."""
+
+    name: str
+    sha256: str
+    size: int
+    media_type: str
+    href: str
+
+    @classmethod
+    def of(cls, artifact: ArtifactRecord) -> Self:
+        href = f"jobs/{artifact.job_id}/artifacts/{artifact.name}"
+        return cls.model_validate({**vars(artifact), "href": href})
+
+
+class ListOf(Answer):
+    """One page, newest first; next_cursor continues it and is null at the end."""
+
+    next_cursor: str | None = None
+
+
+@final
+class RobotList(ListOf):
+    items: list[RobotOut]
+
+
+@final
+class LogList(ListOf):
+    items: list[LogOut]
+
+
+@final
+class StudyList(ListOf):
+    items: list[StudyOut]
+
+
+@final
+class ArtifactList(Answer):
+    items: list[ArtifactOut]
+
+
+@final
+class Health(BaseModel):
+    """status: ok; degraded: fewer workers live than wanted; unavailable (503): database or blobs do not answer."""
+
+    status: Literal["ok", "degraded", "unavailable"]
+    version: str
+    database: str
+    blobs: str
+    workers_wanted: int
+    workers_alive: int
+
+
+class Part(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+@final
+class LogPart(Part):
+    """One uploaded log and its role. rows: [start, stop], data rows from 0, stop not included."""
+
+    log_id: str = Field(min_length=1, max_length=64)
+    role: Role
+    motion: str | None = Field(default=None, max_length=200)
+    rows: tuple[int, int] | None = None
+    name: str | None = Field(default=None, max_length=100)
+
+
+@final
+class StudyFromParts(Part):
+    """A study made of a robot and logs that were uploaded before; the service writes its study.yaml."""
+
+    name: str = Field(min_length=1, max_length=200)
+    robot_id: str = Field(min_length=1, max_length=64)
+    logs: list[LogPart] = Field(min_length=1, max_length=1000)
+    steps: list[str] | None = Field(default=None, max_length=20)
+    settings: dict[str, Any] | None = None
+
+    def study_yaml(self, log_files: Sequence[Mapping[str, str]]) -> dict[str, Any]:
+        """The content of study.yaml; log_files: `file` (and `mapping`) of each log in the bundle."""
+        logs = [
+            {**files, **part.model_dump(exclude_none=True, exclude={"log_id"}, mode="json")}
+            for part, files in zip(self.logs, log_files, strict=True)
+        ]
+        content: dict[str, Any] = {"version": 1, "name": self.name, "robot": "robot.yaml", "logs": logs}
+        optional = {"steps": self.steps, "settings": self.settings}
+        return content | {key: value for key, value in optional.items() if value is not None}

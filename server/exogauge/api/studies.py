@@ -1,0 +1,86 @@
+"""Studies: a folder of files handed in at once, or put together from a robot and logs uploaded before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import yaml
+from fastapi import APIRouter, Depends, Response
+
+from exogauge.api import checking
+from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.logs import lay_out_robot
+from exogauge.api.shapes import StudyFromParts, StudyList, StudyOut
+from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.errors import BadStudy, Fault
+from exogauge.storage.blobs import copy_out
+from exogauge.storage.files import keep_folder
+from exogauge.storage.store import Storage
+
+router = APIRouter(tags=["studies"])
+STUDY = "study.yaml"
+LOGS = "logs"
+BODY = bundle_schema("study.yaml and what it names, under their relative paths, or one zip of them", StudyFromParts)
+
+
+@router.post(
+    "/studies",
+    operation_id="createStudy",
+    status_code=201,
+    responses={200: {"model": StudyOut, "description": "The same files were there already"}},
+    openapi_extra=BODY,
+)
+def create_study(
+    body: Annotated[BundleUpload | StudyFromParts, Depends(study_body)],
+    storage: StorageDep,
+    settings: SettingsDep,
+    response: Response,
+) -> StudyOut:
+    """Check and store a study; every file is pinned by its hash."""
+    with scratch_folder(settings) as scratch:
+        if isinstance(body, StudyFromParts):
+            put_together(body, storage, scratch)
+        else:
+            lay_out(body.files, scratch, settings)
+        root = root_of(scratch, STUDY)
+        summary = checking.check_study(root)
+        files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        study, new = store.studies.add(summary["name"], files, summary)
+        job = store.jobs.latest([study.id]).get(study.id)
+    response.status_code = 201 if new else 200
+    return StudyOut.of(study, job, files)
+
+
+@router.get("/studies", operation_id="listStudies")
+def list_studies(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> StudyList:
+    page = store.studies.page(cursor, limit)
+    jobs = store.jobs.latest([study.id for study in page.items])
+    items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
+    return StudyList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/studies/{study_id}", operation_id="getStudy")
+def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
+    study = store.studies.get(str(study_id))
+    return StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
+
+
+def put_together(parts: StudyFromParts, storage: Storage, folder: Path) -> None:
+    """Lay out a study's folder from what was uploaded before, and write its study.yaml."""
+    lay_out_robot(parts.robot_id, storage, folder)
+    if (folder / LOGS).exists():
+        raise BadStudy(Fault(f"the robot's bundle holds {LOGS!r}, where the logs go", "path_clash", "Rename it."))
+    with storage.reading() as store:
+        logs = [store.logs.get(part.log_id) for part in parts.logs]
+    names = []
+    for k, log in enumerate(logs):
+        files = {"file": f"{LOGS}/{k}/{log.name}"}
+        copy_out(storage.blobs, log.sha256, folder / files["file"])
+        if log.mapping_sha256 is not None:
+            files["mapping"] = f"{LOGS}/{k}/mapping.yaml"
+            copy_out(storage.blobs, log.mapping_sha256, folder / files["mapping"])
+        names.append(files)
+    (folder / STUDY).write_text(yaml.safe_dump(parts.study_yaml(names), allow_unicode=True, sort_keys=False))
