@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -14,18 +15,21 @@ from exogauge.errors import BadStudy, Fault
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Form, Statistics
+from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
-from exogauge.identification.predict import Parameters
-from exogauge.identification.preparation import Prepared, choose_cutoff, prepare, velocity_threshold
+from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
+from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
 from exogauge.identification.prior import as_printed, hold_scale, per_parameter, scales
+from exogauge.identification.ranges import solve_within_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.strength import choose_strength
 from exogauge.identification.uncertainty import score_covariance
-from exogauge.identification.validate import fits, noise_floors, predict_log
-from exogauge.identification.weights import first_weights, solve_and_weigh
+from exogauge.identification.validate import fits, noise_floors, predict_log, rms
+from exogauge.identification.weights import first_weights, weigh
+from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
 from exogauge.robots.description import Robot
@@ -52,32 +56,28 @@ def identify(
     if not fitted_logs:
         advice = "Give at least one log the role `identification`."
         raise BadStudy(Fault("there is no log to identify from", "no_identification_log", advice))
-    progress(0.0, "filtering and differentiating")
-    cutoff_hz = settings.cutoff_hz or choose_cutoff(robot, fitted_logs)
+    progress(0.0, "choosing the bandwidth")
+    base = find_base_parameters(robot.tree)
+    blocks = row_blocks(robot.tree, base, robot.axes_from_joints)
+    equations = Equations(robot, blocks, base, choose(settings.effects))
+    cutoff_hz = settings.cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
+    progress(0.05, "filtering and differentiating")
     threshold = velocity_threshold(robot, fitted_logs, cutoff_hz)
     fitted = [prepare(robot, log, cutoff_hz, threshold) for log in fitted_logs]
-    base = find_base_parameters(robot.tree)
-    equations = Equations(robot, row_blocks(robot.tree, base, robot.axes_from_joints), base, choose(settings.effects))
-    seen = scales(robot, fitted)
-    prior = per_parameter(robot, base, equations.effects, seen)
-    warnings = []
-    if not scale_is_known(robot):
-        prior, warning = hold_scale(robot, equations.effects, prior, seen)
-        warnings.append(warning)
-
+    prior, warnings = _prior(equations, fitted)
     solution = _solve(equations, fitted, prior, settings, progress)
     progress(0.75, "estimating the uncertainty")
+    if solution.held:
+        warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    covariance = solution.prior.lift_covariance(solution.solved.covariance(meat))
-    standard = solution.prior.lift(solution.solved.x)
+    unbounded = PriorLeastSquares(solution.statistics, solution.weights, solution.prior, solution.strength)
+    covariance = solution.prior.lift_covariance(unbounded.covariance(meat))
+    standard = solution.solved.prior.lift(solution.solved.x)
     if settings.consistency == "physical":
         progress(0.8, "making every link physically possible")
         standard, notes = possible_parameters(robot, solution.solved)
         warnings += notes
-    N, A, K = len(robot.tree.bodies), len(robot.joints), len(equations.effects)
-    phi, xi = standard[: 10 * N].reshape(N, 10), standard[10 * N :].reshape(A, K)
-    identified = Parameters(phi, xi)
-    before = Parameters(robot.tree.phi, solution.prior.mean[10 * N :].reshape(A, K))
+    identified, before = split(equations, standard), split(equations, prior.mean)
     predictions, validation = _validate(
         equations, recordings, fitted, cutoff_hz, threshold, (identified, before), progress
     )
@@ -85,13 +85,13 @@ def identify(
     parameters = describe(equations, solution.prior, standard, covariance)
     progress(1.0, "identified")
     return Identification(
-        phi=phi,
-        joint_values={effect.coefficient.name: xi[:, k] for k, effect in enumerate(equations.effects)},
+        phi=identified.phi,
+        joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
         parameters=parameters,
         unidentifiable=tuple(p.name for p in parameters if not p.identifiable),
         validation=validation,
         predictions=predictions,
-        consistent_links=tuple(bool(is_physical(one)) for one in phi),
+        consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
         prior_strength=solution.strength,
         prior_curve=solution.curve,
         condition=condition,
@@ -106,7 +106,10 @@ def identify(
 @final
 @dataclass(frozen=True)
 class Solution:
-    """What the sign passes end with. weights: (rows,) 1/variance. curve: (strength, held-out score)."""
+    """What the sign passes end with. weights: (rows,) 1/variance. curve: (strength, held-out score).
+
+    held: names of joint parameters that stand at the edge of their physical range.
+    """
 
     solved: PriorLeastSquares
     statistics: Statistics
@@ -114,6 +117,7 @@ class Solution:
     prior: Prior
     strength: float
     curve: tuple[tuple[float, float], ...]
+    held: tuple[str, ...]
 
 
 def _solve(
@@ -129,18 +133,45 @@ def _solve(
         for index, prepared in enumerate(fitted):
 
             def tick(fraction: float, done: int = number * len(fitted) + index) -> None:
-                progress(0.05 + 0.7 * (done + fraction) / (SIGN_PASSES * len(fitted)), "collecting the equations")
+                progress(0.1 + 0.65 * (done + fraction) / (SIGN_PASSES * len(fitted)), "collecting the equations")
 
             folds += equations.collect(prepared, x, FOLDS, form, tick)
         total = sum(folds[1:], folds[0])
         if settings.prior == "as_printed":
             belief = as_printed(equations.robot, prior, total, weights, equations.base_size, len(equations.effects))
-        solved, weights = solve_and_weigh(total, weights, belief, strength, equations)
+        weights = weigh(total, weights, belief, strength)
         if settings.prior_strength is None:
             strength, curve = choose_strength(folds, total, weights, belief, settings.prior)
-            solved, weights = solve_and_weigh(total, weights, belief, strength, equations)
+            weights = weigh(total, weights, belief, strength)
+        solved, held = solve_within_ranges(equations, total, weights, belief, strength)
         x = solved.x
-    return Solution(solved, total, weights, belief, strength, curve)
+    return Solution(solved, total, weights, belief, strength, curve, held)
+
+
+def _prior(equations: Equations, fitted: Sequence[Prepared]) -> tuple[Prior, list[str]]:
+    """The prior, and what to tell the user about it."""
+    robot = equations.robot
+    seen = scales(robot, fitted)
+    prior = per_parameter(robot, equations.base, equations.effects, seen)
+    if scale_is_known(robot):
+        return prior, []
+    prior, warning = hold_scale(robot, equations.effects, prior, seen)
+    return prior, [warning]
+
+
+def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
+    """Mean log rms of what one quick solution leaves of the unfiltered channels of `log`."""
+    robot = equations.robot
+    threshold = velocity_threshold(robot, [log], cutoff_hz)
+    prepared = prepare(robot, log, cutoff_hz, threshold)
+    prior, _ = _prior(equations, [prepared])
+    total = equations.collect(prepared, prior.seen_mean, folds=1)[0]
+    weights = weigh(total, first_weights(equations, [prepared]), prior, 1.0)
+    solved, _ = solve_within_ranges(equations, total, weights, prior, 1.0)
+    parameters = split(equations, solved.prior.lift(solved.x))
+    measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
+    predicted = predicted_channels(equations, prepared, parameters)
+    return float(np.mean([np.log(rms(measured[channel] - predicted[channel])) for channel in measured]))
 
 
 def _validate(
@@ -154,8 +185,7 @@ def _validate(
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked."""
     ready = {id(prepared.log): prepared for prepared in fitted}
-    gain = [k for k, effect in enumerate(equations.effects) if effect.name == "motor_gain"]
-    k_T = parameters[0].xi[:, gain].sum(axis=1) if gain else np.ones(len(equations.robot.joints))
+    k_T = motor_gain(equations, parameters[0])
     predictions: list[Prediction] = []
     validation: list[ChannelFit] = []
     for index, recording in enumerate(recordings):

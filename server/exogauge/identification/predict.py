@@ -27,6 +27,19 @@ class Parameters:
     xi: Array
 
 
+def split(equations: Equations, standard: Array) -> Parameters:
+    """standard: (S,) [φ; ξ]."""
+    phi = equations.robot.tree.phi
+    xi = standard[phi.size :].reshape(len(equations.robot.joints), len(equations.effects))
+    return Parameters(standard[: phi.size].reshape(phi.shape), xi)
+
+
+def motor_gain(equations: Equations, parameters: Parameters) -> Array:
+    """(A,) k_T; 1 where the motor's gain is not part of the model."""
+    gain = [k for k, effect in enumerate(equations.effects) if effect.name == "motor_gain"]
+    return parameters.xi[:, gain[0]] if gain else np.ones(len(parameters.xi))
+
+
 def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> Mapping[str, Array]:
     """Unfiltered base wrench (from the contact sensors) and joint torques k_T u, or the torques as logged."""
     robot = equations.robot

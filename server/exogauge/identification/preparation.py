@@ -91,7 +91,7 @@ def wrench_channels(sensor: str) -> tuple[str, ...]:
     return tuple(f"ft.{sensor}.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz"))
 
 
-def choose_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
+def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     """[Hz] the highest cut-off that the positions of any fitted log call for."""
     names = [f"q.{joint.name}" for joint in robot.joints]
     return max(suggest_cutoff(log.stack(names), log.rate_hz) for log in logs)
@@ -133,7 +133,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
     for index, sensor in enumerate(contacts):
         raw_wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
     axis_velocity = dq @ C.T
-    direction = np.where(np.abs(axis_velocity) < threshold, 0.0, np.sign(axis_velocity))
+    direction = directions(axis_velocity, threshold, round(log.rate_hz / cutoff_hz))
     settle = min(low_pass.settle_samples, log.samples // 10)
     return Prepared(
         log=log,
@@ -150,6 +150,22 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
         raw_wrenches=raw_wrenches,
         kept=np.arange(settle, log.samples - settle, low_pass.decimation()),
     )
+
+
+def directions(velocity: Array, threshold: Array, shortest: int) -> Array:
+    """(T, A) sgn_ε: 0 where an axis stays below its threshold for at least `shortest` samples, else the sign.
+
+    A velocity that merely passes through zero is a reversal, not a rest: static friction has no time to act that a
+    low-passed log could show.
+    """
+    direction = np.sign(velocity)
+    slow = np.abs(velocity) < threshold
+    for axis in range(velocity.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], slow[:, axis], [False]]).astype(np.int8)))
+        for start, stop in edges.reshape(-1, 2):
+            if stop - start >= shortest:
+                direction[start:stop, axis] = 0.0
+    return direction
 
 
 def require_even_clock(log: Log) -> None:

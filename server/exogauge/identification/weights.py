@@ -36,15 +36,12 @@ def first_weights(equations: Equations, logs: Sequence[Prepared]) -> Array:
         return np.where(size > 0.0, (FIRST_SHARE * size) ** -2.0, 0.0)
 
 
-def solve_and_weigh(
-    statistics: Statistics, weights: Array, prior: Prior, strength: float, equations: Equations
-) -> tuple[PriorLeastSquares, Array]:
-    """Solve and re-weight in turn. Rows with weight 0 keep it."""
-    zero = np.zeros(statistics.size)
-    signal = statistics.residual_square_sum(zero) / statistics.count
+def weigh(statistics: Statistics, weights: Array, prior: Prior, strength: float) -> Array:
+    """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it."""
+    signal = statistics.residual_square_sum(np.zeros(statistics.size)) / statistics.count
     live = weights > 0.0
     for _ in range(ITERATIONS):
-        solved = PriorLeastSquares(statistics, weights, prior, strength)
-        variance = statistics.residual_square_sum(solved.x) / statistics.count
+        x = PriorLeastSquares(statistics, weights, prior, strength).x
+        variance = statistics.residual_square_sum(x) / statistics.count
         weights = np.where(live, 1.0 / np.maximum(variance, SMALLEST_SHARE**2 * signal + 1e-300), 0.0)
-    return PriorLeastSquares(statistics, weights, prior, strength), weights
+    return weights

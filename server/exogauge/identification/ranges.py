@@ -1,0 +1,41 @@
+"""Coefficients that nature bounds: friction does not push, a motor gain is not negative."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.equations import Equations
+
+Array = NDArray[np.float64]
+
+
+def solve_within_ranges(
+    equations: Equations, statistics: Statistics, weights: Array, prior: Prior, strength: float
+) -> tuple[PriorLeastSquares, tuple[str, ...]]:
+    """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again."""
+    first = statistics.size - len(equations.robot.joints) * len(equations.effects)
+    low = np.tile([effect.coefficient.low for effect in equations.effects], len(equations.robot.joints))
+    high = np.tile([effect.coefficient.high for effect in equations.effects], len(equations.robot.joints))
+    held = np.zeros(len(low), dtype=bool)
+    belief = prior
+    while True:
+        solved = PriorLeastSquares(statistics, weights, belief, strength)
+        xi = solved.x[first:]
+        outside = ((xi < low) | (xi > high)) & ~held & (prior.std[-len(low) :] > 0.0)
+        if not outside.any():
+            return solved, tuple(np.array(_names(equations))[held])
+        held |= outside
+        mean, std = belief.mean.copy(), belief.std.copy()
+        mean[-len(low) :][outside] = np.clip(xi, low, high)[outside]
+        std[-len(low) :][outside] = 0.0
+        belief = Prior(mean, std, prior.seen)
+
+
+def _names(equations: Equations) -> list[str]:
+    return [
+        f"{effect.coefficient.name}[{joint.name}]" for joint in equations.robot.joints for effect in equations.effects
+    ]
