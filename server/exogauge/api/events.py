@@ -19,27 +19,27 @@ from exogauge.api.jobs import JobOut
 from exogauge.errors import Unavailable
 from exogauge.storage.store import Storage
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = APIRouter(tags=["jobs"])
 
 LOOK_EVERY_S = 0.25
 ENDED = ("succeeded", "failed", "cancelled")
 LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=100)]
 
 
-def existing_job(id: Id, store: ReaderDep) -> str:
+def existing_job(job_id: Id, store: ReaderDep) -> str:
     """404 before the stream begins."""
-    return store.jobs.get(str(id)).id
+    return store.jobs.get(str(job_id)).id
 
 
-@router.get("/{id}/events", operation_id="watch_job", response_class=EventSourceResponse)
+@router.get("/jobs/{job_id}/events", operation_id="watchJob", response_class=EventSourceResponse)
 async def watch_job(
-    job_id: Annotated[str, Depends(existing_job)], storage: StorageDep, last: LastEventId = None
+    key: Annotated[str, Depends(existing_job)], storage: StorageDep, last: LastEventId = None
 ) -> AsyncIterable[ServerSentEvent]:
     """Ends with the final state."""
     seen = int(last) if last is not None and last.isdecimal() else -1
     place: str | None = None
     while True:
-        job = await run_in_threadpool(look, storage, job_id)
+        job = await run_in_threadpool(look, storage, key)
         if job is not None and (job.revision != seen or job.place != place or job.state in ENDED):
             seen, place = job.revision, job.place
             yield ServerSentEvent(event="job", id=str(job.revision), data=job.model_dump(mode="json"))

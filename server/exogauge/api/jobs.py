@@ -16,7 +16,7 @@ from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
 from exogauge.storage.records import JobRecord
 
-router = APIRouter(prefix="/jobs", tags=["jobs"])
+router = APIRouter(tags=["jobs"])
 CREATING = threading.Lock()
 
 
@@ -77,14 +77,14 @@ class JobList(ListOf):
     items: list[JobOut]
 
 
-@router.post("", status_code=202, operation_id="submit_job", responses={200: {"model": JobOut}})
+@router.post("/jobs", status_code=202, operation_id="submitJob", responses={200: {"model": JobOut}})
 def submit_job(wanted: JobRequest, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
     """202: a new job. 200: an equal request is queued, running or succeeded already; this is its job."""
     job, new = requests.submit(store, queue, wanted.study_id, wanted.kind, wanted.settings)
     return located(JobOut.of(job, store.session), new, request, response)
 
 
-@router.get("", operation_id="list_jobs")
+@router.get("/jobs", operation_id="listJobs")
 def list_jobs(
     store: ReaderDep,
     cursor: Cursor,
@@ -98,27 +98,27 @@ def list_jobs(
     return JobList(items=items, next_cursor=encoded_cursor(page.after))
 
 
-@router.get("/{id}", operation_id="get_job")
-def get_job(id: Id, store: ReaderDep) -> JobOut:
+@router.get("/jobs/{job_id}", operation_id="getJob")
+def get_job(job_id: Id, store: ReaderDep) -> JobOut:
     """With its log."""
-    return JobOut.of(store.jobs.get(str(id)), store.session, with_log=True)
+    return JobOut.of(store.jobs.get(str(job_id)), store.session, with_log=True)
 
 
-@router.post("/{id}/cancel", operation_id="cancel_job")
-def cancel_job(id: Id, store: StoreDep) -> JobOut:
+@router.post("/jobs/{job_id}/cancel", operation_id="cancelJob")
+def cancel_job(job_id: Id, store: StoreDep) -> JobOut:
     """A queued job ends at once, a running one within a second, an ended one stays as it is."""
-    return JobOut.of(requests.cancel(store, str(id)), store.session)
+    return JobOut.of(requests.cancel(store, str(job_id)), store.session)
 
 
-@router.post("/{id}/retry", status_code=202, operation_id="retry_job", responses={200: {"model": JobOut}})
-def retry_job(id: Id, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
+@router.post("/jobs/{job_id}/retry", status_code=202, operation_id="retryJob", responses={200: {"model": JobOut}})
+def retry_job(job_id: Id, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
     """A new job with the request of a failed or cancelled one."""
-    job, new = requests.try_again(store, queue, str(id))
+    job, new = requests.try_again(store, queue, str(job_id))
     return located(JobOut.of(job, store.session), new, request, response)
 
 
 def located(job: JobOut, new: bool, request: Request, response: Response) -> JobOut:
     """Say where the job is to be found, and whether it is new."""
-    response.headers["Location"] = request.app.url_path_for("get_job", id=job.id)
+    response.headers["Location"] = request.url_for("get_job", job_id=job.id).path
     response.status_code = 202 if new else 200
     return job

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, final
 
@@ -21,8 +22,6 @@ ATTEMPTS = 6
 FIRST_PAUSE_S = 0.2
 BUSY = {429, 502, 503, 504}
 CHUNK = 1 << 20
-
-FormFiles = Callable[[], list[tuple[str, tuple[str, Any, str]]]]
 
 
 @final
@@ -38,10 +37,17 @@ class Transport:
         """GET, as JSON."""
         return self._send("GET", path, params=dict(params or {})).json()
 
-    def post(self, path: str, body: Any = None, files: FormFiles | None = None, form: Any = None) -> Any:
-        """POST JSON, or a form with files (`files()` opens them anew for each attempt); one key for all attempts."""
+    def post(
+        self,
+        path: str,
+        body: Any = None,
+        files: Mapping[str, Path] | None = None,
+        form: Mapping[str, str] | None = None,
+    ) -> Any:
+        """POST JSON, or a form with files (field -> path); one idempotency key for all attempts."""
         headers = {"Idempotency-Key": str(uuid.uuid4())}
-        return self._send("POST", path, headers=headers, json=body, files=files, data=form).json()
+        content = {"data": form, "files": files} if files else {"json": body}
+        return self._send("POST", path, headers=headers, **content).json()
 
     def download(self, path: str, target: Path) -> Path:
         """GET to a file, written beside it first, so that `target` is whole or absent."""
@@ -55,11 +61,11 @@ class Transport:
                     file.write(chunk)
         return partial.replace(target)
 
-    def _send(self, method: str, path: str, files: FormFiles | None = None, **request: Any) -> httpx.Response:
+    def _send(self, method: str, path: str, **request: Any) -> httpx.Response:
         pause = FIRST_PAUSE_S
         for attempt in range(1, ATTEMPTS + 1):
             try:
-                response = self._http.request(method, path, files=files() if files else None, **request)
+                response = self._once(method, path, **request)
             except httpx.TransportError as error:
                 if attempt == ATTEMPTS:
                     address = self._http.base_url
@@ -67,11 +73,24 @@ class Transport:
             else:
                 if response.is_success:
                     return response
-                if response.status_code not in BUSY or attempt == ATTEMPTS:
+                if not (response.status_code in BUSY or in_flight(response)) or attempt == ATTEMPTS:
                     raise problem_of(response)
             time.sleep(pause)
             pause *= 2
         raise AssertionError("unreachable")
 
+    def _once(self, method: str, path: str, files: Mapping[str, Path] | None = None, **request: Any) -> httpx.Response:
+        """One attempt; files are opened anew for each."""
+        with ExitStack() as stack:
+            if files:
+                opened = {field: (file.name, stack.enter_context(file.open("rb"))) for field, file in files.items()}
+                request["files"] = opened
+            return self._http.request(method, path, **request)
+
     def close(self) -> None:
         self._http.close()
+
+
+def in_flight(response: httpx.Response) -> bool:
+    """The first request with this key is still being served (its connection broke, the work did not)."""
+    return response.status_code == 409 and "Retry-After" in response.headers

@@ -1,0 +1,149 @@
+"""The command line: each command is a few lines that call what does the work, imported when it is needed."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from exogauge import __version__
+from exogauge.errors import ExogaugeError
+
+BAD_INPUT = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command. 0: done. 2: the input or the installation is not usable, and the message says why."""
+    options = parser().parse_args(arguments)
+    level = logging.INFO if options.verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(name)s: %(message)s", force=True)
+    try:
+        code: int = options.command(options)
+    except ExogaugeError as error:
+        print(f"exogauge {options.name}: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        return 130
+    return code
+
+
+def parser() -> argparse.ArgumentParser:
+    top = argparse.ArgumentParser(prog="exogauge", description="Identify a robot from its logs, with numbers.")
+    top.add_argument("--version", action="version", version=f"exogauge {__version__}")
+    top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
+    commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="evaluate a study on local files, without a server")
+    run.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
+    run.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json and the rest go")
+    run.set_defaults(command=run_study)
+
+    doctor = commands.add_parser("doctor", help="examine a study's logs before they are believed")
+    doctor.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
+    doctor.set_defaults(command=examine_logs)
+
+    sample = commands.add_parser("sample", help="write a complete synthetic study")
+    sample.add_argument("out", type=Path, metavar="OUT")
+    sample.add_argument("--seed", type=int, required=True, metavar="N")
+    sample.add_argument(
+        "--hidden", action="append", default=[], metavar="EFFECT@PLACE", help="an effect the a-priori model lacks"
+    )
+    sample.add_argument("--suit", choices=("none", "normal", "modified"), default="none")
+    sample.set_defaults(command=write_sample)
+
+    serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
+    serve.add_argument("--host", help="address to listen on (EXOGAUGE_HOST)")
+    serve.add_argument("--port", type=int, help="port; 0 takes a free one (EXOGAUGE_PORT)")
+    serve.add_argument("--workers", type=int, help="worker processes; 0: none here (EXOGAUGE_WORKERS)")
+    serve.add_argument("--data-dir", type=Path, help="where everything is kept (EXOGAUGE_DATA_DIR)")
+    serve.set_defaults(command=start_server)
+
+    work = commands.add_parser("work", help="one more worker for the same database and blobs")
+    work.add_argument("--with-parent", action="store_true", help="leave when stdin ends")
+    work.set_defaults(command=start_worker)
+
+    migrate = commands.add_parser("migrate", help="bring the database to this version; back it up before")
+    migrate.set_defaults(command=upgrade_database)
+
+    demo = commands.add_parser("demo", help="evaluate the sample study through the service, and print the result")
+    demo.set_defaults(command=show_demo)
+    return top
+
+
+def run_study(options: argparse.Namespace) -> int:
+    from exogauge.studies.evaluate import evaluate
+    from exogauge.terminal import bar
+
+    with bar("run") as progress:
+        evaluate(options.study, options.out, progress)
+    print(f"{options.out / 'report.html'}\n{options.out / 'results.json'}")
+    return 0
+
+
+def examine_logs(options: argparse.Namespace) -> int:
+    """1 when a log has an error."""
+    from exogauge.studies.evaluate import doctor
+    from exogauge.studies.open import open_study, read_recordings
+    from exogauge.terminal import text_table
+
+    with open_study(options.study) as study:
+        findings = doctor(study, read_recordings(study))
+    columns = ("log", "severity", "channel", "row", "detail", "advice")
+    print(text_table(columns, [[finding.get(column) for column in columns] for finding in findings], widest=70))
+    errors = sum(finding["severity"] == "error" for finding in findings)
+    print(f"{len(findings)} findings, {errors} of them errors")
+    return 1 if errors else 0
+
+
+def write_sample(options: argparse.Namespace) -> int:
+    from exogauge import synthetic
+    from exogauge.terminal import bar
+
+    with bar("sample") as progress:
+        synthetic.write_sample(options.out, options.seed, options.hidden, options.suit, progress)
+    print(options.out / "study.yaml")
+    return 0
+
+
+def start_server(options: argparse.Namespace) -> int:
+    import os
+
+    from exogauge.serving import serve
+    from exogauge.settings import Settings
+
+    given = {key: getattr(options, key) for key in ("host", "port", "workers", "data_dir")}
+    for key, value in given.items():
+        if value is not None:  # by the environment, so that the workers see it too
+            os.environ[f"EXOGAUGE_{key.upper()}"] = str(value)
+    serve(Settings())
+    return 0
+
+
+def start_worker(options: argparse.Namespace) -> int:
+    from exogauge.jobs.worker import work
+    from exogauge.settings import Settings
+
+    work(Settings(), with_parent=options.with_parent)
+    return 0
+
+
+def upgrade_database(_: argparse.Namespace) -> int:
+    from exogauge.serving import upgrade
+    from exogauge.settings import Settings
+
+    print(f"the database is at revision {upgrade(Settings())}")
+    return 0
+
+
+def show_demo(_: argparse.Namespace) -> int:
+    from exogauge.demo import demo
+    from exogauge.settings import Settings
+
+    demo(Settings())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+"""`exogauge.Client`: upload, submit, wait, read the result."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar, final
+from urllib.parse import quote
+
+import httpx
+from tqdm import tqdm
+
+from exogauge.client.bundle import zipped
+from exogauge.client.problem import ClientProblem
+from exogauge.client.things import Artifact, Job, Log, Robot, Study, thing
+from exogauge.client.transport import Transport
+
+Thing = TypeVar("Thing")
+
+POLL_S = 0.2
+
+
+@final
+class Client:
+    """Talks to one service. Raises `ClientProblem` with what the service said; everything may be called again."""
+
+    def __init__(
+        self,
+        url: str = "http://127.0.0.1:8765",
+        *,
+        timeout_s: float = 120.0,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        self.url = url.rstrip("/")
+        self._http = Transport(url, timeout_s, transport)
+
+    def health(self) -> dict[str, Any]:
+        """Whether the service can serve, and how many workers live."""
+        answer: dict[str, Any] = self._http.get(f"{self.url}/healthz")
+        return answer
+
+    def upload_study(self, path: str | Path) -> Study:
+        """A study's folder, its study.yaml, or a zip. The same files are the same study."""
+        return thing(Study, self._upload_bundle("studies", Path(path), "study.yaml"))
+
+    def upload_robot(self, path: str | Path) -> Robot:
+        """A robot's folder, its robot.yaml, or a zip."""
+        return thing(Robot, self._upload_bundle("robots", Path(path), "robot.yaml"))
+
+    def upload_log(self, path: str | Path, mapping: str | Path | None = None, robot: Robot | str | None = None) -> Log:
+        """One log. mapping: a mapping.yaml that names its columns; robot: whose gears the mapping needs."""
+        parts = {"file": Path(path)} | ({"mapping": Path(mapping)} if mapping is not None else {})
+        form = {"robot_id": id_of(robot)} if robot is not None else None
+        return thing(Log, self._http.post("logs", files=parts, form=form))
+
+    def create_study(
+        self, name: str, robot: Robot | str, logs: list[dict[str, Any]], settings: Mapping[str, Any] | None = None
+    ) -> Study:
+        """A study of a robot and logs uploaded before. logs: [{"log_id", "role", "motion"?, "rows"?, "name"?}]."""
+        body = {"name": name, "robot_id": id_of(robot), "logs": logs, "settings": settings and dict(settings)}
+        return thing(Study, self._http.post("studies", body))
+
+    def studies(self) -> Iterator[Study]:
+        """All studies, newest first."""
+        return self._all("studies", Study)
+
+    def robots(self) -> Iterator[Robot]:
+        return self._all("robots", Robot)
+
+    def jobs(self, study: Study | str | None = None) -> Iterator[Job]:
+        """All jobs, newest first; of one study where given."""
+        return self._all("jobs", Job, {} if study is None else {"study_id": id_of(study)})
+
+    def study(self, study: Study | str) -> Study:
+        return thing(Study, self._http.get(f"studies/{id_of(study)}"))
+
+    def job(self, job: Job | str) -> Job:
+        """The job as it is now, with its log."""
+        return thing(Job, self._http.get(f"jobs/{id_of(job)}"))
+
+    def submit(self, study: Study | str, kind: str = "evaluate", settings: Mapping[str, Any] | None = None) -> Job:
+        """Ask for a job. An equal request that is queued, running or succeeded is the same job."""
+        body = {"study_id": id_of(study), "kind": kind, "settings": dict(settings or {})}
+        return thing(Job, self._http.post("jobs", body))
+
+    def cancel(self, job: Job | str) -> Job:
+        return thing(Job, self._http.post(f"jobs/{id_of(job)}/cancel"))
+
+    def retry(self, job: Job | str) -> Job:
+        """A new job with the request of a failed or cancelled one."""
+        return thing(Job, self._http.post(f"jobs/{id_of(job)}/retry"))
+
+    def wait(self, job: Job | str, *, progress: bool = True, timeout_s: float | None = None) -> Job:
+        """Wait until the job has ended, with a bar on stderr. Raises ClientProblem unless it succeeded."""
+        until = None if timeout_s is None else time.monotonic() + timeout_s
+        shape = "{desc} {percentage:3.0f}%|{bar}| {elapsed}{postfix}"
+        with tqdm(total=1.0, bar_format=shape, disable=not progress, desc="queued") as bar:
+            while True:
+                now = self.job(job)
+                bar.n = now.progress
+                bar.set_description_str(now.state, refresh=False)
+                bar.set_postfix_str(now.message or now.place or "", refresh=True)
+                if now.ended:
+                    break
+                if until is not None and time.monotonic() > until:
+                    raise ClientProblem(0, f"job {now.id} is still {now.state} after {timeout_s:.0f} s", now.message)
+                time.sleep(POLL_S)
+        if now.state != "succeeded":
+            raise ClientProblem(0, f"the job {now.state}", now.reason or "")
+        return now
+
+    def results(self, job: Job | str) -> dict[str, Any]:
+        """results.json of a job."""
+        answer: dict[str, Any] = self._http.get(f"jobs/{id_of(job)}/results")
+        return answer
+
+    def artifacts(self, job: Job | str) -> list[Artifact]:
+        return [thing(Artifact, item) for item in self._http.get(f"jobs/{id_of(job)}/artifacts")["items"]]
+
+    def download(self, job: Job | str, folder: str | Path, names: list[str] | None = None) -> list[Path]:
+        """Write the job's files below `folder`: all of them, or those named."""
+        written = []
+        for artifact in self.artifacts(job):
+            if names is None or artifact.name in names:
+                target = below(Path(folder), artifact.name)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                written.append(self._http.download(quote(artifact.href), target))
+        return written
+
+    def _upload_bundle(self, path: str, source: Path, main: str) -> Any:
+        source = source.parent if source.name == main else source
+        if not source.is_dir():
+            return self._http.post(path, files={"files": source})
+        with tempfile.TemporaryDirectory() as temporary:
+            packed = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
+            return self._http.post(path, files={"files": packed})
+
+    def _all(self, path: str, kind: type[Thing], params: Mapping[str, Any] | None = None) -> Iterator[Thing]:
+        cursor: str | None = None
+        while True:
+            page = self._http.get(path, {**(params or {}), **({"cursor": cursor} if cursor else {})})
+            yield from (thing(kind, item) for item in page["items"])
+            if (cursor := page.get("next_cursor")) is None:
+                return
+
+    def close(self) -> None:
+        self._http.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def id_of(thing: Robot | Study | Job | str) -> str:
+    """Records and plain ids are both accepted."""
+    return thing if isinstance(thing, str) else thing.id
+
+
+def below(folder: Path, name: str) -> Path:
+    """`folder/name`, refused when the name would lead out of the folder."""
+    target = (folder / name).resolve()
+    if not target.is_relative_to(folder.resolve()):
+        raise ClientProblem(0, "the service names a file outside the folder", name)
+    return target

@@ -1,0 +1,85 @@
+"""What the service answers, as frozen records. Keys that this version does not know are left aside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar, final
+
+Thing = TypeVar("Thing")
+
+
+@final
+@dataclass(frozen=True)
+class Robot:
+    """One version of a robot. summary: what its check found."""
+
+    id: str
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
+class Log:
+    """An uploaded log. summary: what its reading found."""
+
+    id: str
+    name: str
+    sha256: str
+    size: int
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
+class Study:
+    """A study, its files pinned by content_hash."""
+
+    id: str
+    name: str
+    content_hash: str
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
+class Job:
+    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words."""
+
+    id: str
+    study_id: str
+    kind: str
+    state: str
+    progress: float
+    message: str
+    place: str | None = None
+    reason: str | None = None
+    attempts: int = 0
+    revision: int = 0
+    settings: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    log: str | None = field(default=None, repr=False)
+
+    @property
+    def ended(self) -> bool:
+        return self.state in ("succeeded", "failed", "cancelled")
+
+
+@final
+@dataclass(frozen=True)
+class Artifact:
+    """A file that a job made; href below the API's root."""
+
+    name: str
+    sha256: str
+    size: int
+    media_type: str
+    href: str
+
+
+def thing(kind: type[Thing], answer: Mapping[str, Any]) -> Thing:
+    """The record of an answer."""
+    known = {each.name for each in fields(kind)}  # type: ignore[arg-type]
+    return kind(**{key: value for key, value in answer.items() if key in known})

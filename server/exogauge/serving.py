@@ -1,0 +1,91 @@
+"""One command that serves: the schema is made, workers are started and kept alive, the API answers."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import sys
+from collections.abc import Sequence
+from typing import final
+
+import uvicorn
+
+from exogauge.api.app import create_app
+from exogauge.errors import Unavailable
+from exogauge.jobs.engine import migrate_engine
+from exogauge.jobs.supervisor import Supervisor
+from exogauge.settings import Settings
+from exogauge.storage import migrate
+
+WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
+PATIENCE_S = 3  # for open requests (event streams among them) when the server stops
+
+
+def prepare(settings: Settings) -> None:
+    """Make the schema of a new database, upgrade a local SQLite file; another database is migrated by its operator."""
+    if settings.database_url.startswith("sqlite"):
+        settings.data_dir.mkdir(parents=True, exist_ok=True)
+        upgrade(settings)
+    else:
+        migrate.prepare(settings.database_url)
+        migrate_engine(settings.database_url)
+
+
+def upgrade(settings: Settings) -> str:
+    """Bring our tables and the queue's to this version; returns the revision."""
+    revision = migrate.upgrade(settings.database_url)
+    migrate_engine(settings.database_url)
+    return revision
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A bound socket, so that the address is known (port 0 takes a free one) before anything else starts."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+    except OSError as error:
+        bound.close()
+        advice = "Is another server running? EXOGAUGE_PORT or --port takes another port."
+        raise Unavailable(f"cannot listen on {host}:{port}: {error.strerror}. {advice}") from error
+    return bound
+
+
+def address(bound: socket.socket) -> str:
+    host, port = bound.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+@final
+class Announcing(uvicorn.Server):
+    """Says where it listens once it does."""
+
+    url = ""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        print(f"exogauge serves on {self.url}", flush=True)
+
+
+def serve(settings: Settings, worker_command: Sequence[str] = WORKER) -> None:
+    """Serve until SIGINT or SIGTERM; the workers leave with the server, however it ends."""
+    prepare(settings)
+    with listening(settings.host, settings.port) as bound:
+        supervisor = Supervisor(worker_command, settings.workers)
+        config = uvicorn.Config(
+            create_app(settings),
+            log_level="warning",
+            access_log=False,
+            root_path=settings.root_path,
+            timeout_graceful_shutdown=PATIENCE_S,
+        )
+        server = Announcing(config)
+        server.url = address(bound)
+        supervisor.start()
+        try:
+            server.run(sockets=[bound])
+        except KeyboardInterrupt:
+            logging.getLogger(__name__).info("stopped")
+        finally:
+            supervisor.stop()

@@ -1,0 +1,77 @@
+"""A job kind for tests only, and the program whose workers know it.
+
+    python burning.py work [--with-parent]     a worker
+    python burning.py serve                    the server, with workers of this program
+
+`burn` does what its settings say: {"mode", "seconds", "ledger"}. The ledger is an append-only file that counts
+starts and ends independently of the engine.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from exogauge.errors import BadStudy, Fault
+
+LEASE_S = 3.0
+
+
+def burn(folder: Path, out: Path, progress, settings) -> None:
+    ledger, seconds = Path(settings["ledger"]), float(settings.get("seconds", 0.2))
+    note(ledger, "start")
+    if settings.get("stdout"):
+        print(settings["stdout"], flush=True)
+    end = time.monotonic() + seconds
+    while (left := end - time.monotonic()) > 0:
+        progress(1.0 - left / seconds, f"{left:.1f} s left")
+        time.sleep(0.02)
+    mode = settings.get("mode", "ok")
+    if mode == "bad":
+        raise BadStudy(Fault("the log has no column", "missing_column", "Add it.", "logs/a.csv", column="t"))
+    if mode == "defect":
+        raise ZeroDivisionError("nobody foresaw this")
+    if mode == "segfault" or (mode == "segfault_once" and starts(ledger) == 1):
+        ctypes.string_at(0)
+    if mode == "kill_worker":
+        os.kill(os.getppid(), signal.SIGKILL)
+        time.sleep(60)
+    files = {str(p.relative_to(folder)): p.read_text() for p in sorted(folder.rglob("*")) if p.is_file()}
+    (out / "results.json").write_text(json.dumps({"files": files, "pid": os.getpid()}))
+    (out / "series").mkdir()
+    (out / "series" / "a.csv").write_text("t\n0\n")
+    note(ledger, "end")
+
+
+def note(ledger: Path, word: str) -> None:
+    with ledger.open("a") as file:
+        file.write(word + "\n")
+
+
+def starts(ledger: Path) -> int:
+    return ledger.read_text().split().count("start")
+
+
+def main() -> None:
+    import logging
+
+    from exogauge.jobs import recipes, worker
+    from exogauge.settings import Settings
+
+    logging.basicConfig(level=logging.INFO)
+    recipes.RECIPES["burn"] = recipes.Recipe("burn", "burning:burn", timeout_s=float(os.environ.get("BURN_LIMIT", 60)))
+    if sys.argv[1] == "work":
+        worker.work(Settings(), with_parent="--with-parent" in sys.argv, lease_s=LEASE_S)
+    else:
+        from exogauge.serving import serve
+
+        serve(Settings(), worker_command=[sys.executable, __file__, "work", "--with-parent"])
+
+
+if __name__ == "__main__":
+    main()
