@@ -10,6 +10,7 @@ from typing import final
 
 import numpy as np
 import scipy.io
+from scipy.io.matlab import MatReadError
 
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
@@ -19,7 +20,7 @@ from exogauge.logs.tables import RawArray, broken
 NUMERIC = ("double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "logical")
 _FAILURES = (
     OSError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError, AttributeError, RuntimeError,
-    NotImplementedError, UnicodeError, zlib.error, Warning,
+    NotImplementedError, UnicodeError, zlib.error, MatReadError, Warning,
 )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ column and value.
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 import zlib
@@ -27,6 +28,7 @@ HEAD_BYTES = 1 << 18
 BLOCK_BYTES = 1 << 22
 _ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
 _QUOTED = re.compile(r'"[^"]*"')
+_USUAL_NUMBER = {sign: re.compile(rf"[+-]?[0-9]+({re.escape(sign)}[0-9]+)?([eE][+-]?[0-9]+)?") for sign in ".,"}
 _MISSING = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "-"]
 
 
@@ -215,23 +217,35 @@ class TextTable:
         if self._delimiter == " ":
             line = re.sub(r"\s+", " ", line.strip())
         try:
-            return next(csv.reader([line], delimiter=self._delimiter))
+            return next(csv.reader([line], delimiter=self._delimiter, skipinitialspace=True))
         except (csv.Error, StopIteration) as problem:
             raise BadLog(broken(problem, self.file)) from None
 
     def _count_rows(self) -> int:
-        """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap."""
+        """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap and at what is no UTF-8."""
         size = feeds = returns = 0
+        decoder = codecs.getincrementaldecoder("utf-16" if self._utf16 else "utf-8")()
         try:
             with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
                 while block := stream.read(1 << 22):
                     size += len(block)
                     check_bytes(size, self.file)
+                    try:
+                        decoder.decode(block)
+                    except UnicodeDecodeError as problem:
+                        row = feeds + problem.object[: problem.start].count(b"\n") - self._skip_rows + 1
+                        raise BadLog(self._not_utf8(row, problem)) from None
                     feeds += block.count(b"\n")
                     returns += block.count(b"\r")
         except (pa.ArrowException, OSError) as problem:
             raise BadLog(broken(problem, self.file)) from None
         return max(feeds, returns) + 1
+
+    def _not_utf8(self, row: int, problem: UnicodeDecodeError) -> Fault:
+        value = repr(problem.object[problem.start : problem.end])
+        return Fault(
+            "the text is not UTF-8", "not_utf8", "Save the file as UTF-8.", self.file, max(row, 0), value=value
+        )
 
 
 def _delimiter(line: str) -> str:
@@ -276,7 +290,9 @@ def _refuse_numeric_header(cells: Sequence[str], file: str) -> None:
 
 
 def _is_number(text: str, decimal: str) -> bool:
-    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits)."""
+    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits); the usual forms without asking it."""
+    if _USUAL_NUMBER[decimal].fullmatch(text):
+        return True
     try:
         pc.cast(pa.scalar(text.replace(decimal, ".") if decimal == "," else text), pa.float64())
     except _ARROW_FAILURES:
