@@ -1,0 +1,149 @@
+"""The true robot follows a plan under a position controller; what its sensors would say without noise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from exogauge.synthetic.mjcf import TIME_STEP
+from exogauge.synthetic.motion import KNOT_RATE_HZ, LEAD_S, Plan
+from exogauge.synthetic.robot_facts import JOINTS
+from exogauge.synthetic.sensors import CURRENT_STEP, ENCODER_STEP
+from exogauge.synthetic.true_robot import TrueRobot
+
+Array = NDArray[np.float64]
+
+LOG_RATE_HZ = 200.0
+_SETTLE_S = 0.4  # for the soles to take the weight before the plan begins
+_VELOCITY_FILTER_HZ = 120.0  # of the controller's differentiated encoder
+_STATIC_SPEED = 0.002  # below it friction rises from tau_c to tau_s [rad/s]
+
+
+@final
+@dataclass(frozen=True)
+class Recording:
+    """T samples at `LOG_RATE_HZ`, J joints, without noise.
+
+    time: (T,) [s]; q, dq, ddq: (T, J); current: (T, J) [A]; friction: (T, J) [N·m] Coulomb or static, against motion;
+    gyro_dot: (T, 3) [rad/s²] of the base, in its frame (no sensor has it); acc, gyro: (T, 3) in the IMU frame;
+    wrench: (T, 2, 6) world on robot, force then moment, in the sensors' frames.
+    """
+
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    current: Array
+    friction: Array
+    gyro_dot: Array
+    acc: Array
+    gyro: Array
+    wrench: Array
+
+
+class FellOver(RuntimeError):
+    """The plan was too wild for this robot: a fault of the generator."""
+
+
+def simulate(model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable[[float], None]) -> Recording:
+    """Follow the plan at 1 kHz, record every fifth step; tick(seconds of it simulated) now and then.
+
+    model: `mujoco_model(robot)`; its friction is changed at every step.
+    """
+    angle_goal, rate_goal = _goals(plan)
+    steps, every = len(angle_goal), round(1.0 / (LOG_RATE_HZ * TIME_STEP))
+    settle, first = round(_SETTLE_S / TIME_STEP), round(LEAD_S / TIME_STEP)
+    data, drives = mujoco.MjData(model), [robot.joints[joint.name] for joint in JOINTS]
+    _stand(model, data, plan)
+    servo = _Servo(angle_goal[0])
+    k_T, tau_o = np.array([d.k_T for d in drives]), np.array([d.tau_o for d in drives])
+    friction = _Friction(robot)
+    log: list[Array] = []
+    for step in range(-settle, steps):
+        goal = max(step, 0)
+        current = servo.current(data.qpos[7:], angle_goal[goal], rate_goal[goal])
+        data.qfrc_applied[6:] = k_T * current + tau_o
+        model.dof_frictionloss[6:] = friction.limit(data.qvel[6:])
+        before = (data.qpos[7:].copy(), data.qvel[6:].copy())
+        mujoco.mj_step(model, data)
+        if step >= first and (step - first) % every == 0:
+            hold = _friction_force(data)
+            log.append(np.concatenate([*before, data.qacc[6:], current, hold, data.qacc[3:6], data.sensordata]))
+        if step % 1000 == 0:
+            if data.xpos[1, 2] < 0.5 or not np.isfinite(data.qpos[2]):
+                raise FellOver(f"the simulated robot fell after {step * TIME_STEP:.1f} s")
+            tick(max(step - first, 0) * TIME_STEP)
+    return _recording(np.array(log), len(JOINTS))
+
+
+@final
+class _Servo:
+    """Proportional-derivative on quantised angles; believes the maker's motor constants; steps of `CURRENT_STEP`."""
+
+    def __init__(self, start: Array) -> None:
+        drives = [joint.drive for joint in JOINTS]
+        self.stiffness = np.array([d.stiffness / d.k_T for d in drives])
+        self.damping = np.array([d.damping / d.k_T for d in drives])
+        self.most = np.array([d.effort / d.k_T for d in drives])
+        self.angle, self.rate = np.round(start / ENCODER_STEP), np.zeros(len(start))
+        self.share = 1.0 - np.exp(-2 * np.pi * _VELOCITY_FILTER_HZ * TIME_STEP)
+
+    def current(self, angle: Array, angle_goal: Array, rate_goal: Array) -> Array:
+        """(J,) [A]"""
+        counts = np.round(angle / ENCODER_STEP)
+        self.rate += self.share * ((counts - self.angle) * (ENCODER_STEP / TIME_STEP) - self.rate)
+        self.angle = counts
+        wanted = self.stiffness * (angle_goal - counts * ENCODER_STEP) + self.damping * (rate_goal - self.rate)
+        stepped = np.round(wanted / CURRENT_STEP) * CURRENT_STEP
+        return np.asarray(np.minimum(np.maximum(stepped, -self.most), self.most))
+
+
+@final
+class _Friction:
+    """The largest friction each joint can hold or slides against at a velocity [N·m]."""
+
+    def __init__(self, robot: TrueRobot) -> None:
+        truths = [robot.joints[joint.name] for joint in JOINTS]
+        self.tau_c, self.tau_s = np.array([t.tau_c for t in truths]), np.array([t.tau_s for t in truths])
+        self.tau_b, self.v_s = np.array([t.tau_b for t in truths]), np.array([t.v_s for t in truths])
+        self.peaked = bool(np.any(self.tau_b > 0.0))
+
+    def limit(self, velocity: Array) -> Array:
+        most = np.where(np.abs(velocity) < _STATIC_SPEED, self.tau_s, self.tau_c)
+        return most + self.tau_b * np.exp(-np.square(velocity / self.v_s)) if self.peaked else most
+
+
+def _friction_force(data: mujoco.MjData) -> Array:
+    """(J,) [N·m] of the friction constraints, positive against positive motion."""
+    count = len(JOINTS)
+    return np.asarray(-data.efc_force[:count])
+
+
+def _goals(plan: Plan) -> tuple[Array, Array]:
+    """Plan at every step: (S, J) [rad], (S, J) [rad/s]."""
+    knots = np.arange(len(plan.angles)) / KNOT_RATE_HZ
+    spline = CubicSpline(knots, plan.angles)
+    t = np.minimum(np.arange(round(len(knots) / KNOT_RATE_HZ / TIME_STEP)) * TIME_STEP, knots[-1])
+    return np.asarray(spline(t)), np.asarray(spline(t, 1))
+
+
+def _stand(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan) -> None:
+    """On the ground, at rest, in the plan's first posture."""
+    data.qpos[:3] = plan.base[0] + [0.0, 0.0, 0.0005]
+    mujoco.mju_mat2Quat(data.qpos[3:7], plan.R_base[0].ravel())
+    data.qpos[7:] = plan.angles[0]
+    mujoco.mj_forward(model, data)
+
+
+def _recording(rows: Array, joints: int) -> Recording:
+    q, dq, ddq, current, friction, rest = np.split(rows, joints * np.arange(1, 6), axis=1)
+    gyro_dot, sensors = rest[:, :3], rest[:, 3:]
+    wrench = -sensors[:, :12].reshape(-1, 2, 6)  # MuJoCo gives that of the foot on the sole
+    time = np.arange(len(rows)) / LOG_RATE_HZ
+    return Recording(time, q, dq, ddq, current, friction, gyro_dot, sensors[:, 12:15], sensors[:, 15:18], wrench)

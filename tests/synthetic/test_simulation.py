@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.synthetic.inertia import PHI_NAMES
+from exogauge.synthetic.mjcf import TIME_STEP
+from exogauge.synthetic.robot_facts import ANKLE_HEIGHT, FEET, JOINT_NAMES, SOLE_SIZE
+from exogauge.synthetic.true_robot import TrueRobot, moving_bodies, truth_record
+from exogauge.synthetic.urdf import robot_urdf
+
+
+def _values(robot: TrueRobot, kind: str) -> np.ndarray:
+    return np.array([getattr(robot.joints[name], kind) for name in JOINT_NAMES])
+
+
+def test_planned_feet_stay_where_they_stand(run, planner) -> None:
+    data = mujoco.MjData(planner)
+    feet = [planner.body(foot).id for foot in FEET]
+    for k in range(0, len(run.plan.angles), 20):
+        data.qpos[:3] = run.plan.base[k]
+        mujoco.mju_mat2Quat(data.qpos[3:7], run.plan.R_base[k].ravel())
+        data.qpos[7:] = run.plan.angles[k]
+        mujoco.mj_kinematics(planner, data)
+        np.testing.assert_allclose(data.xpos[feet], [[0, 0.11, ANKLE_HEIGHT], [0, -0.11, ANKLE_HEIGHT]], atol=1e-9)
+        np.testing.assert_allclose(data.xmat[feet], np.tile(np.eye(3).ravel(), (2, 1)), atol=1e-9)
+
+
+def test_both_soles_stay_flat_on_the_ground(run) -> None:
+    vertical = run.recording.wrench[:, :, 2]
+    assert vertical.min() > 30.0
+    forward, sideways = -run.recording.wrench[:, :, 4] / vertical, run.recording.wrench[:, :, 3] / vertical
+    assert np.abs(forward - 0.02).max() < SOLE_SIZE[0] / 2
+    assert np.abs(sideways).max() < SOLE_SIZE[1] / 2
+
+
+def test_standing_still_the_feet_carry_the_weight(run) -> None:
+    still = run.recording.time < 0.6
+    weight = 9.81 * sum(body.mass for body in moving_bodies(run.robot.masses).values())
+    assert run.recording.wrench[still, :, 2].sum(axis=1).mean() == pytest.approx(weight, rel=2e-3)
+
+
+def test_friction_slides_at_tau_c_and_holds_up_to_tau_s(run) -> None:
+    plain = np.array([name != "l_knee_pitch" for name in JOINT_NAMES])
+    friction, speed = run.recording.friction[:, plain], run.recording.dq[:, plain]
+    tau_c, tau_s = _values(run.robot, "tau_c")[plain], _values(run.robot, "tau_s")[plain]
+    assert np.all(np.abs(friction) <= tau_s * (1.0 + 1e-9))
+    sliding = np.abs(speed) > 0.02
+    expected = np.broadcast_to(tau_c, speed.shape) * np.sign(speed)
+    np.testing.assert_allclose(friction[sliding], expected[sliding], rtol=1e-6)
+
+
+def test_a_stuck_joint_does_not_creep(run) -> None:
+    """Where friction is well inside its limits the joint stands."""
+    stuck = np.abs(run.recording.friction) < 0.8 * _values(run.robot, "tau_c")
+    assert np.median(np.abs(run.recording.dq[stuck])) < 1e-4
+
+
+def test_a_stribeck_peak_acts_at_low_speed_only(run) -> None:
+    j = JOINT_NAMES.index("l_knee_pitch")
+    truth, speed, friction = run.robot.joints["l_knee_pitch"], run.recording.dq[:, j], run.recording.friction[:, j]
+    fast = np.abs(speed) > 4 * truth.v_s
+    np.testing.assert_allclose(np.abs(friction[fast]), truth.tau_c, rtol=1e-3)
+    assert np.abs(friction).max() > truth.tau_c + 0.5 * truth.tau_b
+
+
+def test_true_parameters_explain_the_motion_through_another_dynamics_library(run) -> None:
+    """Y φ = Σ Kᵀ F on the base; Y φ − F_j + k_d θ̇ + friction + J_r θ̈ = k_T i + tau_o on the joints, to solver accuracy."""
+    recording, truth = run.recording, truth_record(run.robot, [])["parameters"]
+    model = pin.buildModelFromXML(robot_urdf(), pin.JointModelFreeFlyer())
+    assert tuple(sorted(model.names[2:])) == tuple(sorted(JOINT_NAMES))
+    order = [JOINT_NAMES.index(name) for name in model.names[2:]]
+    phi = np.concatenate([[truth[f"{name}[{body}]"] for name in PHI_NAMES] for body in _moved_links(model)])
+    model.gravity = pin.Motion.Zero()
+    data, imu = model.createData(), model.frames[model.getFrameId("imu_link")].placement
+    R, r = imu.rotation, imu.translation
+    kinds = {kind: _values(run.robot, kind)[order] for kind in ("k_T", "k_d", "tau_o", "J_r")}
+    for t in range(0, len(recording.time), 50):
+        q, dq, ddq = recording.q[t, order], recording.dq[t, order], recording.ddq[t, order]
+        w, alpha = R @ recording.gyro[t], recording.gyro_dot[t]
+        f = R @ recording.acc[t] - np.cross(alpha, r) - np.cross(w, np.cross(w, r))
+        configuration = np.r_[np.zeros(6), 1.0, q]
+        Y = pin.computeJointTorqueRegressor(model, data, configuration, np.r_[0, 0, 0, w, dq], np.r_[f, alpha, ddq])
+        F = sum(
+            pin.computeFrameJacobian(model, data, configuration, model.getFrameId(f"{foot}_sensor"), pin.LOCAL).T
+            @ wrench
+            for foot, wrench in zip(FEET, recording.wrench[t], strict=True)
+        )
+        base, joints = (Y @ phi - F)[:6], (Y @ phi - F)[6:]
+        resistance = kinds["k_d"] * (dq + ddq * TIME_STEP / 2) + recording.friction[t, order] + kinds["J_r"] * ddq
+        np.testing.assert_allclose(base, 0.0, atol=1e-4)
+        drive = kinds["k_T"] * recording.current[t, order] + kinds["tau_o"]
+        np.testing.assert_allclose(joints + resistance, drive, atol=1e-4)
+
+
+def _moved_links(model: pin.Model) -> list[str]:
+    """Name of the link that each joint moves: the frame that lies on it."""
+    names = []
+    for joint in range(1, model.njoints):
+        on_joint = (f for f in model.frames if f.type == pin.BODY and f.parentJoint == joint)
+        names.append(next(f.name for f in on_joint if f.placement.isIdentity(1e-12)))
+    return names
