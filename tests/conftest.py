@@ -1,0 +1,152 @@
+"""Databases and an app for tests. The same tests run on SQLite and on PostgreSQL."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+import psycopg
+import pytest
+
+if TYPE_CHECKING:  # imported where used: most tests need no web and no database
+    from fastapi import FastAPI
+    from fastapi.testclient import TestClient
+
+    from exogauge.settings import Settings
+    from exogauge.storage.store import Storage
+
+BINARIES = ("/usr/lib/postgresql/*/bin", "/usr/local/pgsql/bin", "/opt/homebrew/bin")
+LOCAL = [
+    f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")
+]
+
+
+@pytest.fixture(scope="session")
+def postgres_server() -> Iterator[str]:
+    """The address of a PostgreSQL server: the one named in EXOGAUGE_TEST_POSTGRES_URL, one on this machine, or one
+    started for this session."""
+    named = os.environ.get("EXOGAUGE_TEST_POSTGRES_URL")
+    for url in [named] if named else LOCAL:
+        if can_create_databases(url):
+            yield url
+            return
+    if named:
+        pytest.fail("EXOGAUGE_TEST_POSTGRES_URL names a server that cannot be used")
+    initdb, pg_ctl = binary("initdb"), binary("pg_ctl")
+    if initdb is None or pg_ctl is None:
+        pytest.skip("no PostgreSQL server answers here and none can be started")
+    with tempfile.TemporaryDirectory(prefix="exogauge-pg-") as folder:
+        yield from start_server(initdb, pg_ctl, Path(folder))
+
+
+def start_server(initdb: str, pg_ctl: str, folder: Path) -> Iterator[str]:
+    """A server of our own on a free port; it refuses to run as root, so root starts it as `postgres`."""
+    run_as: list[str] = []
+    if os.getuid() == 0:
+        if shutil.which("runuser") is None:
+            pytest.skip("PostgreSQL does not run as root, and there is no runuser")
+        run_as = ["runuser", "-u", "postgres", "--"]
+        shutil.chown(folder, "postgres")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    data, quiet = folder / "data", {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    try:
+        subprocess.run([*run_as, initdb, "-D", data, "-A", "trust", "-U", "postgres", "--no-sync"], **quiet)
+        options = f"-p {port} -k {folder} -c listen_addresses=127.0.0.1 -c fsync=off"
+        subprocess.run([*run_as, pg_ctl, "-D", data, "-l", folder / "log", "-o", options, "-w", "start"], **quiet)
+    except (subprocess.CalledProcessError, OSError) as error:
+        pytest.skip(f"no PostgreSQL server answers here and none could be started: {error}")
+    yield f"postgresql://postgres@127.0.0.1:{port}/postgres"
+    subprocess.run([*run_as, pg_ctl, "-D", data, "-m", "immediate", "stop"], **quiet)
+
+
+def binary(name: str) -> str | None:
+    found = shutil.which(name)
+    if found:
+        return found
+    places = (path for pattern in BINARIES for path in sorted(Path("/").glob(f"{pattern[1:]}/{name}")))
+    return next((str(path) for path in places), None)
+
+
+def can_create_databases(url: str) -> bool:
+    try:
+        with psycopg.connect(url, connect_timeout=2) as connection:
+            row = connection.execute(
+                "SELECT rolcreatedb OR rolsuper FROM pg_roles WHERE rolname = current_user"
+            ).fetchone()
+            return bool(row and row[0])
+    except psycopg.Error:
+        return False
+
+
+@pytest.fixture
+def postgres_url(postgres_server: str) -> Iterator[str]:
+    """A throw-away database."""
+    name = f"exogauge_test_{uuid4().hex[:12]}"
+    with psycopg.connect(postgres_server, autocommit=True) as connection:
+        connection.execute(f'CREATE DATABASE "{name}"')
+    yield postgres_server.rsplit("/", 1)[0] + f"/{name}"
+    with psycopg.connect(postgres_server, autocommit=True) as connection:
+        connection.execute(f'DROP DATABASE "{name}" WITH (FORCE)')
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The address of a new, empty database, on each kind in turn."""
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'test.sqlite'}"
+    url: str = request.getfixturevalue("postgres_url")
+    return url
+
+
+@pytest.fixture
+def settings(database_url: str, tmp_path: Path) -> Settings:
+    from exogauge.settings import Settings
+
+    return Settings(data_dir=tmp_path / "data", database_url=database_url, workers=0, max_upload_bytes=2_000_000)
+
+
+@pytest.fixture
+def storage(settings: Settings) -> Iterator[Storage]:
+    """A migrated database and an empty blob store."""
+    from exogauge.storage.migrate import upgrade
+    from exogauge.storage.store import open_storage
+
+    upgrade(settings.database_url)
+    opened = open_storage(settings)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def app(settings: Settings) -> FastAPI:
+    from exogauge.api.app import create_app
+
+    return create_app(settings)
+
+
+@pytest.fixture
+def client(app: FastAPI) -> Iterator[TestClient]:
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Using `httpx` with `starlette.testclient`")
+        from fastapi.testclient import TestClient
+
+    with TestClient(app, raise_server_exceptions=False) as opened:
+        yield opened
+
+
+def pytest_configure() -> None:
+    """Children of tests find no settings of the developer's own."""
+    for name in [name for name in os.environ if name.startswith("EXOGAUGE_") and "TEST" not in name]:
+        del os.environ[name]
+    assert sys.version_info >= (3, 11)

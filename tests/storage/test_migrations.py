@@ -1,0 +1,94 @@
+"""The schema can be made, checked and taken back on both databases; nothing unknown is served."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import pytest
+import sqlalchemy as sa
+
+from exogauge.storage import migrate
+from exogauge.storage.database import make_engine
+from exogauge.storage.tables import Base, Job, Study
+
+
+def test_upgrade_check_downgrade_leave_nothing_over(database_url: str) -> None:
+    assert migrate.current(database_url) is None
+    assert migrate.upgrade(database_url) == migrate.newest()
+    migrate.check(database_url)
+    migrate.downgrade(database_url, "base")
+    assert migrate.current(database_url) is None
+    assert tables(database_url) <= {"alembic_version"}
+    migrate.upgrade(database_url)
+    migrate.check(database_url)
+
+
+def test_check_finds_a_table_that_no_migration_made(database_url: str) -> None:
+    migrate.upgrade(database_url)
+    execute(database_url, "ALTER TABLE robots ADD COLUMN surprise INTEGER")
+    with pytest.raises(migrate.WrongSchema, match="surprise"):
+        migrate.check(database_url)
+
+
+def test_tables_of_the_job_engine_are_none_of_our_business(database_url: str) -> None:
+    execute(database_url, "CREATE TABLE workflow_status (id INTEGER)")
+    migrate.prepare(database_url)
+    migrate.check(database_url)
+
+
+def test_a_new_database_is_prepared_and_one_at_the_newest_revision_is_left_alone(database_url: str) -> None:
+    migrate.prepare(database_url)
+    migrate.prepare(database_url)
+    assert migrate.current(database_url) == migrate.newest()
+
+
+def test_an_unknown_revision_is_refused_with_instructions(database_url: str) -> None:
+    migrate.upgrade(database_url)
+    execute(database_url, "UPDATE alembic_version SET version_num = 'from_the_future'")
+    with pytest.raises(migrate.WrongSchema, match=r"from_the_future.*newer.*restore the backup"):
+        migrate.prepare(database_url)
+    with pytest.raises(migrate.WrongSchema, match="does not know"):
+        migrate.upgrade(database_url)
+
+
+def test_tables_without_a_revision_are_refused(database_url: str) -> None:
+    execute(database_url, "CREATE TABLE robots (id INTEGER)")
+    with pytest.raises(migrate.WrongSchema, match="no revision"):
+        migrate.prepare(database_url)
+
+
+def test_every_constraint_has_a_name_and_every_lab_row_its_lab() -> None:
+    for table in Base.metadata.tables.values():
+        assert all(constraint.name for constraint in table.constraints), table.name
+        assert "lab_id" in table.columns or table.name == "worker_leases"
+
+
+def test_the_migrated_schema_keeps_what_the_engine_relies_on(database_url: str) -> None:
+    """An equal live request is refused by the database itself; after a failure it is welcome again."""
+    migrate.upgrade(database_url)
+    engine = make_engine(database_url)
+    job = {"kind": "evaluate", "study_id": "s", "request_hash": "h"}
+    with engine.begin() as connection:
+        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
+        connection.execute(sa.insert(Job).values(id="a", state="queued", **job))
+    with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
+        connection.execute(sa.insert(Job).values(id="b", state="succeeded", **job))
+    with engine.begin() as connection:
+        connection.execute(sa.update(Job).values(state="failed", finished_at=datetime.now(UTC)))
+        connection.execute(sa.insert(Job).values(id="b", state="queued", **job))
+        assert connection.scalar(sa.select(Job.revision).where(Job.id == "a")) == 1
+    engine.dispose()
+
+
+def tables(url: str) -> set[str]:
+    engine = make_engine(url)
+    names = set(sa.inspect(engine).get_table_names())
+    engine.dispose()
+    return names
+
+
+def execute(url: str, statement: str) -> None:
+    engine = make_engine(url)
+    with engine.begin() as connection:
+        connection.exec_driver_sql(statement)
+    engine.dispose()
