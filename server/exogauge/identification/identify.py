@@ -138,7 +138,7 @@ def _solve(
             folds += equations.collect(prepared, x, FOLDS, form, tick)
         total = sum(folds[1:], folds[0])
         if settings.prior == "as_printed":
-            belief = as_printed(equations.robot, prior, total, weights, equations.base_size, len(equations.effects))
+            belief = as_printed(equations, prior, total, weights)
         weights = weigh(total, weights, belief, strength)
         if settings.prior_strength is None:
             strength, curve = choose_strength(folds, total, weights, belief, settings.prior)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exogauge.effects.effect import JointEffect
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
+from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.description import Joint, Robot
@@ -82,20 +83,21 @@ def hold_scale(robot: Robot, effects: Sequence[JointEffect], prior: Prior, seen:
     )
 
 
-def as_printed(robot: Robot, prior: Prior, statistics: Statistics, weights: Array, base_size: int, K: int) -> Prior:
+def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weights: Array) -> Prior:
     """The uniform weights of [Evaluator] (16)-(17): one for φ, one for each kind of joint parameter.
 
-    Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j); offsets and signs weigh
-    N_T σ_max(W_j). All w are 1 here; the common factor is the prior's strength.
+    Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j). All w are 1 here, the
+    common factor is the prior's strength; reflected inertia weighs like viscous friction, by its own Λ.
     """
     G, _, _ = statistics.normal(weights)
-    D = prior.seen
-    inertial = D[:base_size, : robot.tree.phi.size]
-    largest = np.linalg.eigvalsh(inertial.T @ G[:base_size, :base_size] @ inertial)[-1]
+    D, inertial, B, K = prior.seen, equations.robot.tree.phi.size, equations.base_size, len(equations.effects)
+    regroup = D[:B, :inertial]
+    largest = np.linalg.eigvalsh(regroup.T @ G[:B, :B] @ regroup)[-1]
+    information = np.maximum(np.diag(G)[B:].reshape(-1, K).max(axis=0), 1e-300)  # σ_max of Λ_T, Λ_d, both diagonal
+    signs = [k for k, effect in enumerate(equations.effects) if effect.coefficient.name in ("tau_c", "tau_s", "tau_o")]
+    information[signs] = statistics.count.max() * weights[equations.first_axis :].max()
     std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
-    information = np.diag(G)[base_size:].reshape(-1, K)
-    kind_weight = np.maximum(information.max(axis=0), 1e-300)
-    std[robot.tree.phi.size :] = np.tile(1.0 / np.sqrt(kind_weight), len(robot.joints))
+    std[inertial:] = np.tile(1.0 / np.sqrt(information), len(equations.robot.joints))
     return Prior(prior.mean, np.where(prior.std == 0.0, 0.0, std), D)
 
 
