@@ -67,7 +67,7 @@ def test_a_stribeck_peak_acts_at_low_speed_only(run) -> None:
 
 
 def test_true_parameters_explain_the_motion_through_another_dynamics_library(run) -> None:
-    """Y φ = Σ Kᵀ F on the base; Y φ − F_j + k_d θ̇ + friction + J_r θ̈ = k_T i + tau_o on the joints, to solver accuracy."""
+    """Base: Y φ = Σ Kᵀ F. Joints: Y φ − F_j + k_d θ̇ + friction + J_r θ̈ = k_T i + tau_o, to solver accuracy."""
     recording, truth = run.recording, truth_record(run.robot, [])["parameters"]
     model = pin.buildModelFromXML(robot_urdf(), pin.JointModelFreeFlyer())
     assert tuple(sorted(model.names[2:])) == tuple(sorted(JOINT_NAMES))
