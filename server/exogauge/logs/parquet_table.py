@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from exogauge.errors import BadLog, Fault, TooLarge
@@ -96,10 +97,10 @@ def _target(field: Any, exact: bool) -> Any:
 def _values(column: Any, kind: Any, name: str, row: int, file: str) -> RawArray:
     """One batch as numbers; a timestamp counts nanoseconds."""
     if pa.types.is_timestamp(column.type):
-        column = column.cast(pa.timestamp("ns", tz=column.type.tz)).cast(pa.int64())
+        column = pc.cast(pc.cast(column, pa.timestamp("ns", tz=column.type.tz)), pa.int64())
     if kind is np.int64:
         if column.null_count:
             first = int(np.flatnonzero(column.is_null().to_numpy(zero_copy_only=False))[0])
             raise BadLog(Fault("a time stamp is missing", "missing_value", "", file, row + first + 1, shorten(name)))
-        return np.asarray(column.cast(pa.int64()).to_numpy(zero_copy_only=False))
-    return np.asarray(column.cast(pa.float64(), safe=False).to_numpy(zero_copy_only=False), np.float64)
+        return np.asarray(pc.cast(column, pa.int64()).to_numpy(zero_copy_only=False))
+    return np.asarray(pc.cast(column, pa.float64(), safe=False).to_numpy(zero_copy_only=False), np.float64)

@@ -36,6 +36,9 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
         return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
     except MemoryError:
         return {"error": "MemoryError"}
+    except ImportError as problem:
+        traceback.print_exc()
+        return {"error": "MemoryError" if "failed to map" in str(problem) else "Unforeseen"}
     except OSError as problem:
         traceback.print_exc()
         return {"error": {errno.EFBIG: "FileTooLarge", errno.ENOSPC: "NoSpace"}.get(problem.errno or 0, "Unforeseen")}
