@@ -8,7 +8,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -137,16 +136,15 @@ def app(settings: Settings) -> FastAPI:
 
 @pytest.fixture
 def client(app: FastAPI) -> Iterator[TestClient]:
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Using `httpx` with `starlette.testclient`")
-        from fastapi.testclient import TestClient
+    from fastapi.testclient import TestClient
 
     with TestClient(app, raise_server_exceptions=False) as opened:
         yield opened
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Children of tests find no settings of the developer's own."""
+    config.addinivalue_line("filterwarnings", "ignore:Using `httpx` with `starlette.testclient`")
     for name in [name for name in os.environ if name.startswith("EXOGAUGE_") and "TEST" not in name]:
         del os.environ[name]
     assert sys.version_info >= (3, 11)
