@@ -19,8 +19,10 @@ EXPECTED = Expectation(
     weight_n=WEIGHT,
     contacts={"l_foot": 1.0, "r_foot": 1.0},
     actuation={"hip": "current", "knee": "current", "ankle": "torque", "finger": "current"},
+    noise={"q": 6e-5, "i": 0.05, "tau": 0.05, "acc": 0.05, "gyro": 0.005, "force": 1.0, "moment": 0.1},
     up_in_imu=(0.0, 0.0, 1.0),
 )
+CLOCK = Expectation(rate_hz=RATE)
 Channels = dict[str, np.ndarray]
 ENCODER = 2 * np.pi / 2**16
 
@@ -72,8 +74,26 @@ def test_a_joint_that_rests_is_noted_not_blamed():
     assert ("does_not_move", "q.finger") in notes
 
 
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.2])
+@pytest.mark.parametrize("noise", [0.0, 0.005, 0.05])
+def test_a_posture_held_at_the_largest_current_is_not_taken_for_clipping(step, noise):
+    time = np.arange(SAMPLES) / RATE
+    rise = np.clip(time / 10.0, 0.0, 1.0)
+    current = 3.0 * rise**2 * (3.0 - 2.0 * rise) + noise * np.random.default_rng(0).standard_normal(SAMPLES)
+    held = {"i.knee": np.round(current / step) * step}
+    assert "saturated" not in {rule for rule, _ in doubts(time, held, CLOCK)}
+
+
 def clip(channels: Channels) -> None:
     channels["i.knee"] = np.clip(channels["i.knee"], -3.0, 3.0)
+
+
+def hum(channels: Channels) -> None:
+    channels["tau.ankle"] += 0.4 * np.random.default_rng(1).standard_normal(SAMPLES)
+
+
+def lose(channels: Channels) -> None:
+    del channels["tau.ankle"]
 
 
 def freeze(channels: Channels) -> None:
@@ -172,6 +192,8 @@ CASES = [
     ("frozen", "acc.y", freeze),
     ("saturated", "i.knee", clip),
     ("coarse", "q.knee", round_off),
+    ("noisier_than_declared", "tau.ankle", hum),
+    ("joint_missing", "tau.ankle", lose),
     ("degrees", "q.hip", in_degrees),
     ("beyond_limits", "q.hip", shift_zero),
     ("current_in_milliamperes", "i.hip", milliamperes),
@@ -211,8 +233,8 @@ def test_a_velocity_in_degrees_is_told_by_its_scale_and_its_limit():
 
 def test_the_clock_is_compared_with_what_was_declared():
     time, channels = healthy(np.random.default_rng(8))
-    assert doubts(time * 1.05, {"i.hip": channels["i.hip"]}) == {("rate_differs", "t")}
-    findings = examine(Log("milliseconds", time * 1000.0, {"i.hip": channels["i.hip"]}), EXPECTED)
+    assert doubts(time * 1.05, {"i.hip": channels["i.hip"]}, CLOCK) == {("rate_differs", "t")}
+    findings = examine(Log("milliseconds", time * 1000.0, {"i.hip": channels["i.hip"]}), CLOCK)
     assert [(f.severity, f.rule) for f in findings] == [("error", "rate_differs")]
 
 
@@ -220,10 +242,10 @@ def test_a_clock_with_a_gap_and_one_that_jitters_are_told_apart():
     time, channels = healthy(np.random.default_rng(9))
     torn = time + np.where(np.arange(SAMPLES) > 3000, 0.4, 0.0)
     channels = {"i.hip": channels["i.hip"]}
-    found = [f for f in examine(Log("torn", torn, channels), EXPECTED) if f.severity != "note"]
+    found = [f for f in examine(Log("torn", torn, channels), CLOCK) if f.severity != "note"]
     assert [(f.rule, f.row) for f in found] == [("clock_has_gaps", 3001)]
     jittered = time + np.random.default_rng(9).uniform(0, 0.4 / RATE, SAMPLES)
-    assert doubts(jittered, channels) == {("clock_jitters", "t")}
+    assert doubts(jittered, channels, CLOCK) == {("clock_jitters", "t")}
 
 
 def test_a_clock_that_does_not_run_stops_the_examination():
@@ -245,14 +267,21 @@ def test_no_log_is_too_odd_to_be_examined(samples, content):
         "zero": lambda: np.zeros(samples),
         "constant": lambda: np.full(samples, 3.3),
         "noise": lambda: rng.standard_normal(samples),
-        "huge": lambda: 1e150 * rng.standard_normal(samples),
+        "huge": lambda: 1e60 * rng.standard_normal(samples),
     }[content]
     examine(Log("odd", np.arange(samples) / RATE, {name: make() for name in names}), EXPECTED)
 
 
-def test_every_rule_has_a_case_in_which_it_speaks():
-    rules_with_a_case = {case[0] for case in CASES}
-    assert len(RULES) <= len(rules_with_a_case | {"rate_differs", "clock_jitters", "clock_has_gaps", "beyond_speed"})
+def test_every_rule_speaks_in_some_case():
+    rng = np.random.default_rng(12)
+    silent = {rule.__name__ for rule in RULES}
+    for _, _, corrupt in [*CASES, ("", "", velocity_in_degrees)]:
+        time, channels = healthy(rng)
+        corrupt(channels)
+        bad_clock = 1.05 * np.where(time > 10.0, time + 1.0, time) + 1e-3 * rng.random(SAMPLES)
+        for log in (Log("log", time, channels), Log("bad clock", bad_clock, channels)):
+            silent -= {rule.__name__ for rule in RULES if rule.__name__ in silent and any(rule(log, EXPECTED))}
+    assert silent == set()
 
 
 @pytest.mark.skipif(not (REAL / "dfki_double_pendulum").exists(), reason="real logs are not here")
@@ -263,11 +292,12 @@ def test_a_real_pendulum_log_shows_its_jittering_clock():
         f"{kind}.joint_{n}": table[f"{column}{n}"].to_numpy() for column, kind in columns.items() for n in (1, 2)
     }
     log = Log("swing", table["time"].to_numpy(), channels)
-    assert ("clock_jitters", "t") in {(f.rule, f.channel) for f in examine(log)}
+    assert doubts(log.time, channels, Expectation(rate_hz=500.0)) == {("clock_jitters", "t")}
 
 
 @pytest.mark.skipif(not (REAL / "icub_walking").exists(), reason="real logs are not here")
-def test_a_real_walking_log_shows_a_velocity_that_is_none():
+def test_a_real_walking_log_shows_a_bad_clock_and_tells_good_velocities_from_bad_ones():
+    """Divided by its jittering stamps, the knee's position seems to have another derivative (correlation 0.35)."""
     with h5py.File(REAL / "icub_walking" / "walking.mat") as file:
         time = np.ravel(file["estimatorJointsTime"])
         channels = {f"q.{j}": np.array(file["estimatorJointsPos"][j]) for j in range(26)}
@@ -277,5 +307,8 @@ def test_a_real_walking_log_shows_a_velocity_that_is_none():
         channels |= {f"ft.{foot}.fz": np.ravel(file[f"{foot}ForceZ"]) for foot in ("lf", "rf")}
     expected = Expectation(weight_n=33.08 * 9.81, contacts={"lf": 1.0, "rf": 1.0})
     found = {(f.rule, f.channel) for f in examine(Log("walk", time, channels), expected) if f.severity != "note"}
-    assert ("velocity_unlike", "dq.17") in found  # the left knee
+    assert ("clock_jitters", "t") in found
+    doubted = {channel for rule, channel in found if rule.startswith("velocity")}
+    assert {"dq.0", "dq.1", "dq.2"} <= doubted  # the neck
+    assert not {f"dq.{leg}" for leg in range(14, 26)} & doubted
     assert not {rule for rule, channel in found if channel.startswith(("ft", "acc"))}

@@ -22,6 +22,7 @@ RESTING = 0.3  # of the samples: those with the least rotation
 GRAVITY_TOLERANCE = 0.05
 ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 1000.0}
 TILT_HZ = 1.0  # below that an accelerometer sees the direction of gravity
+STEADY = 0.2  # relative variation of |acc| below TILT_HZ up to which its direction is that of gravity
 TILT_RATE = 0.02  # [rad/s] rms: slower tilting says nothing about the gyro
 WEIGHT_TOLERANCE = 0.1
 SIGN_TOLERANCE = 0.25
@@ -68,7 +69,10 @@ def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
     if log.samples < 4 * low_pass.settle_samples:
         return
     slow = low_pass.apply(acc)
-    up = slow / np.linalg.norm(slow, axis=1)[:, None]
+    size = np.linalg.norm(slow, axis=1)
+    if np.std(size) > STEADY * np.mean(size):
+        return  # no gravity in it, or too much else: another rule's business
+    up = slow / size[:, None]
     seen = -np.cross(up, differentiate(up, log.rate_hz))
     omega = low_pass.apply(gyro)
     omega = omega - up * np.sum(up * omega, axis=1)[:, None]
@@ -95,10 +99,15 @@ def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
 def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
     """Over a log that starts and ends standing, the mean of the total Fz is m g."""
     sensors = tuple(expected.contacts)
-    if expected.weight_n is None or not sensors or not log.has(*(f"ft.{name}.fz" for name in sensors)):
+    names = [f"ft.{name}.fz" for name in sensors]
+    if expected.weight_n is None or not sensors or not log.has(*names):
+        return
+    upward = log.stack(names)
+    upward = upward[np.isfinite(upward).all(axis=1)]
+    if not upward.size:
         return
     signs = np.array([expected.contacts[name] for name in sensors])
-    lifts = signs * np.array([float(np.nanmean(log.channels[f"ft.{name}.fz"])) for name in sensors]) / expected.weight_n
+    lifts = signs * upward.mean(axis=0) / expected.weight_n
     ratio = float(lifts.sum())
     if abs(ratio - 1.0) <= WEIGHT_TOLERANCE:
         return
@@ -108,8 +117,8 @@ def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
         advice = "the wrenches are those of the robot on the world: change `sees` in robot.yaml, or the sign"
         yield Finding("error", "ft.*", "wrench_sign", detail, advice, value=ratio)
     elif abs(float(np.abs(lifts).sum()) - 1.0) <= WEIGHT_TOLERANCE:
-        names = ", ".join(name for name, lift in zip(sensors, lifts, strict=True) if lift < 0.0)
-        yield Finding("error", "ft.*", "wrench_sign", detail, f"only {names} has its sign reversed", value=ratio)
+        turned = ", ".join(name for name, lift in zip(sensors, lifts, strict=True) if lift < 0.0)
+        yield Finding("error", "ft.*", "wrench_sign", detail, f"only {turned} has its sign reversed", value=ratio)
     elif abs(kilograms - 1.0) <= WEIGHT_TOLERANCE:
         yield Finding("error", "ft.*", "force_unit", detail, "declare the unit as kgf in the mapping", value=ratio)
     else:
@@ -123,9 +132,9 @@ def _weight_elsewhere(
     assert expected.weight_n is not None
     for axis in WRENCH:
         names = [f"ft.{name}.{axis}" for name in sensors]
-        if axis == "fz" or not log.has(*names):
+        if axis == "fz" or not log.has(*names) or not np.isfinite(log.stack(names)).all():
             continue
-        share = float(signs @ np.nanmean(log.stack(names), axis=0)) / expected.weight_n
+        share = float(signs @ log.stack(names).mean(axis=0)) / expected.weight_n
         if abs(abs(share) - 1.0) > SIGN_TOLERANCE:
             continue
         if axis.startswith("m"):

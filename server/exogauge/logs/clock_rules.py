@@ -12,6 +12,7 @@ from exogauge.logs.model import Log
 RATE_TOLERANCE = 0.02
 RATE_WRONG = 0.5  # beyond that the declaration or the unit of time is wrong, not the clock
 JITTER = 0.2  # spread of the periods (1 % to 99 %), of their median
+LATE = 0.5  # a single period this far from the median, of the median
 GAP = 5.0  # median periods
 
 
@@ -42,11 +43,20 @@ def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
 def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
     periods = np.diff(log.time)
     median = float(np.median(periods))
-    low, high = np.quantile(periods[periods < GAP * median], [0.01, 0.99])
+    whole = periods[periods <= GAP * median]
+    low, high = np.quantile(whole, [0.01, 0.99])
+    late = np.abs(whole / median - 1.0) > LATE
+    advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
     if high - low > JITTER * median:
         detail = f"sample periods vary from {1e3 * low:.3g} to {1e3 * high:.3g} ms (median {1e3 * median:.3g} ms)"
-        advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
         yield Finding("warning", "t", "clock_jitters", detail, advice, value=float(high - low) / median)
+    elif late.any():
+        row = int(np.argmax((np.abs(periods / median - 1.0) > LATE) & (periods <= GAP * median))) + 1
+        detail = (
+            f"{int(late.sum())} sample periods are more than half off the median of {1e3 * median:.3g} ms, "
+            f"the longest {1e3 * float(whole.max()):.3g} ms"
+        )
+        yield Finding("warning", "t", "clock_jitters", detail, advice, row, float(late.mean()))
 
 
 def clock_has_gaps(log: Log, expected: Expectation) -> Iterator[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exogauge.logs import body_rules, clock_rules, joint_rules, signal_rules
-from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity
+from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity, kind_of
 from exogauge.logs.model import Log
 
 __all__ = ["Expectation", "Finding", "JointLimits", "Severity", "examine"]
@@ -17,6 +17,8 @@ RULES: tuple[Rule, ...] = (
     signal_rules.frozen,
     signal_rules.saturated,
     signal_rules.coarse,
+    signal_rules.noisier_than_declared,
+    joint_rules.joint_missing,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,
     joint_rules.current_in_milliamperes,
@@ -26,6 +28,7 @@ RULES: tuple[Rule, ...] = (
     body_rules.gyro_against_tilt,
     body_rules.feet_carry_the_weight,
 )
+CONSEQUENCES = ("noisier_than_declared",)  # said only where nothing else is wrong: a wrong unit scales the noise too
 ORDER: dict[Severity, int] = {"error": 0, "warning": 1, "note": 2}
 
 
@@ -40,4 +43,11 @@ def examine(log: Log, expectation: Expectation | None = None) -> tuple[Finding, 
     if stopped:
         return stopped
     findings = [finding for rule in RULES for finding in rule(log, expected)]
+    doubted = {f.channel for f in findings if f.severity != "note" and f.rule not in CONSEQUENCES}
+    findings = [f for f in findings if f.rule not in CONSEQUENCES or not _family(f.channel) & doubted]
     return tuple(sorted(findings, key=lambda finding: ORDER[finding.severity]))
+
+
+def _family(channel: str) -> set[str]:
+    kind = kind_of(channel)
+    return {channel, kind, f"{kind}.*"}

@@ -85,11 +85,16 @@ def first_row(flags: NDArray[np.bool_]) -> int:
     return int(np.argmax(flags)) + 1
 
 
+def runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Starts and lengths of all runs of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return edges[::2], edges[1::2] - edges[::2]
+
+
 def longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
     """(start, length) of the longest run of True; length 0 where there is none."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    if edges.size == 0:
+    starts, lengths = runs(flags)
+    if starts.size == 0:
         return 0, 0
-    starts, lengths = edges[::2], edges[1::2] - edges[::2]
     longest = int(np.argmax(lengths))
     return int(starts[longest]), int(lengths[longest])

@@ -22,12 +22,22 @@ Array = NDArray[np.float64]
 
 MOST_AMPERES = 200.0  # no joint of a robot that a person can stand beside takes more
 LONGEST_LAG_S = 0.25
-UNLIKE = 0.8  # correlation below which dq is not the derivative of q
+UNLIKE = 0.9  # correlation below which dq is not the derivative of q
 LAG_SAMPLES = 1.0  # a backward difference lags by half a sample: that is noted, not warned of
 NOTED_LAG = 0.3
 SCALE = 0.1
 ATTENUATION = 0.8  # of the upper half of the motion's band, against the lower
 MOVES = 5.0  # times the noise of its derivative: only then is there a velocity to compare with
+
+
+def joint_missing(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Every actuated joint needs its position, and its current or torque as the robot's description says."""
+    for joint, actuation in expected.actuation.items():
+        effort = "i" if actuation == "current" else "tau"
+        for channel in (f"q.{joint}", f"{effort}.{joint}"):
+            if channel not in log.channels:
+                advice = "map the column that holds it, or correct the joint's name or actuation in robot.yaml"
+                yield Finding("warning", channel, "joint_missing", "is expected but not in the log", advice)
 
 
 def beyond_limits(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -70,7 +80,7 @@ def beyond_speed(log: Log, expected: Expectation) -> Iterator[Finding]:
 
 def current_in_milliamperes(log: Log, expected: Expectation) -> Iterator[Finding]:
     for joint, values in joint_channels(log, "i").items():
-        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
         if largest > MOST_AMPERES:
             advice = "declare the unit as mA in the mapping, if that is what the driver logs"
             detail = f"reaches {largest:.4g} A"
@@ -81,7 +91,7 @@ def velocity_is_another(log: Log, expected: Expectation) -> Iterator[Finding]:
     """A logged velocity that is not the derivative of the logged position: unlike it, scaled, late, or filtered."""
     velocities = joint_channels(log, "dq")
     for joint, position in joint_channels(log, "q").items():
-        if joint in velocities and varies(position):
+        if joint in velocities and varies(position) and varies(velocities[joint]):
             likeness = _likeness(log.time, position, velocities[joint])
             if likeness is not None:
                 yield from _judge(f"dq.{joint}", likeness, log.rate_hz)
@@ -92,7 +102,8 @@ def velocity_is_another(log: Log, expected: Expectation) -> Iterator[Finding]:
 class Likeness:
     """correlation: at the best lag. lag: [samples], positive: dq is late. gain: dq per d(q)/dt.
 
-    treble: gain of the upper half of the motion's band over that of the lower; None where there is no motion.
+    treble: gain of the upper half of the motion's band over that of the lower; None where there is no motion, or
+    where the clock jitters, which makes the derivative itself noisy.
     """
 
     correlation: float
@@ -110,7 +121,8 @@ def _judge(channel: str, like: Likeness, rate_hz: float) -> Iterator[Finding]:
         detail = f"is {like.gain:.3g} times the derivative of the position"
         degrees = abs(like.gain * np.pi / 180.0 - 1.0) < SCALE
         advice = "declare the unit as deg/s in the mapping" if degrees else "check its unit, sign and side of the gear"
-        yield Finding("error", channel, "velocity_scaled", detail, advice, value=like.gain)
+        severe = not 0.5 < like.gain < 2.0
+        yield Finding("error" if severe else "warning", channel, "velocity_scaled", detail, advice, value=like.gain)
     elif abs(like.lag) > LAG_SAMPLES:
         late = "late" if like.lag > 0.0 else "early"
         detail = f"is {1e3 * abs(like.lag) / rate_hz:.3g} ms ({abs(like.lag):.1f} samples) {late} against the position"
@@ -140,8 +152,8 @@ def _likeness(time: Array, position: Array, velocity: Array) -> Likeness | None:
         return None
     derived, logged = derived - derived.mean(), logged - logged.mean()
     correlation, lag = _lag(derived, logged, round(LONGEST_LAG_S * rate))
-    treble = _treble(derived, logged, noise, LowPass(0.5 * cutoff, rate))
-    gain = np.sign(correlation) * float(np.std(logged) / np.std(derived))
+    treble = _treble(derived, logged, noise, LowPass(0.5 * cutoff, rate)) if is_even(time) else None
+    gain = float(np.sign(correlation) * np.std(logged) / np.std(derived))
     return Likeness(correlation, lag, gain, treble)
 
 

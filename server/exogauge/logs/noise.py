@@ -37,7 +37,8 @@ def quantisation_step(values: Array) -> float | None:
 
     Decimals of a text file are a lattice too: they limit the log just as a converter does.
     """
-    single = bool(np.all(values == values.astype(np.float32)))
+    with np.errstate(over="ignore"):
+        single = bool(np.all(values == values.astype(np.float32)))
     levels = np.unique(values)
     spacing = np.diff(levels)
     spacing = spacing[spacing > (1e-6 if single else 1e-11) * np.max(np.abs(levels), initial=0.0)]

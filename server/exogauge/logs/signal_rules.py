@@ -8,20 +8,24 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.logs.findings import Expectation, Finding, first_row, kind_of, longest_run, varies
+from exogauge.logs.findings import Expectation, Finding, first_row, kind_of, longest_run, runs, varies
 from exogauge.logs.model import Log
-from exogauge.logs.noise import quantisation_step
+from exogauge.logs.noise import quantisation_step, white_noise_std
 
 Array = NDArray[np.float64]
 
 SENSED = ("i", "tau", "acc", "gyro", "ft")  # channels that never rest on one value while they work
 CLIPPED_RUN = 5  # samples at the extreme
 CLIPPED_COUNT = 10
+APPROACH = 8  # samples before the extreme is reached
 CLIPPED_SPEED = 0.3  # of the channel's rms change: a clipped signal arrives at its limit in full swing
 FROZEN_S = 0.25
 ALIVE = 0.2  # of the samples may repeat in a channel that is expected to change all the time
 COARSE_BITS = 6.0
 NOTED_BITS = 10.0
+NOISE_SAMPLES = 400
+NOISE_ABOVE = 0.25  # of the rate: no motion there
+NOISY = 3.0  # times the declared std
 STILL_STEPS = 8.0  # a joint that moves less than that does not move
 
 
@@ -91,6 +95,21 @@ def coarse(log: Log, expected: Expectation) -> Iterator[Finding]:
             yield Finding("warning" if severe else "note", channel, "coarse", detail, advice, value=step)
 
 
+def noisier_than_declared(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for channel, values in log.channels.items():
+        kind = kind_of(channel)
+        if kind == "ft":
+            kind = "force" if channel.rpartition(".")[2].startswith("f") else "moment"
+        declared = expected.noise.get(kind)
+        if not declared or values.size < NOISE_SAMPLES or not np.isfinite(values).all() or not varies(values):
+            continue
+        seen = white_noise_std(values, log.rate_hz, NOISE_ABOVE * log.rate_hz)
+        if seen > NOISY * declared:
+            detail = f"its noise is {seen:.3g}, {seen / declared:.1f} times the declared {declared:.3g}"
+            advice = "correct `noise` in robot.yaml, or leave it out to have it estimated; look for interference"
+            yield Finding("warning", channel, "noisier_than_declared", detail, advice, value=seen)
+
+
 def _clipped(values: Array, distance: Array) -> bool:
     """distance: (T,) from the extreme, 0 at it."""
     at = distance == 0.0
@@ -101,7 +120,9 @@ def _clipped(values: Array, distance: Array) -> bool:
     window = max(0.01 * float(np.ptp(values)), 1.5 * nearest)
     if count < 3 * int(np.sum(~at & (distance <= window))):
         return False
-    starts = np.flatnonzero(at[3:] & ~at[2:-1]) + 3
-    arrival = np.abs(values[starts - 1] - values[starts - 3]) / 2.0
-    usual = float(np.sqrt(np.mean(np.diff(values[~at]) ** 2)))
-    return bool(starts.size and np.median(arrival) > CLIPPED_SPEED * usual)
+    starts, lengths = runs(at)
+    starts = starts[(lengths >= CLIPPED_RUN) & (starts >= APPROACH)]
+    approach = distance[starts[:, None] - 1 - np.arange(APPROACH)].mean(axis=1)  # of a ramp: (APPROACH + 1) / 2 steps
+    usual = float(np.sqrt(np.mean(np.diff(values) ** 2)))
+    slow = max(CLIPPED_SPEED * usual * (APPROACH + 1) / 2, 1.5 * nearest)  # or step by step, as a coarse channel does
+    return bool(starts.size and np.median(approach) > slow)
