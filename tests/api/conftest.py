@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -103,7 +103,7 @@ def study_id(client: TestClient, unchecked: None, study_files: dict[str, bytes])
 
 
 @pytest.fixture
-def finished_job(study_id: str, client: TestClient, tmp_path: Path) -> Iterator[str]:
+def finished_job(study_id: str, client: TestClient, tmp_path: Path) -> str:
     """A job that has succeeded, with results, a report and a series, as a worker leaves it."""
     from exogauge.storage.tables import Artifact, Job, Result
 
@@ -126,5 +126,5 @@ def finished_job(study_id: str, client: TestClient, tmp_path: Path) -> Iterator[
             store.session.add(Artifact(name=name, media_type=media_type, **common))
             if name == "results.json":
                 store.session.add(Result(study_id=study_id, **common))
-        key = job.id
-    yield key
+        key: str = job.id
+    return key

@@ -10,6 +10,7 @@ from fastapi import APIRouter, FastAPI
 
 from exogauge import __version__
 from exogauge.api import health, logs, openapi, page, problems, results, robots, studies
+from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.settings import Settings
@@ -41,13 +42,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         docs_url=None,  # it loads its code from elsewhere
         redoc_url=None,
         redirect_slashes=False,
-        max_body_size=settings.max_upload_bytes,
     )
     app.state.settings = settings
     app.state.storage = storage
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
     app.add_middleware(Idempotency)
+    app.add_middleware(BodyLimit, limit=settings.max_upload_bytes)
     app.add_middleware(Guard, local_only=settings.local_only)
     for router in (robots.router, logs.router, studies.router, results.router, *job_routers()):
         app.include_router(router, prefix=PREFIX)

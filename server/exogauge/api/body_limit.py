@@ -1,0 +1,41 @@
+"""No request body is larger than the limit: announced, it is refused at once; unannounced, it is cut off."""
+
+from __future__ import annotations
+
+from typing import final
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from exogauge.api.problems import of_http
+
+
+@final
+class BodyLimit:
+    """ASGI middleware. limit: bytes."""
+
+    def __init__(self, app: ASGIApp, limit: int) -> None:
+        self.app = app
+        self.limit = limit
+        self.refusal = HTTPException(413, f"a request body may have at most {limit} bytes; send the logs one by one")
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        declared = Headers(scope=scope).get("content-length", "0")
+        if not declared.isdecimal() or int(declared) > self.limit:
+            await of_http(self.refusal, scope["path"])(scope, receive, send)
+            return
+        received = 0
+
+        async def receive_counted() -> Message:
+            nonlocal received
+            message = await receive()
+            received += len(message.get("body", b""))
+            if received > self.limit:
+                raise self.refusal
+            return message
+
+        await self.app(scope, receive_counted, send)
