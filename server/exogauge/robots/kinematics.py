@@ -42,7 +42,8 @@ class Sweep:
     """The same in the base link's frame, time last, as the batched kernels want it.
 
     R: (N, 3, 3, T) R_base_body. p, omega, alpha, b: (N, 3, T) position, angular velocity and acceleration, proper
-    acceleration of the body's origin. S: (N, 6, T) [linear; angular] motion about the base origin that a unit velocity
+    acceleration of the body's origin. B: (N, 3, 3, T) [α]× + [ω]×², which takes a point of the body to its acceleration
+    relative to the origin. S: (N, 6, T) [linear; angular] motion about the base origin that a unit velocity
     of the body's own joint gives to all it carries; torque = S · [force; moment about the base origin]; 0 for the base.
     """
 
@@ -51,6 +52,7 @@ class Sweep:
     omega: Array
     alpha: Array
     b: Array
+    B: Array
     S: Array
 
 
@@ -78,52 +80,61 @@ class Kinematics:
         self.offset_in_body = np.einsum("nji,nj->ni", self.R_after, p_after)  # from joint to body origin
 
     def sweep(self, motion: Motion) -> Sweep:
-        """Outward recursion over the bodies, each for all samples."""
-        tree, samples, n = self.tree, motion.samples, len(self.tree.bodies)
-        q, dq, ddq = (np.ascontiguousarray(x.T) for x in (motion.q, motion.dq, motion.ddq))
-        base = tuple(np.ascontiguousarray(x.T) for x in (motion.gyro, motion.gyro_dot, motion.acc))
-        R = np.empty((n, 3, 3, samples))
-        p, omega, alpha, b = (np.empty((n, 3, samples)) for _ in range(4))
-        S = np.zeros((n, 6, samples))
-        cos, sin = np.cos(q), np.sin(q)
-        still = np.zeros((3, samples))
-        for i in range(n):
-            j, up = tree.dof[i], tree.parent[i]
-            if j < 0:
-                R[i] = np.eye(3)[:, :, None]
-                p[i] = 0.0
-                omega[i], alpha[i], b[i] = base
-                continue
-            R_up = R[up] if up >= 0 else None
-            p_up, w_up, dw_up, b_up = (p[up], omega[up], alpha[up], b[up]) if up >= 0 else (still, *base)
-            E = self.E_0[i][:, :, None]
-            if not tree.prismatic[i]:
-                E = E + self.E_c[i][:, :, None] * cos[j] + self.E_s[i][:, :, None] * sin[j]
-            a = _turn(R_up, self.axis_in_parent[i], samples)
-            r = _turn(R_up, self.p_before[i], samples)
-            if R_up is None:
-                R[i] = E
-            else:
-                np.einsum("ikt,kjt->ijt", R_up, np.broadcast_to(E, (3, 3, samples)), out=R[i])
-            if tree.prismatic[i]:
-                r += a * q[j]
-            b_joint = b_up + _cross(dw_up, r) + _cross(w_up, _cross(w_up, r))
-            if tree.prismatic[i]:
-                omega[i], alpha[i] = w_up, dw_up
-                b_joint += a * ddq[j] + 2.0 * _cross(w_up, a * dq[j])
-                S[i, :3] = a
-            else:
-                omega[i] = w_up + a * dq[j]
-                alpha[i] = dw_up + a * ddq[j] + _cross(w_up, a * dq[j])
-                S[i, :3] = _cross(p_up + r, a)
-                S[i, 3:] = a
-            if self.offset_in_body[i].any():
-                s = _turn(R[i], self.offset_in_body[i], samples)
-                b_joint += _cross(alpha[i], s) + _cross(omega[i], _cross(omega[i], s))
-                r += s
-            p[i] = p_up + r
-            b[i] = b_joint
-        return Sweep(R, p, omega, alpha, b, S)
+        """Outward over the bodies: rotations by products, all else by sums of what each joint adds.
+
+        Entry n of the arrays below is the base link, so that parent -1 finds it; a dof of -1 finds a joint at rest.
+        """
+        tree, n, samples = self.tree, len(self.tree.bodies), motion.samples
+        rest = np.zeros((1, samples))
+        q, dq, ddq = (np.concatenate([x.T, rest])[tree.dof][:, None] for x in (motion.q, motion.dq, motion.ddq))
+        slides = np.flatnonzero(tree.prismatic)
+        offset = np.flatnonzero(self.offset_in_body.any(axis=1))
+
+        E = self.E_c[..., None] * np.cos(q)[:, None]
+        E += self.E_s[..., None] * np.sin(q)[:, None]
+        E += self.E_0[..., None]
+        R = np.empty((n + 1, 3, 3, samples))
+        R[n] = np.eye(3)[:, :, None]
+        for i, up in enumerate(tree.parent):
+            np.einsum("ikt,kjt->ijt", R[up], E[i], out=R[i])
+
+        above = R[tree.parent]
+        a = np.einsum("nijt,nj->nit", above, self.axis_in_parent)
+        r = np.einsum("nijt,nj->nit", above, self.p_before)
+        r[slides] += a[slides] * q[slides]
+        s = np.einsum("nijt,nj->nit", R[offset], self.offset_in_body[offset])
+        step = r.copy()
+        step[offset] += s
+        p = self._summed(np.zeros((3, samples)), step)
+
+        turn = a * dq
+        slide = turn[slides]
+        turn[slides] = 0.0
+        omega = self._summed(motion.gyro.T, turn)
+        step = _cross(omega[tree.parent], turn)
+        step += np.where(tree.prismatic[:, None, None], 0.0, a * ddq)
+        alpha = self._summed(motion.gyro_dot.T, step)
+
+        B = _rigid(omega, alpha)
+        step = np.einsum("nijt,njt->nit", B[tree.parent], r)
+        step[slides] += a[slides] * ddq[slides] + 2.0 * _cross(omega[tree.parent][slides], slide)
+        step[offset] += np.einsum("nijt,njt->nit", B[offset], s)
+        b = self._summed(motion.acc.T, step)
+
+        S = np.empty((n, 6, samples))
+        S[:, :3] = _cross(p[tree.parent] + r, a)
+        S[:, 3:] = a
+        S[slides, :3] = a[slides]
+        S[slides, 3:] = 0.0
+        return Sweep(R[:n], p[:n], omega[:n], alpha[:n], b[:n], B[:n], S)
+
+    def _summed(self, base: Array, steps: Array) -> Array:
+        """(N+1, 3, T) the base's value plus the (N, 3, T) steps on the way to each body."""
+        total = np.empty((len(steps) + 1, *steps.shape[1:]))
+        total[-1] = base
+        for i, up in enumerate(self.tree.parent):
+            np.add(total[up], steps[i], out=total[i])
+        return total
 
 
 def forward(tree: RigidTree, motion: Motion) -> BodyStates:
@@ -163,18 +174,21 @@ def subtree(tree: RigidTree) -> NDArray[np.bool_]:
     return carried
 
 
-def _turn(R: Array | None, vector: Array, samples: int) -> Array:
-    """(3, T) a constant vector of the frame R: (3, 3, T), None for the base itself."""
-    if R is None:
-        return np.repeat(vector[:, None], samples, axis=1)
-    out: Array = np.einsum("ijt,j->it", R, vector)
-    return out
-
-
 def _cross(u: Array, v: Array) -> Array:
-    """(3, T) cross product along axis 0."""
+    """(N, 3, T) cross product along axis 1."""
     out = np.empty_like(u)
     for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.multiply(u[y], v[z], out=out[x])
-        out[x] -= u[z] * v[y]
+        np.multiply(u[:, y], v[:, z], out=out[:, x])
+        out[:, x] -= u[:, z] * v[:, y]
     return out
+
+
+def _rigid(omega: Array, alpha: Array) -> Array:
+    """(N, 3, 3, T) [α]× + [ω]×², with [ω]×² = ω ωᵀ − |ω|² 1."""
+    B = omega[:, :, None] * omega[:, None]
+    square = B[:, 0, 0] + B[:, 1, 1] + B[:, 2, 2]
+    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        B[:, x, x] -= square
+        B[:, y, x] += alpha[:, z]
+        B[:, x, y] -= alpha[:, z]
+    return B

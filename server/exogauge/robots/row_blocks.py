@@ -10,6 +10,7 @@ the joint's motion (a six-vector) times those columns in its subtree.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Protocol, final
 
@@ -20,10 +21,12 @@ from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.kinematics import Kinematics, Sweep
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import inverse_dynamics
-from exogauge.robots.row_layout import RowLayout
+from exogauge.robots.row_layout import RowLayout, Segment
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
+
+SLICE = 8000  # bodies times samples at once in NumPy: their columns stay in the cache
 
 
 class Rows(Protocol):
@@ -66,7 +69,7 @@ def row_blocks(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, f
 
 @final
 class RowBlocks:
-    """The reference, in NumPy; chunks of 250 to 500 samples are fastest. Threads may share it."""
+    """The reference, in NumPy. Threads may share it."""
 
     def __init__(self, tree: RigidTree, base: BaseParameters, axes_from_joints: Array) -> None:
         self.tree, self.base, self.axes_from_joints = tree, base, axes_from_joints
@@ -77,28 +80,27 @@ class RowBlocks:
     def fill(self, motion: Motion, extra: int = 0, out: Sequence[Array] | None = None) -> list[Array]:
         """See `Rows.fill`."""
         blocks = ready_blocks(self.columns, motion.samples, extra, out)
+        size = max(100, SLICE // max(len(self.tree.bodies), 1))
+        for start in range(0, motion.samples, size):
+            part = slice(start, start + size)
+            self._fill_slice(motion.rows(part), [block.T[:, part] for block in blocks])
+        return blocks
+
+    def _fill_slice(self, motion: Motion, blocks: list[Array]) -> None:
+        """blocks: per row (k_r + extra, T), time last."""
         layout, sweep = self.layout, self.kinematics.sweep(motion)
         mass, inertia = _mass_columns(layout, sweep), _inertia_columns(layout, sweep)
         first_axis = 6 if self.tree.floating else 0
         k_1, k_2 = len(layout.mass), len(layout.inertia)
         for row in range(first_axis):
-            blocks[row].T[:k_1] = mass[row]
+            blocks[row][:k_1] = mass[row]
             if row >= 3:
-                blocks[row].T[k_1 : k_1 + k_2] = inertia[row - 3]
-        for axis, block in enumerate(blocks[first_axis:]):
-            rows = block.T
-            for s in layout.mass_segments[axis]:
-                S = _combined(sweep, s.bodies, s.weights)
-                np.einsum("rt,rkt->kt", S, mass[:, s.first : s.last], out=rows[s.start : s.start + s.last - s.first])
-            for s in layout.inertia_segments[axis]:
-                S = _combined(sweep, s.bodies, s.weights)[3:]
-                if S.any():  # a sliding joint feels no inertia
-                    np.einsum(
-                        "rt,rkt->kt", S, inertia[:, s.first : s.last], out=rows[s.start : s.start + s.last - s.first]
-                    )
-                else:
-                    rows[s.start : s.start + s.last - s.first] = 0.0
-        return blocks
+                blocks[row][k_1 : k_1 + k_2] = inertia[row - 3]
+        for axis, rows in enumerate(blocks[first_axis:]):
+            for segment in layout.mass_segments[axis]:
+                _project(_combined(sweep, segment), mass, segment, rows)
+            for segment in layout.inertia_segments[axis]:
+                _project(_combined(sweep, segment)[3:], inertia, segment, rows)
 
     def predict(self, motion: Motion, phi_base: Array) -> Array:
         """See `Rows.predict`."""
@@ -108,15 +110,27 @@ class RowBlocks:
 def ready_blocks(
     columns: Sequence[IntArray], samples: int, extra: int, out: Sequence[Array] | None = None
 ) -> list[Array]:
-    """Blocks (T, k_r + extra) in Fortran order, their extra columns zero; `out` itself where it fits."""
-    shapes = [(samples, len(c) + extra) for c in columns]
-    if out is not None and [block.shape for block in out] == shapes and all(b.flags.f_contiguous for b in out):
+    """Blocks (T, k_r + extra), Fortran order, one array behind all; extra columns zero; `out` itself where it fits."""
+    blocks: list[Array] = []
+    last = np.cumsum([0, *(len(c) + extra for c in columns)])
+    whole = buffer_of(out) if out else None
+    if whole is None or whole.shape != (last[-1], samples):
+        whole = np.empty((last[-1], samples))
+    elif out is not None and [block.shape[1] for block in out] == np.diff(last).tolist():
         blocks = list(out)
-    else:
-        blocks = [np.empty(shape, order="F") for shape in shapes]
+    if not blocks:
+        blocks = [whole[i:j].T for i, j in itertools.pairwise(last)]
     for block in blocks:
         block[:, block.shape[1] - extra :] = 0.0
     return blocks
+
+
+def buffer_of(blocks: Sequence[Array]) -> Array | None:
+    """(rows of all blocks, T) the array that blocks from `ready_blocks` share, time last; None for any others."""
+    whole = blocks[0].base if blocks else None
+    if not isinstance(whole, np.ndarray) or whole.ndim != 2 or not whole.flags.c_contiguous:
+        return None
+    return whole if all(block.base is whole for block in blocks) else None
 
 
 def predict(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, motion: Motion, phi_base: Array) -> Array:
@@ -132,13 +146,7 @@ def predict(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, moti
 def _mass_columns(layout: RowLayout, sweep: Sweep) -> Array:
     """(6, K_1, T) force and moment about the base origin, base frame, per mass [kg] or first moment [kg·m]."""
     n, samples = sweep.p.shape[0], sweep.p.shape[2]
-    w, dw, b, p, R = sweep.omega, sweep.alpha, sweep.b, sweep.p, sweep.R
-    B = w[:, :, None] * w[:, None]  # [α]× + [ω]×², with [ω]×² = ω ωᵀ − |ω|² 1
-    size = B[:, 0, 0] + B[:, 1, 1] + B[:, 2, 2]
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        B[:, x, x] -= size
-        B[:, y, x] += dw[:, z]
-        B[:, x, y] -= dw[:, z]
+    b, p, R, B = sweep.b, sweep.p, sweep.R, sweep.B
     columns = np.empty((6, n, 4, samples))
     for x in range(3):
         columns[x, :, 0] = b[:, x]
@@ -179,9 +187,16 @@ def _inertia_columns(layout: RowLayout, sweep: Sweep) -> Array:
     return chosen
 
 
-def _combined(sweep: Sweep, bodies: Sequence[int], weights: Sequence[float]) -> Array:
-    """(6, T) weighted sum of joint motions."""
-    if len(bodies) == 1 and weights[0] == 1.0:
-        return sweep.S[bodies[0]]
-    total: Array = np.einsum("b,brt->rt", np.array(weights), sweep.S[list(bodies)])
+def _combined(sweep: Sweep, segment: Segment) -> Array:
+    """(6, T) weighted sum of the joint motions of a segment."""
+    if segment.weights == (1.0,):
+        single: Array = sweep.S[segment.bodies[0]]
+        return single
+    total: Array = np.einsum("b,brt->rt", np.array(segment.weights), sweep.S[list(segment.bodies)])
     return total
+
+
+def _project(S: Array, columns: Array, segment: Segment, rows: Array) -> None:
+    """rows of the segment: S (C, T) times its columns (C, K, T)."""
+    out = rows[segment.start : segment.start + segment.last - segment.first]
+    np.einsum("ct,ckt->kt", S, columns[:, segment.first : segment.last], out=out)
