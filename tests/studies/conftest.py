@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -80,10 +81,10 @@ def write_log(path: Path, robot: Robot, samples: int = 400, drop: tuple[str, ...
     pq.write_table(pa.table({name: column for name, column in columns.items() if name not in drop}), path)
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A study folder with robot.yaml, robot.urdf, study.yaml and two logs."""
-    root = tmp_path / "study"
+@pytest.fixture(scope="session")
+def pristine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study folder with robot.yaml, robot.urdf, study.yaml and two logs; not to be changed."""
+    root = tmp_path_factory.mktemp("pristine") / "study"
     (root / "logs").mkdir(parents=True)
     (root / "robot.urdf").write_text(URDF)
     (root / "robot.yaml").write_text(ROBOT)
@@ -94,6 +95,12 @@ def folder(tmp_path: Path) -> Path:
         for name in ("id_1", "val_1"):
             write_log(root / "logs" / f"{name}.parquet", study.robot)
     return root
+
+
+@pytest.fixture
+def folder(pristine: Path, tmp_path: Path) -> Path:
+    """A copy of the pristine study, to be changed at will."""
+    return Path(shutil.copytree(pristine, tmp_path / "study"))
 
 
 @pytest.fixture
@@ -139,10 +146,10 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-@pytest.fixture
-def identification(folder: Path) -> Identification:
+@pytest.fixture(scope="session")
+def identification(pristine: Path) -> Identification:
     """Made by hand: numbers whose roundings, marks and names can be told apart."""
-    with open_study(folder) as study:
+    with open_study(pristine) as study:
         tree = study.robot.tree
     made = predictions()
     fits = tuple(

@@ -75,8 +75,10 @@ class Bundle:
             self._inputs[name] = Input(name, digest, found.stat().st_size)
         return found
 
-    def read(self, name: str, *, limit: int, named_in: str | None = None, column: str | None = None) -> bytes:
-        path = self.path(name, named_in=named_in, column=column)
+    def read(
+        self, name: str, *, limit: int, named_in: str | None = None, column: str | None = None, row: int | None = None
+    ) -> bytes:
+        path = self.path(name, named_in=named_in, column=column, row=row)
         if path.stat().st_size > limit:
             raise TooLarge(Fault(f"the file is larger than {limit} bytes", "file_too_large", "", name))
         return path.read_bytes()

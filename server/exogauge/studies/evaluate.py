@@ -76,9 +76,14 @@ def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, 
     """The URDF with identified inertias, or why there is none."""
     try:
         return export_urdf(study.urdf, study.robot.tree, found.phi), []
-    except (PhysicallyImpossible, BadInput) as refused:
-        advice = "Ask for `consistency: physical` in the settings to get one."
-        return None, [f"No URDF with the identified inertias was written: {refused}. {advice}"]
+    except PhysicallyImpossible as refused:
+        links = ", ".join(refused.links)
+        advice = "Ask for physical consistency in the settings to get one."
+        return None, [
+            f"No URDF with identified inertias was written, because no body can have those of {links}. {advice}"
+        ]
+    except BadInput as refused:
+        return None, [f"No URDF with identified inertias was written: {refused}"]
 
 
 def _publish(temporary: Path, out: Path) -> None:

@@ -81,9 +81,9 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
             bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
     if file.device is not None:
-        device = bundle.read(file.device, limit=MAX_BYTES, named_in=name, column="device")
+        device = bundle.read(file.device, limit=MAX_BYTES, named_in=name, column="device", row=place(data, ("device",)))
         load_yaml(device, DeviceFile, file=file.device)
-    robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name)
+    robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
     return Study(bundle, file, robot_file, robot, urdf, settings, log_names(file, name, data), _steps(file, name, data))
 
 

@@ -95,9 +95,10 @@ def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
     logs = {prediction.log: prediction.held_out for prediction in found.predictions}
     fitted = sum(not held_out for held_out in logs.values())
     joints, links = len(evaluation.robot.joints), len(evaluation.robot.tree.bodies)
+    seconds = sum(float(each.time[-1] - each.time[0]) for each in found.predictions if not each.held_out)
     text = (
         f"{_count(joints, 'joint')} and {_count(links, 'moving link')} of {evaluation.robot.name} were identified from "
-        f"{_count(found.samples, 'sample')} of {_count(fitted, 'log')}. "
+        f"{_count(fitted, 'log')}: {significant(seconds)} s, {_count(found.samples, 'sample')} kept after filtering. "
     )
     sentences = []
     for each in (item for item in pooled if item.kind != "joint_torque" or len(pooled) == 1):

@@ -23,6 +23,8 @@ JOINT_WORDS = {
     "J_r": "rotor inertia",
 }
 ADVICE = {
+    "single": "Many of these can never be told apart, whatever the motion: no joint torque depends on them alone. "
+    "Predictions need only their combinations.",
     "link": "Turn the joints around these links through larger angles and faster, in several directions at once; "
     "with a floating base also tilt and sway the base.",
     "k_T": "Move these joints with a load that changes: larger accelerations, or against gravity.",
@@ -37,18 +39,25 @@ ADVICE = {
 @final
 @dataclass(frozen=True)
 class Cell:
-    """A number as shown. kept: it stays at (or near) the maker's value, because the data do not decide it."""
+    """A number as shown. kept: it stays at (or near) the maker's value, because the data do not decide it.
+
+    known: it was never in question (k_T of a joint whose torque is logged).
+    """
 
     value: str
     std: str
     prior: str
     kept: bool
+    known: bool = False
 
 
 @final
 @dataclass(frozen=True)
 class FitRow:
-    """One channel on one log. bars: percent of the longer one, prior and identified; floor: the tick's place."""
+    """One channel on one log. bars: percent of the longer one, prior and identified; floor: the tick's place.
+
+    parts: the identified error moving and at rest, where the joint does stand still.
+    """
 
     channel: str
     unit: str
@@ -60,6 +69,7 @@ class FitRow:
     floor_bar: float
     ratio: str
     worse: bool
+    parts: str
 
 
 @final
@@ -106,7 +116,15 @@ def _fit_row(fit: ChannelFit) -> FitRow:
         100 * fit.noise_floor / longest,
         significant(ratio, 2),
         ratio > 1.0,
+        _parts(fit),
     )
+
+
+def _parts(fit: ChannelFit) -> str:
+    if fit.rest_share < 0.02 or fit.rmse_moving is None or fit.rmse_at_rest is None:
+        return ""
+    rest = f"at rest {significant(fit.rmse_at_rest)} ({100 * fit.rest_share:.0f} %)"
+    return f"moving {significant(fit.rmse_moving)}, {rest}"
 
 
 def joint_table(
@@ -168,22 +186,28 @@ def combination(parts: Mapping[str, float], shown: int = 5) -> str:
 
 
 def unknowns(found: Identification) -> list[Unknown]:
-    """Unidentifiable parameters, by link and by sort of joint parameter, each with advice."""
+    """Unidentifiable parameters, by link and by sort of joint parameter, each with advice; not those that are known."""
     links: dict[str, list[str]] = defaultdict(list)
+    combinations: list[str] = []
+    certain = {parameter.name for parameter in found.parameters if parameter.std == 0.0}
     joints: dict[str, list[str]] = defaultdict(list)
-    for name in found.unidentifiable:
+    for name in (each for each in found.unidentifiable if each not in certain):
         match = _NAME.match(name)
         kind, where = (match["kind"], match["where"]) if match else (name, "")
         if kind == "base":
-            links[f"combination led by {where}"] = []
+            combinations.append(where)
         elif kind in JOINT_WORDS or kind in found.joint_values:
             joints[kind].append(where)
         else:
             links[where].append(kind)
     result = []
     if links:
-        places = tuple(f"{link}: {', '.join(kinds)}" if kinds else link for link, kinds in links.items())
-        result.append(Unknown("Inertia of links", places, ADVICE["link"]))
+        places = tuple(
+            f"{link}: {'all ten' if len(kinds) == 10 else ', '.join(kinds)}" for link, kinds in links.items()
+        )
+        result.append(Unknown("Inertial parameters of single links", places, ADVICE["single"]))
+    if combinations:
+        result.append(Unknown("Combinations of them, by the leading one", tuple(combinations), ADVICE["link"]))
     for kind, places_of in joints.items():
         title = f"{JOINT_WORDS[kind]} {kind}" if kind in JOINT_WORDS else kind
         result.append(Unknown(title[0].upper() + title[1:], tuple(places_of), ADVICE.get(kind, "")))
@@ -205,7 +229,8 @@ def _cell(parameter: Parameter | None) -> Cell | None:
     if parameter is None:
         return None
     value, std = with_std(parameter.value, parameter.std)
-    return Cell(value, std, significant(parameter.prior), not parameter.identifiable)
+    known = parameter.std == 0.0
+    return Cell(value, std, significant(parameter.prior), not parameter.identifiable and not known, known)
 
 
 def _com(phi: Array) -> str:

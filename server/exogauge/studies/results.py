@@ -8,7 +8,7 @@ import json
 import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, final
 
@@ -182,7 +182,7 @@ def parameter_table(found: Identification) -> bytes:
 
 def validation_table(found: Identification) -> bytes:
     """validation.csv: one row per channel and log."""
-    columns = ("channel", "unit", "log", "held_out", "rmse_prior", "rmse_identified", "noise_floor")
+    columns = tuple(each.name for each in fields(ChannelFit))
     return _csv(columns, ([getattr(each, column) for column in columns] for each in found.validation))
 
 

@@ -16,7 +16,7 @@ from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.robots.urdf_check import MOVING_TYPES, read_urdf
 from exogauge.studies.bundle import Bundle
-from exogauge.studies.contract import RobotFile, SensorEntry
+from exogauge.studies.contract import RobotFile
 from exogauge.studies.yaml_file import MAX_BYTES, Pointer, dotted, load_yaml, place, suggestion
 
 Array = NDArray[np.float64]
@@ -43,13 +43,15 @@ def load_robot(folder: Path, robot_yaml: str = "robot.yaml") -> Robot:
     return read_robot(Bundle(folder, robot_yaml), robot_yaml)[0]
 
 
-def read_robot(bundle: Bundle, name: str, *, named_in: str | None = None) -> tuple[Robot, RobotFile, bytes]:
-    """The robot, the file as written, and the URDF's bytes."""
-    data = bundle.read(name, limit=MAX_BYTES, named_in=named_in, column="robot")
+def read_robot(
+    bundle: Bundle, name: str, *, named_in: str | None = None, row: int | None = None
+) -> tuple[Robot, RobotFile, bytes]:
+    """The robot, the file as written, and the URDF's bytes. named_in, row: where `name` is written."""
+    data = bundle.read(name, limit=MAX_BYTES, named_in=named_in, column="robot", row=row)
     entry = load_yaml(data, RobotFile, file=name, error=BadRobot)
     page = _Page(name, data)
     _refuse_repeated(entry, page)
-    urdf = bundle.read(entry.urdf, limit=MAX_URDF_BYTES, named_in=name, column="urdf")
+    urdf = bundle.read(entry.urdf, limit=MAX_URDF_BYTES, named_in=name, column="urdf", row=place(data, ("urdf",)))
     base_link, urdf_name = _check_names(entry, urdf, page)
     tree = load_tree(
         urdf,
@@ -75,6 +77,11 @@ def _check_names(entry: RobotFile, urdf: bytes, page: _Page) -> tuple[str, str]:
         if joint.name not in joints:
             detail = f"the URDF holds no movable joint {joint.name!r}"
             raise page.fault(detail, "unknown_joint", ("joints", k, "name"), suggestion(joint.name, joints), joint.name)
+    fixed = [joint.get("name", "") for joint in robot.findall("joint") if joint.get("type") == "fixed"]
+    for k, sensor in enumerate(entry.ft_sensors):
+        if sensor.frame not in links and sensor.frame not in fixed:
+            detail, advice = f"the URDF holds no frame {sensor.frame!r}", suggestion(sensor.frame, [*links, *fixed])
+            raise page.fault(detail, "unknown_frame", ("ft_sensors", k, "frame"), advice, sensor.frame)
     if entry.base_link is not None:
         if entry.base_link not in links:
             detail, advice = f"the URDF holds no link {entry.base_link!r}", suggestion(entry.base_link, links)
@@ -99,7 +106,7 @@ def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot
             for joint in entry.joints
         ),
         T_base_imu=_imu_in_base(entry, tree, page),
-        sensors=tuple(_sensor(entry.ft_sensors[k], k, tree, page) for k in range(len(entry.ft_sensors))),
+        sensors=tuple(WrenchSensor(each.name, each.frame, each.role, SIGN[each.sees]) for each in entry.ft_sensors),
         axes_from_joints=axes_from_joints(entry),
         noise=entry.noise.model_dump(exclude_none=True),
         inertial_std=_inertial_std(entry.inertial_prior_std, tree, page),
@@ -174,11 +181,6 @@ def _imu_in_base(entry: RobotFile, tree: RigidTree, page: _Page) -> pin.SE3 | No
         return T_body_frame
     rotation = pin.rpy.rpyToMatrix(np.array(entry.imu.rpy or (0.0, 0.0, 0.0)))
     return T_body_frame * pin.SE3(rotation, np.array(entry.imu.xyz or (0.0, 0.0, 0.0)))
-
-
-def _sensor(sensor: SensorEntry, index: int, tree: RigidTree, page: _Page) -> WrenchSensor:
-    _frame(sensor.frame, tree, page, ("ft_sensors", index, "frame"))
-    return WrenchSensor(sensor.name, sensor.frame, sensor.role, SIGN[sensor.sees])
 
 
 def _frame(name: str, tree: RigidTree, page: _Page, pointer: Pointer) -> tuple[int, pin.SE3]:

@@ -1,0 +1,179 @@
+"""Study and robot files become a Robot, settings and recordings that fit together, or a fault with its place."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy
+from exogauge.studies.open import needed_channels, open_study, read_recordings
+from exogauge.studies.robot_file import load_robot, motor_from_joint, read_robot
+
+Rewrite = Callable[[str, str, str], Path]
+
+
+def test_the_robot_file_becomes_the_robot(folder: Path) -> None:
+    robot = load_robot(folder, "robot.yaml")
+    assert robot.tree.joints == ("torso_yaw", "torso_pitch", "r_elbow")
+    assert robot.sensors[0].sign == -1.0
+    assert robot.inertial_std == {"": 0.25, "chest_1": 0.1}
+    assert robot.joints[1].prior == {"k_T": 5.0, "J_r": 0.3}
+    assert robot.T_base_imu.isApprox(pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.2])))
+
+
+def test_axes_have_a_unit_diagonal_and_divide_each_motor_row_by_its_own_gear(folder: Path) -> None:
+    with open_study(folder) as study:
+        M = motor_from_joint(study.robot_file)
+        C = study.robot.axes_from_joints
+    np.testing.assert_allclose(M, [[100, 0, 0], [0, 45, 0], [0, 32, 32]])
+    np.testing.assert_allclose(C, [[1, 0, 0], [0, 1, 0], [0, 1, 1]])
+    np.testing.assert_allclose(np.diag(np.diag(M)) @ C, M)
+
+
+def test_an_imu_pose_in_the_base_link_equals_the_frame(rewrite: Rewrite, folder: Path) -> None:
+    by_frame = load_robot(folder).T_base_imu
+    by_pose = load_robot(rewrite("robot.yaml", "{frame: imu_link}", "{parent: BODY, xyz: [0, 0, 0.2]}")).T_base_imu
+    assert by_frame.isApprox(by_pose)
+    turned = load_robot(rewrite("robot.yaml", "[0, 0, 0.2]", "[0, 0, 0.2], rpy: [0, 0, 1.5707963267948966]"))
+    np.testing.assert_allclose(turned.T_base_imu.rotation @ [1, 0, 0], [0, 1, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sees", "sign"),
+    [("world_on_robot", 1), ("robot_on_world", -1), ("payload_on_sensor", 1), ("sensor_on_payload", -1)],
+)
+def test_what_a_sensor_sees_sets_its_sign(rewrite: Rewrite, sees: str, sign: float) -> None:
+    assert load_robot(rewrite("robot.yaml", "robot_on_world", sees)).sensors[0].sign == sign
+
+
+def test_a_fixed_base_finds_its_root(rewrite: Rewrite) -> None:
+    rewrite("robot.yaml", "base: floating\nbase_link: BODY\nimu: {frame: imu_link}\n", "base: fixed\n")
+    robot = load_robot(rewrite("robot.yaml", "role: contact", "role: cut"))
+    assert not robot.floating
+    assert robot.T_base_imu is None
+    assert robot.tree.bodies == ("chest_0", "chest_1", "r_arm")
+    assert not any(name.startswith(("acc", "gyro")) for name in needed_channels(robot))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "row", "words"),
+    [
+        ("{name: torso_yaw,", "{name: torso_jaw,", 9, "Did you mean 'torso_yaw'"),
+        ("base_link: BODY", "base_link: BODI", 4, "Did you mean 'BODY'"),
+        ("frame: imu_link", "frame: imu_lnk", 5, "Did you mean 'imu_link'"),
+        ("frame: imu_link", "frame: chest_1", 5, "sits on 'chest_1'"),
+        ("frame: foot_sensor", "frame: foot_sensr", 7, "foot_sensor"),
+        ("joints: [torso_pitch, r_elbow]", "joints: [torso_pitch, l_elbow]", 13, "Did you mean 'r_elbow'"),
+        ("[[45.0, 0.0]", "[[44.0, 0.0]", 14, "Make them equal"),
+        ("[32.0, 32.0]]", "[32.0, -32.0]]", 14, "Make them equal"),
+        ("chest_1: 0.1", "chest: 0.1", 16, "Did you mean 'chest_"),
+        ("chest_1: 0.1", "imu_link: 0.1", 16, "fixed to 'BODY'"),
+        ("{name: r_elbow,", "{name: torso_yaw,", 11, "twice"),
+        ("urdf: robot.urdf", "urdf: robots.urdf", 2, "Did you mean 'robot.urdf'"),
+    ],
+)
+def test_an_unknown_name_is_told_where_it_is_written(
+    rewrite: Rewrite, old: str, new: str, row: int, words: str
+) -> None:
+    with pytest.raises(BadInput) as caught:
+        load_robot(rewrite("robot.yaml", old, new))
+    (fault,) = caught.value.faults
+    assert fault.file == "robot.yaml"
+    assert words in str(fault)
+    assert fault.row in (row, None)
+
+
+def test_recordings_are_fitted_or_held_out_by_role(folder: Path, rewrite: Rewrite) -> None:
+    for name in ("plain", "worn"):
+        (folder / "logs" / f"{name}.parquet").write_bytes((folder / "logs/id_1.parquet").read_bytes())
+    extra = "  - {file: logs/plain.parquet, role: without_device}\n  - {file: logs/worn.parquet, role: with_device}\n"
+    with open_study(rewrite("study.yaml", "settings:", extra + "settings:")) as study:
+        recordings = read_recordings(study)
+        assert [(each.log.name, each.held_out) for each in recordings] == [
+            ("id_1", False),
+            ("val_1", True),
+            ("plain", True),
+        ]
+        assert (study.steps[0].step, study.steps[0].skipped) == ("identify", None)
+        assert all("not part of this version" in str(each.skipped) for each in study.steps[1:])
+
+
+def test_one_file_is_split_into_fitted_and_held_out_rows(rewrite: Rewrite) -> None:
+    rewrite("study.yaml", "file: logs/id_1.parquet,", "file: logs/id_1.parquet, rows: [0, 300],")
+    root = rewrite("study.yaml", "file: logs/val_1.parquet,", "file: logs/id_1.parquet, rows: [300, 400],")
+    with open_study(root) as study:
+        first, second = read_recordings(study)
+    assert (first.log.name, second.log.name) == ("id_1_0_300", "id_1_300_400")
+    assert (first.log.samples, second.log.samples) == (300, 100)
+    assert second.log.time[0] == pytest.approx(1.5)
+
+
+def test_a_zip_gives_the_same_recordings(folder: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "s.zip", "w") as archive:
+        for each in folder.rglob("*.*"):
+            archive.write(each, each.relative_to(folder).as_posix())
+    with open_study(tmp_path / "s.zip") as zipped, open_study(folder / "study.yaml") as plain:
+        for a, b in zip(read_recordings(zipped), read_recordings(plain), strict=True):
+            np.testing.assert_array_equal(a.log.channels["q.torso_yaw"], b.log.channels["q.torso_yaw"])
+        assert zipped.bundle.inputs == plain.bundle.inputs
+
+
+def test_a_missing_column_is_named_for_every_log(folder: Path, log_writer: Callable[..., None]) -> None:
+    with open_study(folder) as study:
+        for name in ("id_1", "val_1"):
+            log_writer(folder / "logs" / f"{name}.parquet", study.robot, drop=("i.torso_yaw", "ft.foot.mz"))
+        with pytest.raises(BadLog) as caught:
+            read_recordings(study)
+    assert [(fault.file, fault.column) for fault in caught.value.faults] == [
+        ("logs/id_1.parquet", "i.torso_yaw"),
+        ("logs/id_1.parquet", "ft.foot.mz"),
+        ("logs/val_1.parquet", "i.torso_yaw"),
+        ("logs/val_1.parquet", "ft.foot.mz"),
+    ]
+
+
+def test_the_callers_settings_go_on_top(folder: Path) -> None:
+    with open_study(folder, {"cutoff_hz": 20, "consistency": "physical"}) as study:
+        assert study.settings.cutoff_hz == 20.0
+        assert study.settings.consistency == "physical"
+        assert study.settings.prior_strength == 1.0
+    with pytest.raises(BadStudy, match="Did you mean 'solver'"):
+        open_study(folder, {"solvr": "rows"})
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("role: identification", "role: validation", "no log to identify from"),
+        ("settings: {", "settings: {effects: [viscos], ", "Did you mean 'viscous'"),
+        ("settings:", "steps: [support]\nsettings:", "nothing to do"),
+        ("logs/val_1.parquet, role", "logs/id_1.parquet, role", "two logs would be named 'id_1'"),
+        ("logs/val_1", "logs/val_2", "no such file"),
+        ("settings:", "device: device.yaml\nsettings:", "no such file"),
+    ],
+)
+def test_a_study_that_cannot_be_done_says_why(rewrite: Rewrite, old: str, new: str, words: str) -> None:
+    with pytest.raises(BadStudy, match=words):
+        open_study(rewrite("study.yaml", old, new))
+
+
+def test_motor_side_columns_need_a_gear_ratio(rewrite: Rewrite) -> None:
+    columns = "{a: {channel: q.torso_yaw, unit: rad, side: motor}}"
+    mapping = f"version: 1\nfiles:\n  - file: v.csv\n    rate_hz: 100\n    columns: {columns}\n"
+    root = rewrite("robot.yaml", "gear_ratio: 100, ", "")
+    (root / "m.yaml").write_text(mapping)
+    (root / "v.csv").write_text("a\n" + "1\n" * 20)
+    rewrite("study.yaml", "logs/id_1.parquet,", "v.csv, mapping: m.yaml,")
+    with open_study(root) as study, pytest.raises(BadRobot, match="without gear_ratio: torso_yaw"):
+        read_recordings(study)
+
+
+def test_the_urdf_is_kept_as_it_was(folder: Path) -> None:
+    with open_study(folder) as study:
+        assert study.urdf == (folder / "robot.urdf").read_bytes()
+        assert read_robot(study.bundle, "robot.yaml")[2] == study.urdf
