@@ -275,7 +275,7 @@ def test_no_log_is_too_odd_to_be_examined(samples, content):
 def test_every_rule_speaks_in_some_case():
     rng = np.random.default_rng(12)
     silent = {rule.__name__ for rule in RULES}
-    for _, _, corrupt in [*CASES, ("", "", velocity_in_degrees)]:
+    for _, _, corrupt in [("", "", velocity_in_degrees), *CASES]:
         time, channels = healthy(rng)
         corrupt(channels)
         bad_clock = 1.05 * np.where(time > 10.0, time + 1.0, time) + 1e-3 * rng.random(SAMPLES)
