@@ -25,7 +25,7 @@ from exogauge.logs.limits import MAX_CELLS, MAX_COLUMNS, MAX_FAULTS, check_bytes
 from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
 
 HEAD_BYTES = 1 << 18
-BLOCK_BYTES = 1 << 22
+BLOCK_BYTES = 1 << 20  # of text per step: fastest of those tried; a row must fit into it
 _ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
 _QUOTED = re.compile(r'"[^"]*"')
 _USUAL_NUMBER = {sign: re.compile(rf"[+-]?[0-9]+({re.escape(sign)}[0-9]+)?([eE][+-]?[0-9]+)?") for sign in ".,"}
