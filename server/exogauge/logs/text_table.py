@@ -290,7 +290,7 @@ def _refuse_numeric_header(cells: Sequence[str], file: str) -> None:
 
 
 def _is_number(text: str, decimal: str) -> bool:
-    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits); the usual forms without asking it."""
+    """As pyarrow reads it (Python would also take `1_0` and other scripts' digits)."""
     if _USUAL_NUMBER[decimal].fullmatch(text):
         return True
     try:
