@@ -58,10 +58,11 @@ def parser() -> argparse.ArgumentParser:
     serve.add_argument("--port", type=int, help="port; 0 takes a free one (EXOGAUGE_PORT)")
     serve.add_argument("--workers", type=int, help="worker processes; 0: none here (EXOGAUGE_WORKERS)")
     serve.add_argument("--data-dir", type=Path, help="where everything is kept (EXOGAUGE_DATA_DIR)")
+    serve.add_argument("--with-parent", action="store_true", help="stop when stdin ends")
     serve.set_defaults(command=start_server)
 
     work = commands.add_parser("work", help="one more worker for the same database and blobs")
-    work.add_argument("--with-parent", action="store_true", help="leave when stdin ends")
+    work.add_argument("--with-parent", action="store_true", help="stop when stdin ends")
     work.set_defaults(command=start_worker)
 
     migrate = commands.add_parser("migrate", help="bring the database to this version; back it up before")
@@ -84,12 +85,12 @@ def run_study(options: argparse.Namespace) -> int:
 
 def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
-    from exogauge.studies.evaluate import doctor
+    from exogauge.studies.examine_logs import examine_logs as examined
     from exogauge.studies.open import open_study, read_recordings
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
-        findings = doctor(study, read_recordings(study))
+        findings = examined(study.robot, read_recordings(study))
     columns = ("log", "severity", "channel", "row", "detail", "advice")
     print(text_table(columns, [[finding.get(column) for column in columns] for finding in findings], widest=70))
     errors = sum(finding["severity"] == "error" for finding in findings)
@@ -117,7 +118,7 @@ def start_server(options: argparse.Namespace) -> int:
     for key, value in given.items():
         if value is not None:  # by the environment, so that the workers see it too
             os.environ[f"EXOGAUGE_{key.upper()}"] = str(value)
-    serve(Settings())
+    serve(Settings(), with_parent=options.with_parent)
     return 0
 
 

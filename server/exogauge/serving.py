@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import os
+import signal
 import socket
 import sys
 from collections.abc import Sequence
@@ -13,7 +15,7 @@ import uvicorn
 from exogauge.api.app import create_app
 from exogauge.errors import Unavailable
 from exogauge.jobs.engine import migrate_engine
-from exogauge.jobs.supervisor import Supervisor
+from exogauge.jobs.supervisor import Supervisor, leave_with_parent
 from exogauge.settings import Settings
 from exogauge.storage import migrate
 
@@ -68,8 +70,10 @@ class Announcing(uvicorn.Server):
         print(f"exogauge serves on {self.url}", flush=True)
 
 
-def serve(settings: Settings, worker_command: Sequence[str] = WORKER) -> None:
-    """Serve until SIGINT or SIGTERM; the workers leave with the server, however it ends."""
+def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_parent: bool = False) -> None:
+    """Serve until SIGINT or SIGTERM, or until stdin ends (`with_parent`); the workers leave with the server."""
+    if with_parent:
+        leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)
     with listening(settings.host, settings.port) as bound:
         supervisor = Supervisor(worker_command, settings.workers)

@@ -2,25 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import sys
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, final
 
 from tqdm import tqdm
 
-SHAPE = "{desc} {percentage:3.0f}%|{bar}| {elapsed}{postfix}"
+SHAPE = "{desc} {percentage:3.0f}%|{bar:30}| {elapsed} {postfix}"
+LINE_EVERY_S = 5.0  # where stderr is a file and not a terminal
+
+
+@final
+class Bar:
+    """Called as bar(fraction, phrase): what every long computation calls."""
+
+    def __init__(self, drawn: tqdm[Any]) -> None:
+        self._drawn = drawn
+        self._pause = 0.1 if sys.stderr.isatty() else LINE_EVERY_S
+        self._next = 0.0
+
+    def __call__(self, fraction: float, phrase: str, name: str | None = None) -> None:
+        self._drawn.n = min(max(fraction, 0.0), 1.0)
+        if name is not None:
+            self._drawn.set_description_str(name, refresh=False)
+        self._drawn.set_postfix_str(phrase, refresh=False)
+        now = time.monotonic()
+        if now >= self._next:
+            self._drawn.refresh()
+            self._next = now + self._pause
 
 
 @contextmanager
-def bar(name: str) -> Iterator[Callable[[float, str], None]]:
-    """Yields progress(fraction, phrase): what every long computation calls."""
-    with tqdm(total=1.0, bar_format=SHAPE, desc=name) as drawn:
-
-        def progress(fraction: float, phrase: str) -> None:
-            drawn.n = min(max(fraction, 0.0), 1.0)
-            drawn.set_postfix_str(phrase, refresh=True)
-
-        yield progress
+def bar(name: str, shown: bool = True) -> Iterator[Bar]:
+    """A bar on stderr: drawn in place on a terminal, a line now and then elsewhere."""
+    with tqdm(total=1.0, bar_format=SHAPE, desc=name, disable=not shown) as drawn:
+        yield Bar(drawn)
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], widest: int = 40) -> str:

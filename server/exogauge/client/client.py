@@ -11,12 +11,12 @@ from typing import Any, Self, TypeVar, final
 from urllib.parse import quote
 
 import httpx
-from tqdm import tqdm
 
 from exogauge.client.bundle import zipped
 from exogauge.client.problem import ClientProblem
 from exogauge.client.things import Artifact, Job, Log, Robot, Study, thing
 from exogauge.client.transport import Transport
+from exogauge.terminal import bar
 
 Thing = TypeVar("Thing")
 
@@ -96,13 +96,10 @@ class Client:
     def wait(self, job: Job | str, *, progress: bool = True, timeout_s: float | None = None) -> Job:
         """Wait until the job has ended, with a bar on stderr. Raises ClientProblem unless it succeeded."""
         until = None if timeout_s is None else time.monotonic() + timeout_s
-        shape = "{desc} {percentage:3.0f}%|{bar}| {elapsed}{postfix}"
-        with tqdm(total=1.0, bar_format=shape, disable=not progress, desc="queued") as bar:
+        with bar("queued", shown=progress) as say:
             while True:
                 now = self.job(job)
-                bar.n = now.progress
-                bar.set_description_str(now.state, refresh=False)
-                bar.set_postfix_str(now.message or now.place or "", refresh=True)
+                say(now.progress, now.message or now.place or "", now.state)
                 if now.ended:
                     break
                 if until is not None and time.monotonic() > until:

@@ -1,0 +1,95 @@
+"""A real worker on a real database: jobs run, fail with a reason, are cancelled, and never twice."""
+
+from __future__ import annotations
+
+import time
+
+from exogauge.jobs import requests
+from exogauge.jobs.claims import MAX_ATTEMPTS
+
+
+def test_a_job_runs_with_progress_and_keeps_what_it_made(staffed):
+    job = staffed.submit("plain", seconds=1.0)
+    assert job.state == "queued"
+    half_way = staffed.until(job, lambda now: 0.0 < now.progress < 1.0)
+    assert half_way.state == "running"
+    assert half_way.message.endswith("s left")
+    done = staffed.ended(job)
+    assert (done.state, done.progress, done.attempts) == ("succeeded", 1.0, 1)
+    assert staffed.artifacts(job) == ["results.json", "series/a.csv"]
+    assert staffed.words("plain") == ["start", "end"]
+
+
+def test_bad_input_fails_with_what_is_wrong_and_a_defect_with_its_trace(staffed):
+    bad, defect = staffed.submit("bad", mode="bad"), staffed.submit("defect", mode="defect")
+    done = staffed.ended(bad)
+    assert done.state == "failed"
+    assert "logs/a.csv" in done.reason
+    assert "Add it." in done.reason
+    done = staffed.ended(defect)
+    assert done.state == "failed"
+    assert "ZeroDivisionError" in done.reason
+    assert "nobody foresaw this" in done.log
+    assert staffed.words("bad") == ["start"]  # an answer, however bad, is not asked for again
+
+
+def test_a_running_job_is_cancelled_within_a_second(staffed):
+    took = []
+    for attempt in range(3):  # a busy machine may be slow once
+        job = staffed.submit(f"long {attempt}", seconds=60.0)
+        staffed.until(job, lambda now: now.progress > 0.0)
+        asked = time.monotonic()
+        staffed.cancel(job)
+        assert staffed.ended(job).state == "cancelled"
+        took.append(time.monotonic() - asked)
+        if took[-1] < 1.0:
+            break
+    assert min(took) < 1.0
+    assert staffed.ended(staffed.submit("after")).state == "succeeded"  # the worker is still good
+
+
+def test_a_queued_job_is_cancelled_at_once_and_never_runs(staffed):
+    busy = staffed.submit("busy", seconds=60.0)
+    staffed.until(busy, lambda now: now.state == "running")
+    job = staffed.submit("queued")
+    with staffed.storage.reading() as store:
+        assert requests.place_in_words(store.session, staffed.job(job)) == "next to start"
+    staffed.cancel(job)
+    assert staffed.job(job).state == "cancelled"
+    staffed.cancel(busy)
+    staffed.ended(busy)
+    staffed.ended(staffed.submit("after the queued one"))
+    assert staffed.words("queued") == []
+
+
+def test_the_same_request_is_one_job_until_it_has_failed(staffed):
+    first, second = staffed.submit("same"), staffed.submit("same")
+    assert first.id == second.id
+    staffed.ended(first)
+    assert staffed.submit("same").id == first.id
+    assert staffed.words("same") == ["start", "end"]
+    failing = staffed.submit("failing", mode="bad")
+    staffed.ended(failing)
+    with staffed.storage.transaction() as store:
+        again, new = requests.try_again(store, staffed.queue, failing.id)
+    assert new
+    assert again.id != failing.id
+    assert staffed.job(failing).state == "failed"
+    assert staffed.ended(again).state == "failed"
+
+
+def test_a_crash_in_native_code_costs_an_attempt_and_not_the_worker(staffed):
+    job = staffed.submit("once", mode="segfault_once", stdout="last words")
+    done = staffed.ended(job)
+    assert (done.state, done.attempts) == ("succeeded", 2)
+    assert "signal 11" in done.log
+    assert "last words" in done.log
+    assert staffed.workers[0].poll() is None
+
+
+def test_a_job_that_crashes_every_time_stops(staffed):
+    job = staffed.submit("poison", mode="segfault")
+    done = staffed.ended(job)
+    assert done.state == "failed"
+    assert f"{MAX_ATTEMPTS} times" in done.reason
+    assert staffed.words("poison") == ["start"] * MAX_ATTEMPTS

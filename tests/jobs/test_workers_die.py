@@ -1,0 +1,76 @@
+"""Workers are killed, frozen, sent away and poisoned: a job ends all the same, and it ends once."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import pytest
+
+from exogauge.jobs.claims import MAX_ATTEMPTS
+
+on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+
+
+@pytest.mark.slow
+def test_a_job_of_a_killed_worker_is_finished_by_another_and_ends_once(workshop):
+    first = workshop.start_worker()
+    job = workshop.submit("orphan", seconds=3.0)
+    running = workshop.until(job, lambda now: now.progress > 0.0)
+    workshop.start_worker()
+    os.kill(first.pid, signal.SIGKILL)
+    done = workshop.ended(job)
+    assert (done.state, done.attempts) == ("succeeded", 2)
+    assert done.worker != running.worker
+    assert workshop.words("orphan").count("end") == 1
+    assert workshop.artifacts(job) == ["results.json", "series/a.csv"]
+
+
+@pytest.mark.slow
+def test_a_worker_that_was_frozen_and_replaced_writes_nothing_when_it_wakes(workshop):
+    first = workshop.start_worker()
+    job = workshop.submit("frozen", seconds=3.0)
+    running = workshop.until(job, lambda now: now.progress > 0.0)
+    workshop.start_worker()
+    os.kill(first.pid, signal.SIGSTOP)
+    taken = workshop.until(job, lambda now: now.worker != running.worker)
+    os.kill(first.pid, signal.SIGCONT)
+    done = workshop.ended(job)
+    assert (done.state, done.worker) == ("succeeded", taken.worker)
+    assert workshop.artifacts(job) == ["results.json", "series/a.csv"]
+    assert first.wait(timeout=30) == 3  # it saw that it had been declared dead
+
+
+@pytest.mark.slow
+@on_sqlite
+def test_a_worker_that_is_asked_to_leave_puts_its_job_back(workshop):
+    first = workshop.start_worker()
+    job = workshop.submit("handed over", seconds=4.0)
+    workshop.until(job, lambda now: now.progress > 0.0)
+    first.terminate()
+    assert first.wait(timeout=30) == 0
+    back = workshop.job(job)
+    assert (back.state, back.attempts) == ("queued", 0)
+    workshop.start_worker()
+    done = workshop.ended(job)
+    assert (done.state, done.attempts) == ("succeeded", 1)
+
+
+@pytest.mark.slow
+@on_sqlite
+def test_a_job_that_kills_its_worker_every_time_stops(workshop, keep_alive):
+    job = workshop.submit("killer", mode="kill_worker", seconds=0.1)
+    keep_alive(2)
+    done = workshop.ended(job)
+    assert done.state == "failed"
+    assert f"{MAX_ATTEMPTS} times" in done.reason
+    assert workshop.words("killer") == ["start"] * MAX_ATTEMPTS
+
+
+@pytest.mark.slow
+@on_sqlite
+def test_a_job_that_takes_too_long_is_stopped(workshop):
+    workshop.start_worker(BURN_LIMIT="1.0")
+    done = workshop.ended(workshop.submit("slow", seconds=60.0))
+    assert done.state == "failed"
+    assert "limit" in done.reason
