@@ -1,0 +1,133 @@
+"""Jobs over HTTP, without a worker: what is asked for is recorded, once, and said honestly."""
+
+from __future__ import annotations
+
+import json
+import threading
+from uuid import uuid4
+
+import pytest
+
+from exogauge.jobs import claims, recipes
+from exogauge.jobs.engine import migrate_engine
+from exogauge.jobs.leases import Lease
+from exogauge.storage.files import PinnedFile
+
+BURN = recipes.Recipe("burn", "nowhere:burn", timeout_s=60.0)
+
+
+@pytest.fixture
+def study(app, settings, monkeypatch):
+    """The id of a study in the store."""
+    migrate_engine(settings.database_url)
+    monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
+    storage = app.state.storage
+    blob = storage.blobs.put(b"version: 1\n")
+    with storage.transaction() as store:
+        return store.studies.add("burning", [PinnedFile("study.yaml", blob, 11)], {})[0].id
+
+
+def ask(client, study, **more):
+    return client.post("/api/v1/jobs", json={"study_id": study, "kind": "burn", **more})
+
+
+def test_a_new_job_is_accepted_and_an_equal_request_finds_it(client, study):
+    first = ask(client, study, settings={"seconds": 1})
+    assert first.status_code == 202
+    assert first.json()["state"] == "queued"
+    assert "none is running" in first.json()["place"]
+    assert client.get(first.headers["location"]).json()["id"] == first.json()["id"]
+    second = ask(client, study, settings={"seconds": 1})
+    assert (second.status_code, second.json()["id"]) == (200, first.json()["id"])
+    other = ask(client, study, settings={"seconds": 2})
+    assert other.json()["id"] != first.json()["id"]
+    listed = client.get("/api/v1/jobs", params={"limit": 1}).json()
+    rest = client.get("/api/v1/jobs", params={"cursor": listed["next_cursor"]}).json()
+    assert [job["id"] for job in [*listed["items"], *rest["items"]]] == [other.json()["id"], first.json()["id"]]
+    assert "1 job ahead" not in listed["items"][0]["place"]  # there is no worker: that is what the user must know
+
+
+def test_a_request_sent_twice_under_one_key_is_answered_twice_with_the_same(client, study):
+    key = {"Idempotency-Key": "once"}
+    first = client.post("/api/v1/jobs", json={"study_id": study, "kind": "burn"}, headers=key)
+    again = client.post("/api/v1/jobs", json={"study_id": study, "kind": "burn"}, headers=key)
+    assert (again.status_code, again.json()) == (202, first.json())
+    assert again.headers["location"] == first.headers["location"]
+    assert again.headers["idempotency-replayed"] == "true"
+
+
+def test_what_cannot_be_run_is_refused_by_name(client, study):
+    unknown = ask(client, study, kind="cook")
+    assert unknown.status_code == 422
+    assert unknown.json()["errors"][0]["column"] == "kind"
+    assert "evaluate" in unknown.json()["errors"][0]["advice"]
+    wrong = ask(client, study, kind="evaluate", settings={"cutoff": 3, "solver": "magic"})
+    assert wrong.status_code == 422
+    assert {error["column"] for error in wrong.json()["errors"]} == {"settings.cutoff", "settings.solver"}
+    assert ask(client, str(uuid4())).status_code == 404
+    assert client.get(f"/api/v1/jobs/{uuid4()}").status_code == 404
+    assert client.get(f"/api/v1/jobs/{uuid4()}/events").headers["content-type"] == "application/problem+json"
+    assert client.post(f"/api/v1/jobs/{uuid4()}/cancel").status_code == 404
+
+
+def test_a_cancelled_job_stays_cancelled_and_can_be_tried_again_as_a_new_one(client, study):
+    job = ask(client, study).json()["id"]
+    refused = client.post(f"/api/v1/jobs/{job}/retry")
+    assert refused.status_code == 409
+    assert client.post(f"/api/v1/jobs/{job}/cancel").json()["state"] == "cancelled"
+    assert client.post(f"/api/v1/jobs/{job}/cancel").json()["state"] == "cancelled"
+    again = client.post(f"/api/v1/jobs/{job}/retry")
+    assert again.status_code == 202
+    assert again.json()["id"] != job
+    assert again.json()["state"] == "queued"
+    assert client.get(f"/api/v1/jobs/{job}").json()["state"] == "cancelled"
+
+
+def events(client, job, **headers):
+    text = client.get(f"/api/v1/jobs/{job}/events", headers=headers).text
+    blocks = [dict(line.split(": ", 1) for line in block.splitlines()) for block in text.strip().split("\n\n")]
+    return [(int(block["id"]), json.loads(block["data"])) for block in blocks if "data" in block]
+
+
+def test_events_tell_every_look_until_the_end_and_resume(client, study, app):
+    storage = app.state.storage
+    job = ask(client, study).json()["id"]
+    Lease(storage.engine, "w", 60.0).take()
+    told = []
+    watcher = threading.Thread(target=lambda: told.extend(events(client, job)))
+    watcher.start()
+    with storage.transaction() as store:
+        assert claims.claim(store.session, job, "w").state == "running"
+        assert claims.report(store.session, job, "w", 0.5, "half")
+    with storage.transaction() as store:
+        assert claims.fail(store.session, job, "w", "out of wood")
+    watcher.join(timeout=30.0)
+    ids = [number for number, _ in told]
+    assert ids == sorted(set(ids))
+    assert told[-1][1]["state"] == "failed"
+    assert told[-1][1]["reason"] == "out of wood"
+    again = events(client, job, **{"Last-Event-ID": str(ids[-1])})
+    assert again == told[-1:]
+    assert events(client, job, **{"Last-Event-ID": "not a number"}) == told[-1:]
+
+
+def test_only_the_living_may_change_a_job_and_only_while_they_hold_it(client, study, app):
+    storage = app.state.storage
+    job = ask(client, study).json()["id"]
+    lease = Lease(storage.engine, "w", 60.0)
+    with storage.transaction() as store:
+        assert claims.claim(store.session, job, "w") is None  # no lease, no job
+    lease.take()
+    Lease(storage.engine, "v", 60.0).take()
+    with storage.transaction() as store:
+        assert claims.claim(store.session, job, "w").attempts == 1
+        assert claims.claim(store.session, job, "v") is None
+        assert not claims.report(store.session, job, "v", 0.5, "")
+        assert claims.unattended(store.session) == []
+    lease.give_back()
+    with storage.transaction() as store:
+        assert claims.unattended(store.session) == [job]
+        taken = claims.claim(store.session, job, "v")
+        assert (taken.worker, taken.attempts) == ("v", 2)
+        assert not claims.fail(store.session, job, "w", "too late")
+        assert claims.cancel_wanted(store.session, job, "w") is None
