@@ -12,9 +12,10 @@ from typing import final
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from exogauge.api.problems import problem_response
+from exogauge.api.problems import of_http, problem_response
 
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 OWN_PAGES = ("same-origin", "none")
@@ -43,12 +44,7 @@ class Guard:
             await response(scope, receive, send)
             return
 
-        async def send_guarded(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                add_headers(MutableHeaders(scope=message))
-            await send(message)
-
-        await self.app(scope, receive, send_guarded)
+        await self.app(scope, receive, Guarded(scope, receive, send))
 
     def refusal(self, method: str, headers: Headers) -> str | None:
         host = headers.get("host", "")
@@ -63,6 +59,33 @@ class Guard:
         if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
             return "the request comes from a page of another origin"
         return None
+
+
+@final
+class Guarded:
+    """`send` with our headers on every answer, and a problem document in place of the framework's few plain-text
+    refusals (a range that cannot be satisfied)."""
+
+    def __init__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        self.scope, self.receive, self.send = scope, receive, send
+        self.replaced = False
+
+    async def __call__(self, message: Message) -> None:
+        if self.replaced:
+            return
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            if message["status"] >= 400 and headers.get("content-type", "text/plain").startswith("text/plain"):
+                await self.replace(message["status"], headers)
+                return
+            add_headers(headers)
+        await self.send(message)
+
+    async def replace(self, status: int, headers: MutableHeaders) -> None:
+        kept = {name: value for name, value in headers.items() if name in ("content-range", "allow", "retry-after")}
+        response = of_http(HTTPException(status, headers=kept), self.scope["path"])
+        await response(self.scope, self.receive, Guarded(self.scope, self.receive, self.send))
+        self.replaced = True
 
 
 def cannot_be_registered(host: str) -> bool:

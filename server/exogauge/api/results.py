@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
@@ -72,6 +73,11 @@ def file_response(blobs: BlobStore, request: Request, sha256: str, name: str, me
     shown = "inline" if media_type.partition(";")[0] in SHOWN else "attachment"
     path = blobs.path_for(sha256)
     if path is None:
-        return StreamingResponse(chunks(blobs.open(sha256)), media_type=media_type, headers=headers)
+        return StreamingResponse(streamed(blobs, sha256), media_type=media_type, headers=headers)
     last = name.rsplit("/", 1)[-1]
     return FileResponse(path, headers=headers, media_type=media_type, filename=last, content_disposition_type=shown)
+
+
+def streamed(blobs: BlobStore, sha256: str) -> Iterator[bytes]:
+    with blobs.open(sha256) as stream:
+        yield from chunks(stream)

@@ -1,0 +1,129 @@
+"""Health, lists, the page, the OpenAPI document, and a start that is refused."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from exogauge.api.app import create_app
+from exogauge.settings import Settings, packaged_folder
+from exogauge.storage.database import make_engine
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.migrate import WrongSchema
+from exogauge.storage.store import Storage
+from exogauge.storage.tables import WorkerLease
+
+V1 = "/api/v1"
+on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+
+
+def test_health_tells_what_is_there(client: TestClient) -> None:
+    answer = client.get("/healthz")
+    assert answer.status_code == 200
+    assert answer.json() == {
+        "status": "ok", "version": "0.1.0", "database": "ok", "blobs": "ok", "workers_wanted": 0, "workers_alive": 0,
+    }  # fmt: skip
+
+
+@on_sqlite
+def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settings: Settings) -> None:
+    app = create_app(settings.model_copy(update={"workers": 1}))
+    with TestClient(app) as client:
+        assert client.get("/healthz").json()["status"] == "degraded"
+        with app.state.storage.transaction() as store:
+            now = datetime.now(UTC)
+            store.session.add(WorkerLease(worker_id="w", beat_at=now, started_at=now, host="h", pid=1))
+        assert client.get("/healthz").json()["status"] == "ok"
+        shutil.rmtree(settings.blobs)
+        answer = client.get("/healthz")
+        assert (answer.status_code, answer.json()["blobs"]) == (503, "unavailable")
+
+
+@on_sqlite
+def test_a_database_that_goes_away_is_a_problem_and_comes_back(client: TestClient, settings: Settings) -> None:
+    place = settings.data_dir.parent
+    (place / "test.sqlite").rename(place / "gone")
+    client.app.state.storage.engine.dispose()  # type: ignore[attr-defined]
+    answer = client.get(f"{V1}/studies")
+    assert (answer.status_code, answer.headers["content-type"]) == (503, "application/problem+json")
+    (place / "gone").rename(place / "test.sqlite")
+    client.app.state.storage.engine.dispose()  # type: ignore[attr-defined]
+    assert client.get(f"{V1}/studies").status_code == 200
+
+
+def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
+    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    for k in range(5):
+        with storage.transaction() as store:
+            store.studies.add(f"study {k}", [PinnedFile("study.yaml", f"{k:064}", 1)], {})
+    names, cursor = list[str](), ""
+    while cursor is not None:
+        page = client.get(f"{V1}/studies?limit=2{cursor and '&cursor=' + cursor}").json()
+        names += [study["name"] for study in page["items"]]
+        cursor = page["next_cursor"]
+    assert names == [f"study {k}" for k in (4, 3, 2, 1, 0)]
+
+
+def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
+    create_app(settings).state.storage.close()
+    engine = make_engine(settings.database_url)
+    with engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+    engine.dispose()
+    with pytest.raises(WrongSchema, match="9999"):
+        create_app(settings)
+
+
+@on_sqlite
+def test_the_page_asks_nobody_else_and_works_below_any_path(client: TestClient) -> None:
+    page = client.get("/")
+    assert page.headers["content-type"].startswith("text/html")
+    assert "default-src 'none'" in page.headers["content-security-policy"]
+    links = re.findall(r'(?:href|src)="([^"#]+)"', page.text)
+    assert links
+    for link in links:
+        assert not link.startswith(("/", "http", "//")), link
+        assert client.get(f"/{link}").status_code == 200, link
+    for name in ("page.js", "page.css"):
+        text = (packaged_folder("web") / name).read_text()
+        assert not re.search(r"https?://|\(/|[\"'`]/[a-z]", text), name
+    assert "style=" not in page.text
+    assert "onclick=" not in page.text
+    assert client.get("/web/index.html").status_code == 422
+
+
+@on_sqlite
+def test_every_operation_has_a_name_a_problem_and_where_it_posts_a_key(client: TestClient) -> None:
+    document = client.get(f"{V1}/openapi.json").json()
+    assert document["openapi"].startswith("3.1")
+    operations: list[tuple[str, dict[str, Any]]] = [
+        (method, operation) for path in document["paths"].values() for method, operation in path.items()
+    ]
+    names = [operation["operationId"] for _, operation in operations]
+    assert {"createRobot", "listRobots", "getRobot", "createLog", "createStudy", "getStudyResults"} <= set(names)
+    assert {"listArtifacts", "getArtifact", "getHealth", "submitJob", "getJob", "cancelJob"} <= set(names)
+    assert len(names) == len(set(names))
+    for method, operation in operations:
+        for status in ("4XX", "5XX"):
+            assert "application/problem+json" in operation["responses"][status]["content"]
+        keys = [parameter["name"] for parameter in operation.get("parameters", [])]
+        assert ("Idempotency-Key" in keys) == (method == "post")
+    assert "Problem" in document["components"]["schemas"]
+    assert "HTTPValidationError" not in document["components"]["schemas"]
+
+
+def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", "postgresql://u:secret@h/d")
+    monkeypatch.setenv("EXOGAUGE_PORT", "9000")
+    settings = Settings()
+    assert (settings.port, settings.workers, settings.local_only) == (9000, 2, True)
+    assert settings.data_dir.is_absolute()
+    assert settings.blobs == settings.data_dir / "blobs"
+    assert "secret" not in repr(settings)
+    assert not Settings(host="0.0.0.0").local_only
+    assert Settings(database_url="").database_url.startswith("sqlite:////")

@@ -1,0 +1,190 @@
+"""What the store promises of robots, logs, studies, jobs, results and keys."""
+
+from __future__ import annotations
+
+import threading
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from exogauge.errors import NotFound
+from exogauge.storage import keys
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.store import Storage, Store
+from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
+
+FILES = (PinnedFile("robot.urdf", "1" * 64, 10), PinnedFile("robot.yaml", "2" * 64, 20))
+OTHER = (PinnedFile("robot.urdf", "3" * 64, 11), FILES[1])
+
+
+def test_a_robot_is_versioned_by_name_and_found_by_content(storage: Storage) -> None:
+    with storage.transaction() as store:
+        first, new = store.robots.add("arm", FILES, {"joints": ["a"]})
+        second, _ = store.robots.add("arm", OTHER, {})
+        again, again_new = store.robots.add("arm", FILES, {})
+        elsewhere, _ = store.robots.add("leg", FILES, {})
+    assert (new, again_new, again.id) == (True, False, first.id)
+    assert (first.version, second.version, elsewhere.version) == (1, 2, 1)
+    with storage.reading() as store:
+        assert store.robots.files(second.id) == OTHER
+        assert store.robots.get(first.id) == first
+        actions = store.session.scalars(sa.select(AuditEntry.subject_id)).all()
+    assert sorted(actions) == sorted([first.id, second.id, elsewhere.id])
+
+
+def test_robots_added_at_once_all_get_their_own_version(storage: Storage) -> None:
+    def add(k: int) -> None:
+        with storage.transaction() as store:
+            store.robots.add("arm", [PinnedFile("robot.yaml", f"{k:064}", k)], {})
+
+    in_parallel(add, 5)
+    with storage.reading() as store:
+        assert sorted(robot.version for robot in store.robots.page(None, 50).items) == [1, 2, 3, 4, 5]
+        assert store.session.scalar(sa.select(sa.func.count()).select_from(RobotFile)) == 5
+
+
+def test_the_same_study_added_at_once_is_one_study(storage: Storage) -> None:
+    found = list[tuple[str, bool]]()
+
+    def add(_k: int) -> None:
+        with storage.transaction() as store:
+            study, new = store.studies.add("s", FILES, {})
+        found.append((study.id, new))
+
+    in_parallel(add, 5)
+    assert len({key for key, _ in found}) == 1
+    assert sum(new for _, new in found) == 1
+
+
+def test_a_log_differs_by_name_bytes_and_mapping(storage: Storage) -> None:
+    file, mapping = PinnedFile("id.csv", "1" * 64, 5), PinnedFile("mapping.yaml", "2" * 64, 5)
+    with storage.transaction() as store:
+        plain, _ = store.logs.add(file, None, {})
+        mapped, _ = store.logs.add(file, mapping, {})
+        renamed, _ = store.logs.add(PinnedFile("other.csv", "1" * 64, 5), None, {})
+        again, new = store.logs.add(file, mapping, {})
+    assert len({plain.id, mapped.id, renamed.id}) == 3
+    assert (again.id, new, again.mapping_sha256) == (mapped.id, False, "2" * 64)
+
+
+def test_a_study_is_laid_out_as_it_was_handed_in(storage: Storage, tmp_path: Path) -> None:
+    contents = {"study.yaml": b"version: 1", "logs/a.csv": b"t\n0\n"}
+    files = [PinnedFile(path, storage.blobs.put(content), len(content)) for path, content in contents.items()]
+    with storage.transaction() as store:
+        study, _ = store.studies.add("s", files, {})
+        store.studies.write_to(study.id, tmp_path / "out")
+    assert {path: (tmp_path / "out" / path).read_bytes() for path in contents} == contents
+
+
+def test_pages_show_everything_once_newest_first_while_more_arrives(storage: Storage) -> None:
+    added = [add_study(storage, k) for k in range(7)]
+    seen, after = list[str](), None
+    while True:
+        with storage.reading() as store:
+            page = store.studies.page(after, 3)
+        seen += [study.id for study in page.items]
+        after = page.after
+        if after is None:
+            break
+        add_study(storage, 100 + len(seen))
+    assert seen == added[::-1]
+
+
+def test_another_lab_sees_nothing(storage: Storage) -> None:
+    key = add_study(storage, 1)
+    other = Storage(storage.engine, storage.blobs, "other")
+    with other.transaction() as store:
+        assert store.studies.page(None, 10).items == ()
+        with pytest.raises(NotFound):
+            store.studies.get(key)
+        _, new = store.studies.add("s", [PinnedFile("study.yaml", f"{1:064}", 1)], {})
+        assert new
+
+
+def test_a_key_that_is_none_is_not_found(storage: Storage) -> None:
+    with storage.reading() as store:
+        for noun in (store.robots, store.logs, store.studies, store.jobs):
+            for key in ("", "x", "0" * 36, "'; DROP TABLE jobs; --", "\0", "\ud800"):
+                with pytest.raises(NotFound):
+                    noun.get(key)
+
+
+def test_the_latest_job_of_each_study_is_found(storage: Storage) -> None:
+    first, second = add_study(storage, 1), add_study(storage, 2)
+    now = datetime.now(UTC)
+    with storage.transaction() as store:
+        for k, (study, state) in enumerate([(first, "succeeded"), (first, "failed"), (second, "queued")]):
+            made = now + timedelta(seconds=k)
+            store.session.add(Job(kind="e", study_id=study, request_hash=str(k), state=state, created_at=made))
+    with storage.reading() as store:
+        assert {key: job.state for key, job in store.jobs.latest([first, second]).items()} == {
+            first: "failed",
+            second: "queued",
+        }
+        assert set(store.jobs.latest([first, second], state="succeeded")) == {first}
+        assert [job.state for job in store.jobs.page(None, 10, study_id=first).items] == ["failed", "succeeded"]
+        assert store.jobs.page(None, 10, state="queued").items[0].study_id == second
+        with pytest.raises(NotFound, match="succeeded yet"):
+            store.results.of_study(second)
+
+
+def test_a_worker_counts_while_its_beat_is_recent(storage: Storage) -> None:
+    now = datetime.now(UTC)
+    with storage.transaction() as store:
+        for name, age_s in (("fresh", 1), ("stale", 60)):
+            beat = now - timedelta(seconds=age_s)
+            store.session.add(WorkerLease(worker_id=name, beat_at=beat, started_at=beat, host="h", pid=1))
+    with storage.reading() as store:
+        assert store.workers_alive() == 1
+
+
+def test_a_key_of_a_dead_process_can_be_used_again(storage: Storage) -> None:
+    with storage.transaction() as store:
+        assert store.keys.reserve("k") is None
+        host = keys.owner().split("/")[0]
+        store.session.execute(sa.update(IdempotencyKey).values(owner=f"{host}/4194305/dead"))
+    with storage.transaction() as store:
+        assert store.keys.reserve("k") is None
+        store.session.execute(sa.update(IdempotencyKey).values(owner="elsewhere/1/alive"))
+    with storage.transaction() as store:
+        assert store.keys.reserve("k") == keys.UsedKey(None, None)
+
+
+def test_keys_are_forgotten_after_a_day(storage: Storage) -> None:
+    with storage.transaction() as store:
+        store.keys.reserve("k")
+        store.keys.answer("k", "h" * 64, {"status": 201})
+    with storage.transaction() as store:
+        assert store.keys.reserve("k") == keys.UsedKey("h" * 64, {"status": 201})
+        store.session.execute(sa.update(IdempotencyKey).values(created_at=datetime.now(UTC) - timedelta(days=2)))
+    with storage.transaction() as store:
+        assert store.keys.reserve("k") is None
+
+
+def add_study(storage: Storage, k: int) -> str:
+    with storage.transaction() as store:
+        return add(store, k)
+
+
+def add(store: Store, k: int) -> str:
+    study, _ = store.studies.add("s", [PinnedFile("study.yaml", f"{k:064}", 1)], {})
+    return study.id
+
+
+def in_parallel(action: object, count: int) -> None:
+    failed = list[BaseException]()
+
+    def run(k: int) -> None:
+        try:
+            action(k)  # type: ignore[operator]
+        except BaseException as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=run, args=(k,)) for k in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failed
