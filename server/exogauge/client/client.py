@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.bundle import zipped
+from exogauge.client.bundle import zipped, zipped_robot
 from exogauge.client.problem import ClientProblem
 from exogauge.client.things import Artifact, Job, Log, Robot, Study, thing
 from exogauge.client.transport import Transport
@@ -21,6 +21,7 @@ from exogauge.terminal import bar
 Thing = TypeVar("Thing")
 
 POLL_S = 0.2
+STUDY, ROBOT = "study.yaml", "robot.yaml"
 
 
 @final
@@ -44,11 +45,16 @@ class Client:
 
     def upload_study(self, path: str | Path) -> Study:
         """A study's folder, its study.yaml, or a zip. The same files are the same study."""
-        return thing(Study, self._upload_bundle("studies", Path(path), "study.yaml"))
+        return thing(Study, self._upload_bundle("studies", Path(path), STUDY))
 
     def upload_robot(self, path: str | Path) -> Robot:
-        """A robot's folder, its robot.yaml, or a zip."""
-        return thing(Robot, self._upload_bundle("robots", Path(path), "robot.yaml"))
+        """A robot.yaml (with the URDF it names), a folder that holds nothing but the robot, or a zip."""
+        source = Path(path)
+        if source.name != ROBOT:
+            return thing(Robot, self._upload_bundle("robots", source, ROBOT))
+        with tempfile.TemporaryDirectory() as temporary:
+            bundle = zipped_robot(source, Path(temporary) / "robot.zip")
+            return thing(Robot, self._http.post("robots", files={"files": bundle}))
 
     def upload_log(self, path: str | Path, mapping: str | Path | None = None, robot: Robot | str | None = None) -> Log:
         """One log. mapping: a mapping.yaml that names its columns; robot: whose gears the mapping needs."""

@@ -17,7 +17,8 @@ class ClientProblem(ExogaugeError):
         lines = [f"{title} ({status})" if status else title]
         if detail and detail != title:
             lines[0] += f": {detail}"
-        super().__init__("\n".join(lines + [f"  - {readable(error)}" for error in self.errors]))
+        told = [readable(error) for error in self.errors]
+        super().__init__("\n".join(lines + [f"  - {text}" for text in told if text != detail]))
 
 
 def readable(error: dict[str, Any]) -> str:

@@ -1,0 +1,110 @@
+"""A real service: `burning.py serve` with its workers, as a user would start it."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from exogauge.client import Client
+
+TESTS = Path(__file__).parents[1]
+PROGRAM = TESTS / "jobs" / "burning.py"
+ANNOUNCED = "exogauge serves on "
+
+
+class Service:
+    """Started on a free port; `start` again after a kill finds the same data."""
+
+    def __init__(self, folder: Path, database_url: str = "", workers: int = 1) -> None:
+        self.folder = folder
+        self.environment = {
+            **os.environ,
+            "EXOGAUGE_DATA_DIR": str(folder / "data"),
+            "EXOGAUGE_DATABASE_URL": database_url,
+            "EXOGAUGE_PORT": "0",
+            "EXOGAUGE_WORKERS": str(workers),
+            "PYTHONPATH": str(PROGRAM.parent),
+        }
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> str:
+        """The service's address."""
+        log = self.folder / "server.log"
+        with log.open("wb") as sink:
+            self.process = subprocess.Popen(
+                [sys.executable, str(PROGRAM), "serve"],
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=sink,
+            )
+        end = time.monotonic() + 60.0
+        while time.monotonic() < end and self.process.poll() is None:
+            for line in log.read_text().splitlines():
+                if line.startswith(ANNOUNCED):
+                    return line.removeprefix(ANNOUNCED)
+            time.sleep(0.05)
+        pytest.fail(f"the service did not start:\n{log.read_text()[-3000:]}")
+
+    def stop(self) -> None:
+        if self.process is not None and self.process.poll() is None:
+            self.process.terminate()
+            assert self.process.wait(timeout=30) in (0, -15)
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    made = Service(tmp_path_factory.mktemp("service"))
+    made.url = made.start()
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def client(service: Service) -> Iterator[Client]:
+    with Client(service.url) as opened:
+        yield opened
+
+
+@pytest.fixture
+def make_service(tmp_path: Path) -> Iterator[Callable[..., Service]]:
+    """Services of one test's own."""
+    made = []
+
+    def make(**more: str) -> Service:
+        made.append(Service(tmp_path, **more))
+        return made[-1]
+
+    yield make
+    for service in made:
+        service.stop()
+
+
+@pytest.fixture
+def study_folder(tmp_path: Path) -> Path:
+    """A one-joint study on disk, right in every way."""
+    found = importlib.util.spec_from_file_location("api_conftest", TESTS / "api" / "conftest.py")
+    assert found is not None
+    assert found.loader is not None
+    small = importlib.util.module_from_spec(found)
+    found.loader.exec_module(small)
+    texts = {
+        "study.yaml": small.STUDY,
+        "robot.yaml": small.ROBOT,
+        "robot.urdf": small.URDF,
+        "logs/id.csv": small.table(0.0),
+        "logs/val.csv": small.table(0.7),
+        "truth.json": "{}",
+    }
+    folder = tmp_path / "study"
+    for path, text in texts.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder
