@@ -1,0 +1,67 @@
+"""Requests made from the OpenAPI document, right and wrong ones: no 5xx, and nothing that the document does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from schemathesis.specs.openapi import checks
+
+from exogauge.api.app import create_app
+from exogauge.settings import Settings
+from exogauge.storage.store import Storage
+from exogauge.storage.tables import Job
+
+EXAMPLES = 20  # of each operation and kind
+KINDS = {"right": schemathesis.GenerationMode.POSITIVE, "wrong": schemathesis.GenerationMode.NEGATIVE}
+
+# A schema can say neither what must be in a file nor that a form's text is no number.
+UNSAYABLE = [checks.positive_data_acceptance, checks.negative_data_rejection]
+
+
+@pytest.fixture
+def schema(tmp_path: Path, unchecked: None) -> Iterator[Any]:
+    """The document of an app that holds one study and one ended job."""
+    app = create_app(Settings(data_dir=tmp_path, workers=0, max_upload_bytes=2_000_000))
+    storage: Storage = app.state.storage
+    with storage.transaction() as store:
+        study, _ = store.studies.add("s", [], {})
+        store.session.add(Job(kind="evaluate", study_id=study.id, request_hash="h", state="failed"))
+    yield schemathesis.openapi.from_asgi("/api/v1/openapi.json", app)
+    storage.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_request_gets_an_answer_that_the_document_does_not_know(schema: Any, kind: str) -> None:
+    failures, count = dict[str, str](), 0
+    for found in schema.get_all_operations():
+        operation = found.ok()
+        if kind == "wrong" and not (operation.query or operation.body or operation.path_parameters):
+            continue
+
+        @given(case=operation.as_strategy(generation_mode=KINDS[kind]))
+        @settings(
+            max_examples=EXAMPLES,
+            deadline=None,
+            derandomize=True,
+            database=None,
+            phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )
+        def ask(case: schemathesis.Case) -> None:
+            nonlocal count
+            count += 1
+            form = str(case.media_type).startswith("multipart/")
+            case.call_and_validate(excluded_checks=UNSAYABLE if form else UNSAYABLE[:1])
+
+        try:
+            ask()
+        except BaseExceptionGroup as error:
+            failures[operation.label] = str(error.exceptions[0])
+    assert not failures, "\n\n".join(f"{label}\n{text}" for label, text in failures.items())
+    assert count > 100
