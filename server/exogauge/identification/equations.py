@@ -15,12 +15,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.effect import JointEffect
+from exogauge.effects.effect import JointEffect, JointSignals
 from exogauge.estimation.statistics import Form, Statistics
+from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.description import Robot
-from exogauge.robots.regressor import contact_effect
 from exogauge.robots.row_blocks import Rows
 
 Array = NDArray[np.float64]
@@ -75,17 +75,17 @@ class Equations:
         Differs from print: the full residual r = u k_T + τ_o - (Y_j φ - F_j); (9) leaves out M_oj^T q̈_o and the
         acceleration of the other joints.
         """
-        columns, reused = self.columns(), None
+        columns, reused, contacts = self.columns(), None, ContactPaths(self.robot)
         for start in range(0, len(prepared.kept), CHUNK):
             which = slice(start, min(start + CHUNK, len(prepared.kept)))
             samples = prepared.kept[which]
             reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + 1, reused)
             blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=True)]
-            external = external_effect(self.robot, prepared.motion.q[samples], prepared.wrenches[samples])
+            external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
-                if kind >= self.first_axis:
-                    self._fill_effects(prepared, kind - self.first_axis, samples, block, x_signs[columns[kind]])
+            for kind, signals in enumerate(_signals(prepared, samples), self.first_axis):
+                self._fill_effects(signals, blocks[kind], x_signs[columns[kind]])
             yield which, blocks
 
     def collect(
@@ -125,29 +125,31 @@ class Equations:
                 residual[which, kind] = block[:, -1] - block[:, :-1] @ x[columns[kind]]
         return residual
 
-    def _fill_effects(self, prepared: Prepared, axis: int, samples: IntArray, block: Array, x_signs: Array) -> None:
+    def _fill_effects(self, signals: JointSignals, block: Array, x_signs: Array) -> None:
         """Write the effects' columns of one axis; the effect of the stick sign comes from the row without it."""
         first = block.shape[1] - 1 - len(self.effects)
-        signals = prepared.signals(axis, samples, np.zeros(len(samples)))
-        without_friction = replace(signals, direction=np.zeros(len(samples)))
+        if signals.rest.any():
+            without_friction = replace(signals, direction=np.zeros_like(signals.direction))
+            for k, effect in enumerate(self.effects):
+                np.negative(effect.column(without_friction), out=block[:, first + k])
+            r = block[:, -1] - block[:, :-1] @ x_signs
+            signals = replace(signals, stick=signals.rest * np.sign(r))
         for k, effect in enumerate(self.effects):
-            block[:, first + k] = -effect.column(without_friction)
-        r = block[:, -1] - block[:, :-1] @ x_signs
-        signals = replace(signals, stick=signals.rest * np.sign(r))
-        for k, effect in enumerate(self.effects):
-            block[:, first + k] = -effect.column(signals)
+            np.negative(effect.column(signals), out=block[:, first + k])
+
+
+def _signals(prepared: Prepared, samples: IntArray) -> list[JointSignals]:
+    """What the effects of every axis see of some samples, contiguous, without a stick sign."""
+    p, still = prepared, np.zeros(len(samples))
+    drive, velocity, acceleration, direction, rest = (
+        np.ascontiguousarray(x[samples].T) for x in (p.drive, p.axis_velocity, p.axis_acceleration, p.direction, p.rest)
+    )
+    return [
+        JointSignals(drive[axis], velocity[axis], acceleration[axis], direction[axis], rest[axis], still)
+        for axis in range(len(drive))
+    ]
 
 
 def external_effect(robot: Robot, q: Array, wrenches: Array) -> Array:
-    """(T, rows) generalised force of the contact wrenches on base axes (floating) and actuator axes ([Evaluator] (10)).
-
-    q: (T, J). wrenches: (T, S, 6) world on robot, in the frames of the contact sensors.
-    """
-    J = len(robot.joints)
-    base = 6 if robot.floating else 0
-    total = np.zeros((len(q), base + J))
-    contacts = [sensor for sensor in robot.sensors if sensor.role == "contact"]
-    for index, sensor in enumerate(contacts):
-        total += contact_effect(robot.tree, q, sensor.frame, wrenches[:, index])
-    total[:, base:] = total[:, base:] @ np.linalg.inv(robot.axes_from_joints)
-    return total
+    """`ContactPaths.effect` of one robot: (T, rows) from q (T, J) and wrenches (T, S, 6)."""
+    return ContactPaths(robot).effect(q, wrenches)
