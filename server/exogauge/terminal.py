@@ -10,7 +10,7 @@ from typing import Any, final
 
 from tqdm import tqdm
 
-SHAPE = "{desc} {percentage:3.0f}%|{bar:30}| {elapsed} {postfix}"
+SHAPE = "{desc} {percentage:3.0f}%|{bar:30}| {elapsed} {unit}"
 LINE_EVERY_S = 5.0  # where stderr is a file and not a terminal
 
 
@@ -27,7 +27,7 @@ class Bar:
         self._drawn.n = min(max(fraction, 0.0), 1.0)
         if name is not None:
             self._drawn.set_description_str(name, refresh=False)
-        self._drawn.set_postfix_str(phrase, refresh=False)
+        self._drawn.unit = phrase
         now = time.monotonic()
         if now >= self._next:
             self._drawn.refresh()
@@ -37,7 +37,7 @@ class Bar:
 @contextmanager
 def bar(name: str, shown: bool = True) -> Iterator[Bar]:
     """A bar on stderr: drawn in place on a terminal, a line now and then elsewhere."""
-    with tqdm(total=1.0, bar_format=SHAPE, desc=name, disable=not shown) as drawn:
+    with tqdm(total=1.0, bar_format=SHAPE, desc=name, unit="", disable=not shown) as drawn:
         yield Bar(drawn)
 
 

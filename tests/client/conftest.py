@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from exogauge.client import Client
+from exogauge.client import Client, Study
 
 TESTS = Path(__file__).parents[1]
 PROGRAM = TESTS / "jobs" / "burning.py"
@@ -90,6 +90,17 @@ def make_service(tmp_path: Path) -> Iterator[Callable[..., Service]]:
 @pytest.fixture
 def study_folder(tmp_path: Path) -> Path:
     """A one-joint study on disk, right in every way."""
+    return write_study(tmp_path / "study")
+
+
+@pytest.fixture(scope="module")
+def study(service: Service, tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """That study, uploaded."""
+    with Client(service.url) as opened:
+        return opened.upload_study(write_study(tmp_path_factory.mktemp("uploaded") / "study"))
+
+
+def write_study(folder: Path) -> Path:
     found = importlib.util.spec_from_file_location("api_conftest", TESTS / "api" / "conftest.py")
     assert found is not None
     assert found.loader is not None
@@ -103,7 +114,6 @@ def study_folder(tmp_path: Path) -> Path:
         "logs/val.csv": small.table(0.7),
         "truth.json": "{}",
     }
-    folder = tmp_path / "study"
     for path, text in texts.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)

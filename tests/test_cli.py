@@ -1,0 +1,75 @@
+"""The commands, as others call them."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from exogauge import __version__
+from exogauge.cli import main
+from exogauge.settings import Settings
+from exogauge.storage import migrate
+from exogauge.terminal import text_table
+
+
+def exogauge(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "exogauge.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_version_is_answered_without_loading_the_numerics():
+    code = (
+        "import sys\nfrom exogauge.cli import main\n"
+        "try: main(['--version'])\nexcept SystemExit: pass\n"
+        "assert not {'numpy', 'pinocchio', 'fastapi', 'sqlalchemy'} & set(sys.modules)"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout == f"exogauge {__version__}\n"
+
+
+def test_run_says_what_is_wrong_with_the_input_and_ends_with_2(tmp_path, capsys):
+    (tmp_path / "study.yaml").write_text("version: 1\nname: x\nrobot: robot.yaml\nlogs: []\n")
+    assert main(["run", str(tmp_path / "study.yaml"), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "study.yaml" in said
+    assert "logs" in said
+    assert not (tmp_path / "out" / "results.json").exists()
+    assert main(["run", str(tmp_path / "nowhere"), "--out", str(tmp_path / "out")]) == 2
+    assert main(["doctor", str(tmp_path / "study.yaml")]) == 2
+
+
+def test_an_unknown_command_ends_with_2_and_lists_those_there_are():
+    answer = exogauge("cook")
+    assert answer.returncode == 2
+    assert {"run", "serve", "work", "sample", "migrate", "doctor", "demo"} <= set(re.findall(r"\w+", answer.stderr))
+
+
+def test_migrate_makes_our_tables_and_the_queues_and_may_be_repeated(database_url, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", database_url)
+    monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(tmp_path))
+    for _ in range(2):
+        assert main(["migrate"]) == 0
+        assert migrate.newest() in capsys.readouterr().out
+    migrate.check(Settings().database_url)
+
+
+def test_a_port_that_is_taken_is_said_and_not_traced(tmp_path, monkeypatch, capsys):
+    import socket
+
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(tmp_path))
+        assert main(["serve", "--port", port]) == 2
+    assert f"cannot listen on 127.0.0.1:{port}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(1234.5678, "1235"), (None, ""), ("a\nb", "a b"), ("x" * 50, "x" * 39 + "…")]
+)
+def test_tables_show_four_digits_and_cut_long_text(value, shown):
+    assert text_table(["c"], [[value]]).split("\n")[-1] == shown
