@@ -90,9 +90,9 @@ def test_true_parameters_explain_the_motion_through_another_dynamics_library(run
         )
         base, joints = (Y @ phi - F)[:6], (Y @ phi - F)[6:]
         resistance = kinds["k_d"] * (dq + ddq * TIME_STEP / 2) + recording.friction[t, order] + kinds["J_r"] * ddq
-        np.testing.assert_allclose(base, 0.0, atol=1e-4)
+        np.testing.assert_allclose(base, 0.0, atol=1e-3)
         drive = kinds["k_T"] * recording.current[t, order] + kinds["tau_o"]
-        np.testing.assert_allclose(joints + resistance, drive, atol=1e-4)
+        np.testing.assert_allclose(joints + resistance, drive, atol=1e-3)
 
 
 def _moved_links(model: pin.Model) -> list[str]:

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-ENCODER_STEP = 2 * math.pi / (4096 * 4 * 100)  # a 4096-line motor encoder, four edges, behind a gear of 100 [rad]
-CURRENT_STEP = 0.01  # [A]
-NOISE = {"q": 1.2e-6, "i": 0.03, "acc": 0.04, "gyro": 0.004, "force": 0.7, "moment": 0.05}
-_STEP = {"i": CURRENT_STEP, "acc": 0.002, "gyro": 0.0002, "force": 0.05, "moment": 0.002}  # of the converters
+ENCODER_STEP = 2 * math.pi / (2**17 * 100)  # a 17-bit motor encoder behind a gear of 100 [rad]
+COMMAND_STEP = 0.002  # of the current that the controller asks for [A]
+NOISE = {"q": 1.4e-7, "i": 0.02, "acc": 0.03, "gyro": 0.003, "force": 0.5, "moment": 0.04}
+_STEP = {"i": 0.005, "acc": 0.002, "gyro": 0.0002, "force": 0.05, "moment": 0.002}  # of the converters
 
 
 def encoder(angle: Array) -> Array:
-    """Joint angle as counted [rad]; its error is even over one step: std step / sqrt 12 = 1.1e-6."""
+    """Joint angle as counted [rad]; its error is even over one step: std step / sqrt 12 = 1.4e-7."""
     return np.asarray(np.round(angle / ENCODER_STEP) * ENCODER_STEP)
 
 

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from exogauge.synthetic.mjcf import TIME_STEP
 from exogauge.synthetic.motion import KNOT_RATE_HZ, LEAD_S, Plan
 from exogauge.synthetic.robot_facts import JOINTS
-from exogauge.synthetic.sensors import CURRENT_STEP, ENCODER_STEP
+from exogauge.synthetic.sensors import COMMAND_STEP, ENCODER_STEP
 from exogauge.synthetic.true_robot import TrueRobot
 
 Array = NDArray[np.float64]
@@ -84,7 +84,7 @@ def simulate(model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable
 
 @final
 class _Servo:
-    """Proportional-derivative on quantised angles; believes the maker's motor constants; steps of `CURRENT_STEP`."""
+    """Proportional-derivative on quantised angles; believes the maker's motor constants; steps of `COMMAND_STEP`."""
 
     def __init__(self, start: Array) -> None:
         drives = [joint.drive for joint in JOINTS]
@@ -100,7 +100,7 @@ class _Servo:
         self.rate += self.share * ((counts - self.angle) * (ENCODER_STEP / TIME_STEP) - self.rate)
         self.angle = counts
         wanted = self.stiffness * (angle_goal - counts * ENCODER_STEP) + self.damping * (rate_goal - self.rate)
-        stepped = np.round(wanted / CURRENT_STEP) * CURRENT_STEP
+        stepped = np.round(wanted / COMMAND_STEP) * COMMAND_STEP
         return np.asarray(np.minimum(np.maximum(stepped, -self.most), self.most))
 
 
