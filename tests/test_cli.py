@@ -56,6 +56,12 @@ def test_migrate_makes_our_tables_and_the_queues_and_may_be_repeated(database_ur
     migrate.check(Settings().database_url)
 
 
+def test_a_worker_without_a_schema_says_what_to_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(tmp_path))
+    assert main(["work"]) == 2
+    assert "exogauge migrate" in capsys.readouterr().err
+
+
 def test_a_port_that_is_taken_is_said_and_not_traced(tmp_path, monkeypatch, capsys):
     import socket
 

@@ -10,6 +10,7 @@ import os
 import shutil
 import subprocess
 import sys
+import textwrap
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -111,8 +112,8 @@ def print_result(result: Mapping[str, Any]) -> None:
     print("\nJoint parameters: value ± standard deviation")
     joints = sorted(found["joints"], key=lambda entry: not is_trunk(entry["joint"]))[:SHOWN_JOINTS]
     print(text_table(("joint", *JOINT_PARAMETERS), [joint_row(entry) for entry in joints]))
-    for warning in result.get("warnings", [])[:5]:
-        print(f"note: {warning}")
+    for warning in result.get("warnings", []):
+        print("note:", textwrap.shorten(warning, 200, placeholder=" … (all of it in results.json)"))
 
 
 def summary_row(summary: Mapping[str, Any]) -> Sequence[Any]:

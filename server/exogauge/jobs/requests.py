@@ -10,9 +10,9 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
-from exogauge import __version__
 from exogauge.errors import Conflict
 from exogauge.jobs.claims import change
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
 from exogauge.storage.database import database_now
@@ -37,12 +37,12 @@ def submit(
     """
     wanted = recipe_for(kind).checked(settings)
     study = store.studies.get(study_id)
-    asked = request_hash(study.content_hash, kind, wanted, __version__)
+    asked = request_hash(study.content_hash, kind, wanted, code_version())
     lab = Lab(store.session, store.lab_id)
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
-        common = {"lab_id": store.lab_id, "study_id": study_id, "code_version": __version__}
+        common = {"lab_id": store.lab_id, "study_id": study_id, "code_version": code_version()}
         return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")

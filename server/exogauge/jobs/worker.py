@@ -13,6 +13,7 @@ from exogauge.jobs.leases import Lease, new_worker_id
 from exogauge.jobs.reaper import Reaper
 from exogauge.jobs.supervisor import leave_with_parent
 from exogauge.settings import Settings
+from exogauge.storage import migrate
 from exogauge.storage.store import open_storage
 
 log = logging.getLogger(__name__)
@@ -25,6 +26,7 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
 
     The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
     """
+    migrate.at_newest_or_raise(migrate.current(settings.database_url))
     storage = open_storage(settings)
     worker_id = new_worker_id()
     folder = settings.data_dir / "work" / worker_id
