@@ -123,7 +123,17 @@ def test_a_bomb_is_refused_before_it_unfolds(data: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    "data", [b"", b"\xff\xfe", b"- 1", b"!!python/object:os.system {}", b"2001-13-45: 1", b"a: \0"]
+    "data",
+    [
+        b"",
+        b"\xff\xfe",
+        b"- 1",
+        b"!!python/object:os.system {}",
+        b"2001-13-45: 1",
+        b"a: \0",
+        b"a: " + b"9" * 400,
+        b"a: !!timestamp x",
+    ],
 )
 def test_what_is_no_study_is_refused(data: bytes) -> None:
     with pytest.raises(BadStudy):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import lzma
 import shutil
 import stat
 import tempfile
 import weakref
 import zipfile
+import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -20,6 +23,8 @@ MAX_MEMBERS = 2_000
 MAX_UNPACKED = 4_000_000_000
 MAX_RATIO = 200
 _CHUNK = 1 << 20
+_BAD_ZIP = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, NotImplementedError, EOFError, RuntimeError,
+            IsADirectoryError, FileExistsError, NotADirectoryError, UnicodeError)  # fmt: skip
 
 
 @final
@@ -104,57 +109,63 @@ def open_bundle(path: Path) -> Bundle:
 def _unpack(path: Path) -> Bundle:
     temporary = Path(tempfile.mkdtemp(prefix="exogauge-study-"))
     try:
-        with zipfile.ZipFile(path) as archive:
-            members = _checked(archive.infolist(), path.name)
-            for member in members:
-                _extract(archive, member, temporary, path.name)
-        studies = sorted(temporary.rglob("study.yaml"), key=lambda found: len(found.parts))
-        if not studies:
-            raise BadStudy(Fault("the zip holds no study.yaml", "missing_file", "", path.name))
-        if len(studies) > 1 and len(studies[0].parts) == len(studies[1].parts):
-            raise BadStudy(Fault("the zip holds several studies", "ambiguous_study", "Pack one each.", path.name))
-        return Bundle(studies[0].parent, "study.yaml", temporary)
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, RuntimeError) as problem:
+        return _unpack_into(path, temporary)
+    except BaseException as problem:
         shutil.rmtree(temporary, ignore_errors=True)
-        raise BadStudy(Fault(f"not readable as a zip: {problem}", "not_zip", "Pack it anew.", path.name)) from None
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
+        outside = isinstance(problem, OSError) and problem.errno == errno.EINVAL  # the zip points outside itself
+        if outside or isinstance(problem, _BAD_ZIP):
+            raise BadStudy(Fault(f"not readable as a zip: {problem}", "not_zip", "Pack it anew.", path.name)) from None
         raise
+
+
+def _unpack_into(path: Path, temporary: Path) -> Bundle:
+    with zipfile.ZipFile(path) as archive:
+        written = 0
+        for member in _checked(archive.infolist(), path.name):
+            written += _extract(archive, member, temporary, path.name, MAX_UNPACKED - written)
+    studies = sorted(temporary.rglob("study.yaml"), key=lambda found: len(found.parts))
+    if not studies:
+        raise BadStudy(Fault("the zip holds no study.yaml", "missing_file", "", path.name))
+    if len(studies) > 1 and len(studies[0].parts) == len(studies[1].parts):
+        raise BadStudy(Fault("the zip holds several studies", "ambiguous_study", "Pack one each.", path.name))
+    return Bundle(studies[0].parent, "study.yaml", temporary)
 
 
 def _checked(members: Iterable[zipfile.ZipInfo], file: str) -> list[zipfile.ZipInfo]:
     kept, seen = [], set[str]()
     for member in members:
         name = member.filename
-        if member.is_dir() or name.startswith("__MACOSX/"):
+        if not PurePosixPath(name).parts or member.is_dir() or name.startswith("__MACOSX/"):
             continue
         pure = PurePosixPath(name)
+        if not name.isprintable() or len(name) > 400 or any(len(part.encode()) > 200 for part in pure.parts):
+            raise BadStudy(Fault("a member's name is too long or odd", "odd_name", "Rename it.", file, value=name[:80]))
         if pure.is_absolute() or ".." in pure.parts or "\\" in name or ":" in pure.parts[0]:
             raise BadStudy(Fault("a member's path leaves the zip", "path_escapes", "", file, value=name[:200]))
         if stat.S_ISLNK(member.external_attr >> 16):
             raise BadStudy(Fault("a member is a symbolic link", "path_escapes", "Pack the file.", file, value=name))
         if member.flag_bits & 0x1:
             raise BadStudy(Fault("a member is encrypted", "encrypted", "Pack without password.", file, value=name))
-        if name in seen:
+        if str(pure) in seen or any(str(parent) in seen for parent in pure.parents):
             raise BadStudy(Fault("a member is in the zip twice", "duplicate_member", "", file, value=name))
-        seen.add(name)
+        seen.add(str(pure))
         kept.append(member)
     if len(kept) > MAX_MEMBERS:
         raise TooLarge(Fault(f"{len(kept)} files, at most {MAX_MEMBERS}", "zip_too_many", "", file))
     return kept
 
 
-def _extract(archive: zipfile.ZipFile, member: zipfile.ZipInfo, root: Path, file: str) -> None:
-    """Copy one member, counting what really comes out (a zip's own sizes may lie)."""
+def _extract(archive: zipfile.ZipFile, member: zipfile.ZipInfo, root: Path, file: str, left: int) -> int:
+    """Copy one member, counting what really comes out (a zip's own sizes may lie). left: bytes that may come."""
     target = root / member.filename
     target.parent.mkdir(parents=True, exist_ok=True)
-    allowed = min(MAX_UNPACKED, 10_000_000 + MAX_RATIO * member.compress_size)
-    written = sum(found.stat().st_size for found in root.rglob("*") if found.is_file()) if member.file_size else 0
+    allowed = min(left, 10_000_000 + MAX_RATIO * member.compress_size)
     count = 0
     with archive.open(member) as source, target.open("wb") as sink:
         while block := source.read(_CHUNK):
             count += len(block)
-            if count > allowed or written + count > MAX_UNPACKED:
+            if count > allowed:
                 advice = "Pack logs as Parquet, which is compressed already."
                 raise TooLarge(Fault("unpacks to too many bytes", "zip_too_large", advice, file, value=member.filename))
             sink.write(block)
+    return count

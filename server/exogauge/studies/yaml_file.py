@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Hashable, Sequence
+from functools import lru_cache
 from typing import Any, TypeVar
 
 import yaml
@@ -12,16 +13,22 @@ from pydantic import BaseModel, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault, TooLarge
 
+try:
+    from yaml import CSafeLoader as _SafeLoader
+except ImportError:  # PyYAML built without libyaml: the same, ten times slower
+    from yaml import SafeLoader as _SafeLoader  # type: ignore[assignment]
+
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
-MAX_NODES = 200_000  # after every alias is written out
+MAX_NODES = 50_000  # as written, and again after every alias is written out
+MAX_FAULTS = 20
 
 Model = TypeVar("Model", bound=BaseModel)
 Pointer = tuple[str | int, ...]
 
 
-class _Loader(yaml.SafeLoader):
-    """SafeLoader that reads `1e-5` as a number (YAML 1.2), not as text (YAML 1.1)."""
+class _Loader(_SafeLoader):
+    """A safe loader that reads `1e-5` as a number (YAML 1.2), not as text (YAML 1.1)."""
 
 
 _Loader.yaml_implicit_resolvers = {key: list(value) for key, value in yaml.SafeLoader.yaml_implicit_resolvers.items()}
@@ -30,25 +37,40 @@ _Loader.add_implicit_resolver(
 )
 
 
+def _whole_number(loader: _Loader, node: yaml.ScalarNode) -> int:
+    if len(node.value) > 200:  # more would not fit a float
+        raise yaml.constructor.ConstructorError(None, None, "a number with too many digits", node.start_mark)
+    return int(loader.construct_yaml_int(node))
+
+
+_Loader.add_constructor("tag:yaml.org,2002:int", _whole_number)
+
+
 def load_yaml(data: bytes, model: type[Model], *, file: str, error: type[BadInput] = BadStudy) -> Model:
     """The checked content of one YAML file, or `error` with a `Fault` per broken rule (row = line in the file)."""
     node = _compose(data, file, error)
     _refuse_duplicate_keys(node, file, error)
     try:
         content = _construct(node)
-    except (yaml.YAMLError, ValueError) as problem:
-        raise error(_yaml_fault(problem, file)) from None
+    except (yaml.YAMLError, ValueError, ArithmeticError, AttributeError, TypeError, LookupError) as problem:
+        raise error(_yaml_fault(problem, file)) from None  # PyYAML trips over some explicit tags
     if not isinstance(content, dict):
         raise error(Fault("the file must hold keys and values at its top level", "not_a_mapping", "", file, 1))
     try:
         return model.model_validate(content)
     except ValidationError as invalid:
-        raise error([_fault(dict(item), model, node, file) for item in invalid.errors()]) from None
+        found = invalid.errors(include_url=False)[:MAX_FAULTS]
+        raise error([_fault(dict(item), model, node, file) for item in found]) from None
+
+
+@lru_cache(maxsize=8)
+def _nodes(data: bytes) -> yaml.Node | None:
+    return yaml.compose(data.decode("utf-8-sig"), Loader=_Loader)
 
 
 def place(data: bytes, pointer: Pointer) -> int | None:
-    """Line (from 1) of the value that `pointer` leads to, as deep as it can be followed."""
-    node = yaml.compose(data.decode("utf-8"), Loader=_Loader)
+    """Line (from 1) of the value that `pointer` leads to, as deep as it can be followed; data: accepted before."""
+    node = _nodes(data)
     return None if node is None else _line(node, pointer)
 
 
@@ -76,12 +98,15 @@ def _compose(data: bytes, file: str, error: type[BadInput]) -> yaml.Node:
         line = data[: problem.start].count(b"\n") + 1
         raise error(Fault("the file is not UTF-8 text", "not_utf8", "Save it as UTF-8.", file, line)) from None
     try:
-        depth = 0
+        depth, nodes = 0, 0
         for event in yaml.parse(text, Loader=_Loader):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MAX_DEPTH:
                 row = event.start_mark.line + 1 if event.start_mark else None
                 raise TooLarge(Fault(f"nested deeper than {MAX_DEPTH} levels", "yaml_too_deep", "", file, row))
+            nodes += isinstance(event, yaml.NodeEvent)
+            if nodes > MAX_NODES:
+                raise TooLarge(Fault(f"more than {MAX_NODES} values", "yaml_too_large", "", file))
         node = yaml.compose(text, Loader=_Loader)
     except yaml.YAMLError as problem:
         raise error(_yaml_fault(problem, file)) from None

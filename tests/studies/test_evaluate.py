@@ -1,0 +1,51 @@
+"""A study on files becomes a folder of results, or nothing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from exogauge.errors import BadLog, Cancelled
+from exogauge.studies.evaluate import evaluate
+
+Rewrite = Callable[[str, str, str], Path]
+
+
+def test_a_study_becomes_results_with_growing_progress(folder: Path, tmp_path: Path) -> None:
+    seen: list[tuple[float, str]] = []
+    evaluate(folder / "study.yaml", tmp_path / "out", lambda fraction, phrase: seen.append((fraction, phrase)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    content = json.loads((tmp_path / "out" / "results.json").read_text(), parse_constant=pytest.fail)
+    assert content["steps"][0] == {"step": "identify", "status": "done"}
+    assert {each["log"] for each in content["identification"]["validation"]} == {"id_1", "val_1"}
+    for name in ("id_1", "val_1"):
+        log = pq.read_table(folder / "logs" / f"{name}.parquet")
+        series = pq.read_table(tmp_path / "out" / "series" / f"{name}.parquet")
+        assert series["t"].to_pylist() == log["t"].to_pylist()
+        assert "measured.base.my" in series.column_names
+        assert "predicted_prior.tau.torso_pitch" in series.column_names
+    assert not list((tmp_path / "out").glob(".unfinished*"))
+
+
+def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -> None:
+    def stop(fraction: float, phrase: str) -> None:
+        if fraction > 0.1:
+            raise Cancelled("enough")
+
+    with pytest.raises(Cancelled):
+        evaluate(folder, tmp_path / "out", stop)
+    assert not (tmp_path / "out" / "results.json").exists()
+
+
+def test_a_bad_log_is_told_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
+    (folder / "logs" / "val_1.parquet").write_bytes(b"PAR1 no")
+    with pytest.raises(BadLog) as caught:
+        evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)
+    assert caught.value.faults[0].file == "logs/val_1.parquet"
+    assert not (tmp_path / "out").exists()
