@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
+import random
 import stat
 import zipfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+
+from exogauge.api.uploads import Allowance, unpack
+from exogauge.errors import BadInput
 
 V1 = "/api/v1"
 KEYS = {"type", "title", "status", "detail", "instance", "errors"}
@@ -187,6 +193,35 @@ def test_a_defect_is_told_without_its_inside(client: TestClient, monkeypatch: py
     monkeypatch.setattr(Studies, "page", lambda *_: 1 / 0)
     document = problem(client.get(f"{V1}/studies"), 500)
     assert "division" not in json.dumps(document)
+
+
+def test_a_robot_that_would_crash_its_reader_is_refused(
+    client: TestClient, robot_files: dict[str, bytes], as_form: Callable[..., Any]
+) -> None:
+    body = "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"
+    links = "".join(f"<link name='l{k}'>{body}</link>" for k in range(4000))
+    joint = "<joint name='j{0}' type='revolute'><parent link='l{0}'/><child link='l{1}'/><axis xyz='0 0 1'/>{2}</joint>"
+    limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>"
+    joints = "".join(joint.format(k, k + 1, limit) for k in range(3999))
+    chain = f"<robot name='chain'>{links}{joints}</robot>".encode()
+    answer = client.post(f"{V1}/robots", files=as_form(robot_files | {"robot.urdf": chain}))
+    assert answer.status_code in (413, 422), answer.text
+    assert client.get(f"{V1}/robots").json()["items"] == []
+
+
+def test_a_damaged_zip_is_read_or_refused_and_nothing_else(
+    database_url: str, study_files: dict[str, bytes], pack: Callable[..., bytes], tmp_path: Path
+) -> None:
+    whole, rng = pack(study_files), random.Random(5)
+    for k in range(300):
+        damaged = bytearray(whole)
+        for _ in range(rng.choice((1, 1, 3, 20))):
+            damaged[rng.randrange(len(damaged))] = rng.randrange(256)
+        if k % 3 == 0:
+            damaged = damaged[: rng.randrange(len(damaged))]
+        with contextlib.suppress(BadInput):
+            unpack(io.BytesIO(damaged), "study.zip", tmp_path / str(k), Allowance(1_000_000, 100))
+    assert not any(path.is_symlink() for path in tmp_path.rglob("*"))
 
 
 def zip_of(entries: list[tuple[Any, bytes]]) -> bytes:

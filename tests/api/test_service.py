@@ -98,6 +98,14 @@ def test_the_page_asks_nobody_else_and_works_below_any_path(client: TestClient) 
 
 
 @on_sqlite
+def test_the_service_can_stand_below_a_path_of_its_proxy(settings: Settings) -> None:
+    app = create_app(settings.model_copy(update={"root_path": "/lab/exo"}))
+    with TestClient(app, root_path="/lab/exo") as client:
+        for path in ("/lab/exo/", "/lab/exo/web/page.js", "/lab/exo/api/v1/studies", "/lab/exo/healthz"):
+            assert client.get(path).status_code == 200, path
+
+
+@on_sqlite
 def test_every_operation_has_a_name_a_problem_and_where_it_posts_a_key(client: TestClient) -> None:
     document = client.get(f"{V1}/openapi.json").json()
     assert document["openapi"].startswith("3.1")

@@ -14,6 +14,7 @@ from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.settings import Settings
+from exogauge.storage.blobs import remove_abandoned
 from exogauge.storage.migrate import prepare
 from exogauge.storage.store import open_storage
 
@@ -26,6 +27,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or Settings()
     prepare(settings.database_url)
     storage = open_storage(settings)
+    settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
+    remove_abandoned(settings.scratch)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -37,7 +40,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         version=__version__,
         description=ABOUT,
         lifespan=lifespan,
-        root_path=settings.root_path,
         openapi_url=f"{PREFIX}/openapi.json",
         docs_url=None,  # it loads its code from elsewhere
         redoc_url=None,

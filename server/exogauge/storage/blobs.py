@@ -7,8 +7,9 @@ import hashlib
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO, BinaryIO, Protocol, final
@@ -47,6 +48,7 @@ class FolderBlobs:
         self.incoming = folder / "incoming"
         with disk("prepare the blob folder"):
             self.incoming.mkdir(parents=True, exist_ok=True)
+            remove_abandoned(self.incoming)
 
     def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
         with disk("store the file"), NamedTemporaryFile(dir=self.incoming, delete=False) as temporary:
@@ -134,6 +136,14 @@ def copy_out(blobs: BlobStore, sha256: str, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     with blobs.open(sha256) as source, target.open("wb") as out:
         shutil.copyfileobj(source, out, CHUNK)
+
+
+def remove_abandoned(folder: Path, older_than_s: float = 86_400.0) -> None:
+    """Remove what a killed process left in a folder of unfinished things."""
+    for path in folder.iterdir():
+        with suppress(FileNotFoundError):
+            if time.time() - path.stat().st_mtime > older_than_s:
+                shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink()
 
 
 def fsync_folder(folder: Path) -> None:
