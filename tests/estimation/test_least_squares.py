@@ -43,9 +43,9 @@ def test_statistics_give_what_the_stacked_matrix_gives(form):
     np.testing.assert_allclose(G, A.T @ A, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(g, A.T @ y, rtol=1e-12, atol=1e-12)
     assert yy == pytest.approx(y @ y)
-    R, z, rest = statistics.square_root(weights)
+    root = statistics.square_root(weights)
     x = rng.normal(size=SIZE)
-    assert np.sum((R @ x - z) ** 2) + rest == pytest.approx(np.sum((A @ x - y) ** 2))
+    assert np.sum((root.R @ x - root.z) ** 2) + root.rest == pytest.approx(np.sum((A @ x - y) ** 2))
     np.testing.assert_allclose(
         statistics.residual_square_sum(x),
         [np.sum((b[:, :-1] @ x[c] - b[:, -1]) ** 2) for b, c in zip(blocks, COLUMNS, strict=True)],
@@ -80,7 +80,7 @@ def test_solution_equals_the_stacked_system_over_all_parameters(form, strength):
     prior = Prior(rng.normal(size=10), rng.uniform(0.2, 3.0, size=10), seen)
     weights = np.array([1.0, 9.0, 0.5])
     statistics, blocks = filled(form, rng, rng.normal(size=SIZE))
-    solved = PriorLeastSquares(statistics, weights, prior, strength)
+    solved = PriorLeastSquares(statistics.square_root(weights), prior, strength)
     expected = stacked_prior_solution(*dense(blocks, weights), prior, strength)
     np.testing.assert_allclose(prior.lift(solved.x), expected, rtol=1e-9, atol=1e-9)
 
@@ -91,7 +91,7 @@ def test_prior_decides_what_the_data_cannot():
     seen[0, 6] = 1.0
     prior = Prior(rng.normal(size=8), np.ones(8), seen)
     statistics, _ = filled("gram", rng, rng.normal(size=SIZE))
-    lifted = prior.lift(PriorLeastSquares(statistics, np.ones(3), prior, 1.0).x)
+    lifted = prior.lift(PriorLeastSquares(statistics.square_root(np.ones(3)), prior, 1.0).x)
     assert lifted[7] == prior.mean[7]
     moved = lifted - prior.mean
     assert moved[0] == pytest.approx(moved[6])
@@ -104,7 +104,7 @@ def test_known_parameters_stay_exactly_where_they_are():
     std[2] = 0.0
     prior = Prior(np.where(std == 0.0, truth, 0.0), std, np.eye(SIZE))
     statistics, _ = filled("gram", rng, truth, noise=0.0)
-    solved = PriorLeastSquares(statistics, np.ones(3), prior, 1.0)
+    solved = PriorLeastSquares(statistics.square_root(np.ones(3)), prior, 1.0)
     assert solved.x[2] == truth[2]
     np.testing.assert_allclose(solved.x, truth, atol=1e-6)
 
@@ -114,7 +114,7 @@ def test_an_unexcited_direction_stays_at_the_prior():
     t = np.linspace(0, 1, 50)
     statistics.add_rows(0, np.column_stack([t, 2 * t, 5 * t]))
     prior = Prior(np.array([1.0, 1.0]), np.array([1.0, 1.0]), np.eye(2))
-    solved = PriorLeastSquares(statistics, np.array([1e8]), prior, 1.0)
+    solved = PriorLeastSquares(statistics.square_root(np.array([1e8])), prior, 1.0)
     assert solved.x @ [1, 2] == pytest.approx(5.0, abs=1e-6)
     assert (solved.x - 1.0) @ [2, -1] == pytest.approx(0.0, abs=1e-9)
 
@@ -128,7 +128,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         belief = Prior(np.zeros(9), std, seen)
         truth = std * rng.normal(size=9)
         statistics, _ = filled("gram", rng, seen @ truth, noise=noise, n=5)
-        solved = PriorLeastSquares(statistics, np.full(3, noise**-2), belief, strength)
+        solved = PriorLeastSquares(statistics.square_root(np.full(3, noise**-2)), belief, strength)
         covariance = belief.lift_covariance(solved.covariance())
         inside.append(np.abs(belief.lift(solved.x) - truth) < 1.96 * np.sqrt(np.diag(covariance)))
     assert np.mean(inside) == pytest.approx(0.95, abs=0.012)

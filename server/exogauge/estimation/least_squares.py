@@ -9,9 +9,11 @@ import scipy.linalg as sl
 from numpy.typing import NDArray
 
 from exogauge.estimation.prior import Prior
-from exogauge.estimation.statistics import Statistics
+from exogauge.estimation.statistics import SquareRoot
 
 Array = NDArray[np.float64]
+
+BLOCK = 32  # columns that the QR factorisation turns at once
 
 
 @final
@@ -27,23 +29,24 @@ class PriorLeastSquares:
     wanted, W_xi that of all joint parameters (5 N_J, more with more effects).
     """
 
-    def __init__(self, statistics: Statistics, weights: Array, prior: Prior, strength: float) -> None:
-        free, known = prior.free, np.setdiff1d(np.arange(statistics.size), prior.free)
+    def __init__(self, data: SquareRoot, prior: Prior, strength: float) -> None:
+        free, known = prior.free, np.setdiff1d(np.arange(data.R.shape[1]), prior.free)
         self.prior, self.strength = prior, strength
-        R, z, rest = statistics.square_root(weights)
-        z = z - R[:, known] @ prior.seen_mean[known]
-        self.information, self.target = R[:, free], z
-        offset = z - self.information @ prior.seen_mean[free]
-        stacked = np.vstack([self.information, np.sqrt(strength) * prior.whitening])
-        target = np.concatenate([offset, np.zeros(len(free))])
-        scale = np.linalg.norm(stacked, axis=0)
-        (packed, tau), _ = sl.qr(stacked / scale, mode="raw")
-        rotated, *_ = sl.lapack.dormqr("L", "T", packed, tau, target[:, None], lwork=64 * len(target))
-        self._root = np.triu(packed[: len(free)]) * scale
-        step = sl.solve_triangular(self._root, rotated[: len(free), 0])
+        self.information = data.R[:, free]
+        self.target = data.z - data.R[:, known] @ prior.seen_mean[known]
+        offset = self.target - self.information @ prior.seen_mean[free]
+        believed, size = np.sqrt(strength) * prior.whitening, len(free)
+        scale = np.sqrt(np.sum(self.information**2, axis=0) + np.sum(believed**2, axis=0))
+        # QR of [believed 0; information offset], the upper part of which is triangular already
+        above = np.zeros((size + 1, size + 1), order="F")
+        above[:size, :size] = believed / scale
+        below = np.asfortranarray(np.column_stack([self.information / scale, offset]))
+        factor, *_ = sl.lapack.dtpqrt(0, min(BLOCK, size + 1), above, below, overwrite_a=1, overwrite_b=1)
+        self._root = np.triu(factor[:size, :size]) * scale
+        step = sl.solve_triangular(self._root, factor[:size, size])
         self.x = prior.seen_mean.copy()
         self.x[free] += step
-        self.residual = float(np.sum((self.information @ step - offset) ** 2) + rest)
+        self.residual = float(np.sum((self.information @ step - offset) ** 2) + data.rest)
 
     def covariance(self, meat: Array | None = None) -> Array:
         """(P, P) covariance of x about the truth.

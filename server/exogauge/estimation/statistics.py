@@ -21,6 +21,16 @@ Form = Literal["gram", "factor"]
 
 
 @final
+@dataclass(frozen=True)
+class SquareRoot:
+    """‖R x - z‖² + rest = Σ w (A x - y)². R: (m, P) with m <= P. z: (m,)."""
+
+    R: Array
+    z: Array
+    rest: float
+
+
+@final
 @dataclass
 class Statistics:
     """Rows of R kinds over P parameters.
@@ -67,16 +77,20 @@ class Statistics:
 
     def normal(self, weights: Array) -> tuple[Array, Array, float]:
         """Σ w A^T A (P, P), Σ w A^T y (P,), Σ w y². weights: (R,) one per kind, 1/variance."""
-        G, g, yy = np.zeros((self.size, self.size)), np.zeros(self.size), 0.0
+        H = np.zeros((self.size + 1, self.size + 1))  # y stands for one more parameter
+        alike: dict[bytes, list[int]] = {}  # kinds of the same columns are summed first, which is quicker
         for kind, columns in enumerate(self.columns):
-            gram = self._gram(kind)
-            G[np.ix_(columns, columns)] += weights[kind] * gram[:-1, :-1]
-            g[columns] += weights[kind] * gram[:-1, -1]
-            yy += float(weights[kind] * gram[-1, -1])
-        return G, g, yy
+            alike.setdefault(np.asarray(columns).tobytes(), []).append(kind)
+        for kinds in alike.values():
+            which = np.append(self.columns[kinds[0]], self.size)
+            H[which[:, None], which] += sum(weights[kind] * self._upper(kind) for kind in kinds)
+        diagonal = np.diag(H).copy()
+        H = H + H.T
+        np.fill_diagonal(H, diagonal)
+        return H[:-1, :-1], H[:-1, -1], float(H[-1, -1])
 
-    def square_root(self, weights: Array) -> tuple[Array, Array, float]:
-        """(R, z, rest) with ‖R x - z‖² + rest = Σ w (A x - y)²; R: (m, P) with m <= P, z: (m,).
+    def square_root(self, weights: Array) -> SquareRoot:
+        """The weighted problem with as few rows as it has directions.
 
         From the Gram by pivoted Cholesky, which stops at the numerical rank; from QR factors by one more QR.
         """
@@ -88,42 +102,36 @@ class Statistics:
                 stacked[row : row + len(block), np.append(columns, self.size)] = block
                 row += len(block)
             factor = upper_factor(stacked)
-            return factor[: self.size, :-1], factor[: self.size, -1], float(factor[self.size, -1] ** 2)
+            return SquareRoot(factor[: self.size, :-1], factor[: self.size, -1], float(factor[self.size, -1] ** 2))
         G, g, yy = self.normal(weights)
-        R, rank = _pivoted_cholesky(G)
-        z = np.asarray(np.linalg.lstsq(R[:rank].T, g, rcond=None)[0])
-        return R[:rank], z, max(float(yy - z @ z), 0.0)
+        scale = np.sqrt(np.maximum(np.diag(G), 0.0))
+        scale[scale == 0.0] = 1.0
+        U, pivots, rank, _ = sl.lapack.dpstrf(G / np.outer(scale, scale), tol=1e-13)
+        order, upper = pivots - 1, np.triu(U[:rank])
+        z = sl.solve_triangular(upper[:, :rank], (g / scale)[order[:rank]], trans="T")
+        R = np.empty((rank, self.size))
+        R[:, order] = upper
+        return SquareRoot(R * scale, z, max(float(yy - z @ z), 0.0))
 
     def residual_square_sum(self, x: Array) -> Array:
         """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
         sums = np.empty(len(self.columns))
         for kind, columns in enumerate(self.columns):
             v = np.append(x[columns], -1.0)
+            product = self.store[kind] @ v
             if self.form == "gram":
-                sums[kind] = v @ self._gram(kind) @ v
+                sums[kind] = 2.0 * (v @ product) - np.diag(self.store[kind]) @ v**2
             else:
-                sums[kind] = np.sum((self.store[kind] @ v) ** 2)
+                sums[kind] = np.sum(product**2)
         return np.maximum(sums, 0.0)
 
-    def _gram(self, kind: int) -> Array:
-        upper = self.store[kind]
-        if self.form == "factor":
-            return np.asarray(upper.T @ upper)
-        return np.asarray(np.triu(upper) + np.triu(upper, 1).T)
+    def _upper(self, kind: int) -> Array:
+        """Upper triangle of the Gram matrix, zeros below."""
+        stored = self.store[kind]
+        return stored if self.form == "gram" else np.asarray(np.triu(stored.T @ stored))
 
 
 def upper_factor(matrix: Array) -> Array:
     """R of the QR factorisation, (min(n, k), k)."""
     R: Array = np.asarray(np.linalg.qr(matrix, mode="r"))
     return R
-
-
-def _pivoted_cholesky(G: Array) -> tuple[Array, int]:
-    """Upper R in the original column order with R^T R = G up to its numerical rank."""
-    scale = np.sqrt(np.maximum(np.diag(G), 0.0))
-    scale[scale == 0.0] = 1.0
-    U, pivots, rank, _ = sl.lapack.dpstrf(G / np.outer(scale, scale), tol=1e-13)
-    R = np.zeros_like(G)
-    R[:, pivots - 1] = np.triu(U)
-    R[rank:] = 0.0
-    return R * scale, int(rank)

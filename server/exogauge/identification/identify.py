@@ -70,7 +70,7 @@ def identify(
     if solution.held:
         warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    unbounded = PriorLeastSquares(solution.statistics, solution.weights, solution.prior, solution.strength)
+    unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
     covariance = solution.prior.lift_covariance(unbounded.covariance(meat))
     standard = solution.solved.prior.lift(solution.solved.x)
     if settings.consistency == "physical":
@@ -140,7 +140,7 @@ def _solve(
         if settings.prior == "as_printed":
             belief = as_printed(equations, prior, total, weights)
         weights = weigh(total, weights, belief, strength)
-        if settings.prior_strength is None:
+        if settings.prior_strength is None and number == SIGN_PASSES - 1:
             strength, curve = choose_strength(folds, total, weights, belief, settings.prior)
             weights = weigh(total, weights, belief, strength)
         solved, held = solve_within_ranges(equations, total, weights, belief, strength)

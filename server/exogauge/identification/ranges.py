@@ -21,9 +21,9 @@ def solve_within_ranges(
     low = np.tile([effect.coefficient.low for effect in equations.effects], len(equations.robot.joints))
     high = np.tile([effect.coefficient.high for effect in equations.effects], len(equations.robot.joints))
     held = np.zeros(len(low), dtype=bool)
-    belief = prior
+    belief, data = prior, statistics.square_root(weights)
     while True:
-        solved = PriorLeastSquares(statistics, weights, belief, strength)
+        solved = PriorLeastSquares(data, belief, strength)
         xi = solved.x[first:]
         outside = ((xi < low) | (xi > high)) & ~held & (prior.std[-len(low) :] > 0.0)
         if not outside.any():

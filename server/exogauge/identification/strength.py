@@ -27,11 +27,10 @@ def choose_strength(
     Only parts of fitted logs are used; logs held out for validation stay unseen.
     """
     complements = [sum((f for f in folds if f is not fold), start=folds[0].cleared()) for fold in folds]
+    data = [rest.square_root(weights) for rest in complements]
     curve = []
     for strength in STRENGTHS[kind]:
-        left_out = 0.0
-        for fold, rest in zip(folds, complements, strict=True):
-            x = PriorLeastSquares(rest, weights, prior, strength).x
-            left_out += float(weights @ fold.residual_square_sum(x))
-        curve.append((strength, left_out / float(total.count @ (weights > 0.0))))
+        solutions = [PriorLeastSquares(rest, prior, strength).x for rest in data]
+        left_out = sum(weights @ fold.residual_square_sum(x) for fold, x in zip(folds, solutions, strict=True))
+        curve.append((strength, float(left_out) / float(total.count @ (weights > 0.0))))
     return min(curve, key=lambda point: point[1])[0], tuple(curve)

@@ -41,7 +41,7 @@ def weigh(statistics: Statistics, weights: Array, prior: Prior, strength: float)
     signal = statistics.residual_square_sum(np.zeros(statistics.size)) / statistics.count
     live = weights > 0.0
     for _ in range(ITERATIONS):
-        x = PriorLeastSquares(statistics, weights, prior, strength).x
+        x = PriorLeastSquares(statistics.square_root(weights), prior, strength).x
         variance = statistics.residual_square_sum(x) / statistics.count
         weights = np.where(live, 1.0 / np.maximum(variance, SMALLEST_SHARE**2 * signal + 1e-300), 0.0)
     return weights
