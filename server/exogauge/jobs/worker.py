@@ -40,8 +40,10 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
         os._exit(3)
 
     signal.signal(signal.SIGTERM, lambda *_: leaving.set())
-    signal.signal(signal.SIGINT, lambda *_: leaving.set())
-    if with_parent:
+    if not with_parent:
+        signal.signal(signal.SIGINT, lambda *_: leaving.set())
+    else:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent decides
         leave_with_parent(leaving.set)
     lease.take()
     folder.mkdir(parents=True, exist_ok=True)
