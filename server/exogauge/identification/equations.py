@@ -101,7 +101,19 @@ class Equations:
                     for kind, block in enumerate(blocks):
                         part.add_rows(kind, block[start - which.start : stop - which.start])
             tick(which.stop / len(prepared.kept))
+        for part in parts:
+            for kind, place, variance in self.noisy_columns(prepared):
+                part.noise[kind][place] += variance * part.count[kind]
         return parts
+
+    def noisy_columns(self, prepared: Prepared) -> Iterator[tuple[int, int, float]]:
+        """(row kind, place in its block, variance) of columns that hold noise: currents with an unknown k_T."""
+        for axis, joint in enumerate(self.robot.joints):
+            if joint.actuation == "current":
+                for k, effect in enumerate(self.effects):
+                    if effect.name == "motor_gain":
+                        kind = self.first_axis + axis
+                        yield kind, len(self.blocks.columns[kind]) + k, float(prepared.drive_noise[axis] ** 2)
 
     def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:
         """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
@@ -114,6 +126,10 @@ class Equations:
                 residual = block[:, -1] - block[:, :-1] @ x[columns[kind]]
                 scored = block[:, :-1] * (weights[kind] * residual)[:, None]
                 sums[np.ix_(stretch[starts], columns[kind])] += np.add.reduceat(scored, starts, axis=0)
+            rows_per_stretch = np.add.reduceat(np.ones(len(stretch)), starts)
+            for kind, place, variance in self.noisy_columns(prepared):
+                column = columns[kind][place]
+                sums[stretch[starts], column] += weights[kind] * variance * x[column] * rows_per_stretch
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:

@@ -111,24 +111,23 @@ def seen_matrix(base: BaseParameters, joint_parameters: int) -> Array:
 
 
 def inertial_std(robot: Robot) -> Array:
-    """(N, 10) standard deviations from a relative spread ρ per link.
+    """(N, 10) standard deviations from a relative spread ρ of mass and of lengths.
 
-    m: ρ m. First moments: a centre of mass wrong by ρ times the radius of gyration, and the mass's own error.
-    Inertia: ρ times what the elements can differ by, the largest principal moment about the origin.
+    m: ρ m. First moments: the centre of mass wrong by ρ times the radius of gyration g, and the mass's own error.
+    Inertia about the origin: 2 ρ of m (g² + c²), as lengths enter squared; half of that off the diagonal.
     """
     phi = robot.tree.phi
     rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
     floor = MASS_FLOOR_SHARE * phi[:, 0].mean()
     m = np.maximum(phi[:, 0], floor)
-    c = phi[:, 1:4] / m[:, None]
+    c_squared = np.sum((phi[:, 1:4] / m[:, None]) ** 2, axis=1)
     trace = phi[:, 4] + phi[:, 6] + phi[:, 9]
-    about_com = np.maximum(trace - 2.0 * m * np.sum(c**2, axis=1), 0.0)
-    gyration = np.maximum(np.sqrt(0.5 * about_com / m), GYRATION_FLOOR_M)
+    gyration = np.maximum(np.sqrt(np.maximum(trace / (2.0 * m) - c_squared, 0.0)), GYRATION_FLOOR_M)
     std = np.empty_like(phi)
     std[:, 0] = rho * m
-    std[:, 1:4] = np.sqrt((rho * m * gyration)[:, None] ** 2 + (rho[:, None] * phi[:, 1:4]) ** 2)
-    size = m * (gyration**2 + np.sum(c**2, axis=1))
-    std[:, 4:] = rho[:, None] * np.maximum(np.abs(phi[:, 4:]), 0.5 * size[:, None])
+    std[:, 1:4] = (rho * m * np.sqrt(gyration**2 + c_squared))[:, None]
+    std[:, 4:] = (2.0 * rho * m * (gyration**2 + c_squared))[:, None]
+    std[:, [5, 7, 8]] *= 0.5
     return std
 
 

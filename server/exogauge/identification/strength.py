@@ -31,6 +31,9 @@ def choose_strength(
     curve = []
     for strength in STRENGTHS[kind]:
         solutions = [PriorLeastSquares(rest, prior, strength).x for rest in data]
-        left_out = sum(weights @ fold.residual_square_sum(x) for fold, x in zip(folds, solutions, strict=True))
+        left_out = sum(
+            weights @ (fold.residual_square_sum(x) - fold.noise_square_sum(x))
+            for fold, x in zip(folds, solutions, strict=True)
+        )
         curve.append((strength, float(left_out) / float(total.count @ (weights > 0.0))))
     return min(curve, key=lambda point: point[1])[0], tuple(curve)

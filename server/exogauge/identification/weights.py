@@ -37,11 +37,17 @@ def first_weights(equations: Equations, logs: Sequence[Prepared]) -> Array:
 
 
 def weigh(statistics: Statistics, weights: Array, prior: Prior, strength: float) -> Array:
-    """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it."""
+    """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it.
+
+    The noise of the columns counts with the a-priori coefficients: with the estimated ones, a smaller k_T would make
+    a row look less noisy and weigh more, and k_T would run away to zero.
+    """
     signal = statistics.residual_square_sum(np.zeros(statistics.size)) / statistics.count
+    certain = statistics.noise_square_sum(prior.seen_mean) / statistics.count
     live = weights > 0.0
     for _ in range(ITERATIONS):
         x = PriorLeastSquares(statistics.square_root(weights), prior, strength).x
-        variance = statistics.residual_square_sum(x) / statistics.count
+        unexplained = (statistics.residual_square_sum(x) - statistics.noise_square_sum(x)) / statistics.count
+        variance = np.maximum(unexplained, 0.0) + certain
         weights = np.where(live, 1.0 / np.maximum(variance, SMALLEST_SHARE**2 * signal + 1e-300), 0.0)
     return weights
