@@ -35,7 +35,12 @@ check: $(READY)  ## style, types, import layers, migrations and the quick tests,
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest -m "not slow" -n 2
 
-bench: $(READY)  ## speed and memory as ratios in one run
+.venv-bench/.ready: tests/bench/requirements.lock  # figaroh, the rival, in an environment of its own
+	$(PYTHON) -m venv .venv-bench
+	.venv-bench/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r $<
+	touch $@
+
+bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 	$(BIN)/python -m tests.bench
 
 lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)

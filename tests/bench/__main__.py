@@ -1,0 +1,86 @@
+"""`make bench`, or `python -m tests.bench [--quick]`. Every figure is CPU time of one run, one BLAS thread."""
+
+from __future__ import annotations
+
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy is imported
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from tests.bench import memory, product, speed
+from tests.bench.figaroh_rival import PYTHON
+from tests.bench.problems import RATE_HZ, make
+
+ROBOTS = {"Talos": (20000, 2000), "Panda": (60000, 4000), "UR5": (60000, 4000)}  # samples for ours, for the usual ways
+HOUR, CSV_SECONDS, CSV_COLUMNS = 3600.0, 300.0, 120
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="small logs, one repeat: do the answers agree?")
+    quick = parser.parse_args().quick
+    began = time.perf_counter()
+    if not PYTHON.exists():
+        print("figaroh is not installed (`make bench` installs it into .venv-bench): its rows are left out")
+    worst = 0.0
+    with tempfile.TemporaryDirectory() as folder:
+        for name, (samples, short) in ROBOTS.items():
+            problem = make(name, samples // 20 if quick else samples)
+            measured = speed.measure(problem, short // 4 if quick else short, 1 if quick else 5, Path(folder))
+            report_speed(measured)
+            worst = max(worst, *measured.difference.values())
+        if not quick:
+            report_product(Path(folder))
+            report_memory()
+    print(f"\n{time.perf_counter() - began:.0f} s in all; estimates differ by at most {worst:.0e} of the largest")
+    if worst > speed.AGREEMENT:
+        print(f"THE ANSWERS DISAGREE: more than {speed.AGREEMENT:g}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def report_speed(measured: speed.Speeds) -> None:
+    against = [
+        way for way in ("pin + stack + lstsq", "pin + normal equations", "figaroh, its decimation",
+                        "figaroh, every sample") if way in measured.rate
+    ]  # fmt: skip
+    print(f"\n{measured.name}: from log to base parameters, samples per CPU second")
+    for way, rate in measured.rate.items():
+        answer = f"   differs by {measured.difference[way]:.0e}" if way in measured.difference else ""
+        print(f"  {way:26s}{rate:12,.0f}{answer}")
+    for way in ("numpy", "numba"):
+        ratios = ", ".join(f"{measured.rate[way] / measured.rate[other]:.1f} x {other}" for other in against)
+        print(f"  {way} = {ratios}")
+    g, d = measured.gflops["gram"], measured.gflops["dgemm"]
+    print(f"  Gram stage {g:.1f} GFLOP/s = {g / d:.0%} of this machine's dgemm ({d:.1f})")
+
+
+def report_product(folder: Path) -> None:
+    measured = product.measure(make("Talos", 8000), 5)
+    print(f"\nTalos with 5 effects per joint and 2 foot sensors, {measured.parameters} parameters")
+    for way, rate in measured.rate.items():
+        print(f"  pass, {way:20s}{rate:12,.0f} samples per CPU second")
+    print(f"  one re-weighting iteration after the pass {measured.iteration_ms:.1f} ms, whatever the log's length")
+    seconds = product.from_csv(make("Talos", int(CSV_SECONDS * RATE_HZ)), CSV_COLUMNS, folder)
+    scale = HOUR / CSV_SECONDS
+    print(
+        f"  {CSV_COLUMNS} columns at {RATE_HZ:.0f} Hz from CSV, {CSV_SECONDS / 60:.0f} min measured, times {scale:.0f}"
+    )
+    for stage, spent in seconds.items():
+        fixed = stage == "weights and solution"
+        print(f"    {stage:26s}{spent * (1.0 if fixed else scale):8.2f} CPU s per hour of log")
+
+
+def report_memory() -> None:
+    print("\nTalos: memory that a pass adds")
+    for samples, way in ((10_000, "numba"), (100_000, "numba"), (1_000_000, "numba"), (100_000, "numpy")):
+        print(f"  {samples:9,d} samples, {way}{memory.measure(samples, way):8.1f} MB")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

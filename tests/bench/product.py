@@ -1,0 +1,95 @@
+"""What the service computes: currents, friction, two foot sensors; CSV to estimate; what comes after the one pass."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import final
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+from tests.bench.problems import Problem
+from tests.bench.study import CUTOFF_HZ, equations_of, log_of
+from tests.bench.timing import in_turns, seconds_of
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
+from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.weights import first_weights, weigh
+from exogauge.logs.reading import read_log
+
+
+@final
+@dataclass
+class Product:
+    """parameters: unknowns. rate: samples per CPU second of the pass, by way. iteration_ms: one IRLS iteration."""
+
+    parameters: int
+    rate: dict[str, float]
+    iteration_ms: float
+
+
+def measure(problem: Problem, repeats: int) -> Product:
+    rivals: dict[str, Callable[[], float]] = {}
+    for way in ("numpy", "numba"):
+        equations, prepared = equations_of(problem, compiled=way == "numba")
+        prepared = replace(prepared, kept=np.arange(problem.samples))
+        x = np.zeros(equations.size)
+        rivals[way] = seconds_of(lambda e=equations, p=prepared, x=x: e.collect(p, x, folds=1))
+    statistics = equations.collect(prepared, x, folds=1)[0]
+    rivals["iteration"] = seconds_of(_iteration(equations, prepared, statistics))
+    seconds = in_turns(rivals, repeats)
+    iteration = seconds.pop("iteration")
+    rate = {way: problem.samples / spent for way, spent in seconds.items()}
+    return Product(equations.size, rate, 1e3 * iteration)
+
+
+def _iteration(equations: Equations, prepared: Prepared, statistics: Statistics) -> Callable[[], object]:
+    """Solving and re-weighting once."""
+    prior = per_parameter(equations.robot, equations.base, equations.effects, scales(equations.robot, [prepared]))
+    weights = first_weights(equations, [prepared])
+
+    def iterate() -> object:
+        x = PriorLeastSquares(statistics.square_root(weights), prior, 1.0).x
+        return statistics.count / statistics.residual_square_sum(x)
+
+    return iterate
+
+
+def from_csv(problem: Problem, width: int, folder: Path) -> dict[str, float]:
+    """CPU seconds by stage from a CSV of `width` columns to the estimate.
+
+    The pass is taken with every sample and with the samples that the low-pass leaves (`decimated pass`).
+    """
+    file = folder / "log.csv"
+    log = log_of(problem)
+    columns = {"t": log.time, **log.channels}
+    spare = [f"{kind}.{name}" for kind in ("dq", "temp") for name in problem.tree.joints]
+    columns |= {name: problem.motion.dq[:, k % problem.motion.dq.shape[1]] for k, name in enumerate(spare)}
+    pyarrow.csv.write_csv(pa.table(dict(list(columns.items())[:width])), file)
+    equations, _ = equations_of(problem.first(1000), compiled=True)
+    x, robot, seconds, clock = np.zeros(equations.size), equations.robot, dict[str, float](), time.process_time
+    start = clock()
+    read = read_log(file, "log")
+    seconds["read"] = clock() - start
+    start = clock()
+    prepared = prepare(robot, read, CUTOFF_HZ, velocity_threshold(robot, [read], CUTOFF_HZ))
+    seconds["filter, differentiate"] = clock() - start
+    start = clock()
+    equations.collect(replace(prepared, kept=np.arange(read.samples)), x, folds=4)
+    seconds["pass over every sample"] = clock() - start
+    start = clock()
+    total = equations.collect(prepared, x, folds=1)[0]
+    seconds["pass, decimated"] = clock() - start
+    start = clock()
+    prior = per_parameter(robot, equations.base, equations.effects, scales(robot, [prepared]))
+    weights = weigh(total, first_weights(equations, [prepared]), prior, 1.0)
+    PriorLeastSquares(total.square_root(weights), prior, 1.0)
+    seconds["weights and solution"] = clock() - start
+    file.unlink()
+    return seconds
