@@ -3,10 +3,6 @@
 Every sample gives R rows of different kinds (six base axes, one per joint …); a row of kind r touches only the
 parameters `columns[r]`. Kept per kind is either the Gram matrix of [A_r | y_r], or its triangular QR factor
 (no squaring of the condition number: the accurate mode). Both add, re-weight and leave out in the same way.
-
-Columns may be noisy themselves (a measured current times an unknown gain). Their noise would pull the coefficient
-towards zero, and with re-estimated weights all the way; so its energy is kept beside the sums and taken off again
-(corrected least squares).
 """
 
 from __future__ import annotations
@@ -41,7 +37,6 @@ class Statistics:
 
     columns: R arrays of parameter indices, (k_r,). store: R upper triangles (k_r + 1, k_r + 1), of the Gram matrix of
     [A_r | y_r] (`gram`) or its QR factor (`factor`). count: (R,) rows seen.
-    noise: R arrays (k_r,), sums over the rows of the variance that each column holds of noise.
     """
 
     size: int
@@ -49,13 +44,11 @@ class Statistics:
     form: Form
     store: list[Array]
     count: IntArray
-    noise: list[Array]
 
     @staticmethod
     def empty(size: int, columns: Sequence[IntArray], form: Form = "gram") -> Statistics:
         store = [np.zeros((len(c) + 1, len(c) + 1), order="F") for c in columns]
-        noise = [np.zeros(len(c)) for c in columns]
-        return Statistics(size, columns, form, store, np.zeros(len(columns), dtype=np.intp), noise)
+        return Statistics(size, columns, form, store, np.zeros(len(columns), dtype=np.intp))
 
     def add_rows(self, kind: int, block: Array) -> None:
         """Take in block: (n, k_r + 1) = [A_r | y_r]."""
@@ -80,11 +73,10 @@ class Statistics:
         else:
             pairs = zip(self.store, other.store, strict=True)
             store = [np.asfortranarray(upper_factor(np.vstack(pair))) for pair in pairs]
-        noise = [a + b for a, b in zip(self.noise, other.noise, strict=True)]
-        return Statistics(self.size, self.columns, self.form, store, self.count + other.count, noise)
+        return Statistics(self.size, self.columns, self.form, store, self.count + other.count)
 
     def normal(self, weights: Array) -> tuple[Array, Array, float]:
-        """Σ w A^T A without the columns' noise (P, P), Σ w A^T y (P,), Σ w y². weights: (R,) 1/variance per kind."""
+        """Σ w A^T A (P, P), Σ w A^T y (P,), Σ w y². weights: (R,) one per kind, 1/variance."""
         H = np.zeros((self.size + 1, self.size + 1))  # y stands for one more parameter
         alike: dict[bytes, list[int]] = {}  # kinds of the same columns are summed first, which is quicker
         for kind, columns in enumerate(self.columns):
@@ -94,7 +86,7 @@ class Statistics:
             H[which[:, None], which] += sum(weights[kind] * self._upper(kind) for kind in kinds)
         diagonal = np.diag(H).copy()
         H = H + H.T
-        np.fill_diagonal(H, diagonal - np.append(self._noise_energy(weights), 0.0))
+        np.fill_diagonal(H, diagonal)
         return H[:-1, :-1], H[:-1, -1], float(H[-1, -1])
 
     def square_root(self, weights: Array) -> SquareRoot:
@@ -109,7 +101,7 @@ class Statistics:
                 block = np.sqrt(weights[kind]) * self.store[kind]
                 stacked[row : row + len(block), np.append(columns, self.size)] = block
                 row += len(block)
-            factor = self._without_noise(upper_factor(stacked), weights)
+            factor = upper_factor(stacked)
             return SquareRoot(factor[: self.size, :-1], factor[: self.size, -1], float(factor[self.size, -1] ** 2))
         G, g, yy = self.normal(weights)
         scale = np.sqrt(np.maximum(np.diag(G), 0.0))
@@ -122,7 +114,7 @@ class Statistics:
         return SquareRoot(R * scale, z, max(float(yy - z @ z), 0.0))
 
     def residual_square_sum(self, x: Array) -> Array:
-        """(R,) Σ (A_r x - y_r)² per kind, with the part that the columns' noise makes. x: (P,)."""
+        """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
         sums = np.empty(len(self.columns))
         for kind, columns in enumerate(self.columns):
             v = np.append(x[columns], -1.0)
@@ -132,28 +124,6 @@ class Statistics:
             else:
                 sums[kind] = np.sum(product**2)
         return np.maximum(sums, 0.0)
-
-    def noise_square_sum(self, x: Array) -> Array:
-        """(R,) the part of `residual_square_sum` that the columns' noise makes. x: (P,)."""
-        return np.array([n @ x[c] ** 2 for n, c in zip(self.noise, self.columns, strict=True)])
-
-    def _noise_energy(self, weights: Array) -> Array:
-        """(P,) Σ w of the columns' noise."""
-        energy = np.zeros(self.size)
-        for kind, columns in enumerate(self.columns):
-            energy[columns] += weights[kind] * self.noise[kind]
-        return energy
-
-    def _without_noise(self, factor: Array, weights: Array) -> Array:
-        """The QR factor of [A | y], downdated by the columns' noise: R' = L^T R with L L^T = I - R^-T N R^-1."""
-        energy = self._noise_energy(weights)
-        noisy = np.flatnonzero(energy)
-        if not noisy.size:
-            return factor
-        V = np.zeros((self.size + 1, noisy.size))
-        V[noisy, np.arange(noisy.size)] = np.sqrt(energy[noisy])
-        A = sl.solve_triangular(factor, V, trans="T")
-        return np.asarray(np.linalg.cholesky(np.eye(self.size + 1) - A @ A.T).T @ factor)
 
     def _upper(self, kind: int) -> Array:
         """Upper triangle of the Gram matrix, zeros below."""

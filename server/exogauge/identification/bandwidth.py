@@ -17,9 +17,9 @@ LOWEST_HZ = 2.0
 def choose_cutoff(robot: Robot, logs: Sequence[Log], unexplained: Callable[[Log, float], float]) -> float:
     """[Hz] where what a model leaves unexplained of the unfiltered measurements is smallest.
 
-    unexplained(log, cutoff_hz): mean over channels of the logarithm of the residual rms. Tried from the cut-off that
-    the positions' spectra suggest downwards, in octaves, on the longest of the logs; elastic vibration and current
-    ripple often call for less bandwidth than the encoders could give. Never more than 0.2 of the sampling rate.
+    unexplained(log, cutoff_hz): mean over channels of the logarithm of the residual's share of the channel. Tried from
+    the cut-off that the spectra suggest downwards, in octaves, on the longest of the logs; elastic vibration and
+    current ripple often call for less bandwidth than the sensors could give. Never more than 0.2 of the sampling rate.
     """
     log = max(logs, key=lambda one: one.samples)
     best_hz = cutoff_hz = suggested_cutoff(robot, logs)

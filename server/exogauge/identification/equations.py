@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
-CHUNK = 500  # samples per batch: a few MB of regressor, whatever the log's length
+CHUNK = 800  # samples per batch: 20 MB of regressor, whatever the log's length; fewer cost more calls
 
 
 @final
@@ -66,16 +66,21 @@ class Equations:
         own += [self.effect_columns(axis) for axis in range(len(self.robot.joints))]
         return [np.concatenate([c, e]) for c, e in zip(self.blocks.columns, own, strict=True)]
 
-    def rows(self, prepared: Prepared, x_signs: Array) -> Iterator[tuple[slice, list[Array]]]:
+    def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Array]]]:
         """Chunks of (which of the kept samples, per row kind [A_r | y_r] of shape (n, k_r + 1)).
 
         The blocks are overwritten by the next chunk.
 
-        x_signs: (P,) parameters from which the sign of the static friction is taken, [Evaluator] (8)-(9).
-        Differs from print: the full residual r = u k_T + τ_o - (Y_j φ - F_j); (9) leaves out M_oj^T q̈_o and the
-        acceleration of the other joints.
+        x_before: (P,) parameters of the pass before; two things are taken from them.
+        The sign of the static friction, [Evaluator] (8)-(9). Differs from print: from the full residual
+        r = u k_T + τ_o - (Y_j φ - F_j); (9) leaves out M_oj^T q̈_o and the acceleration of the other joints.
+        The current û that the model calls for, where the current u is logged: the column of k_T is û, and k_T (u - û)
+        goes to the right-hand side. At the solution this is (12) again, but the errors that u carries (its noise, and
+        friction that the model does not know) no longer sit in the column, where they would shrink k_T and with it
+        all torques of the joint: it is the Gauss-Newton step of least squares in amperes.
         """
         columns, reused, contacts = self.columns(), None, ContactPaths(self.robot)
+        gains = dict(self._gains())
         for start in range(0, len(prepared.kept), CHUNK):
             which = slice(start, min(start + CHUNK, len(prepared.kept)))
             samples = prepared.kept[which]
@@ -85,35 +90,23 @@ class Equations:
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
             for kind, signals in enumerate(_signals(prepared, samples), self.first_axis):
-                self._fill_effects(signals, blocks[kind], x_signs[columns[kind]])
+                self._fill_effects(signals, blocks[kind], x_before[columns[kind]], gains.get(kind))
             yield which, blocks
 
     def collect(
-        self, prepared: Prepared, x_signs: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
+        self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
     ) -> list[Statistics]:
         """Statistics of `folds` consecutive parts of a log. tick: called with the fraction done."""
         parts = [Statistics.empty(self.size, self.columns(), form) for _ in range(folds)]
         edges = np.linspace(0, len(prepared.kept), folds + 1).astype(int)
-        for which, blocks in self.rows(prepared, x_signs):
+        for which, blocks in self.rows(prepared, x_before):
             for fold, part in enumerate(parts):
                 start, stop = max(edges[fold], which.start), min(edges[fold + 1], which.stop)
                 if start < stop:
                     for kind, block in enumerate(blocks):
                         part.add_rows(kind, block[start - which.start : stop - which.start])
             tick(which.stop / len(prepared.kept))
-        for part in parts:
-            for kind, place, variance in self.noisy_columns(prepared):
-                part.noise[kind][place] += variance * part.count[kind]
         return parts
-
-    def noisy_columns(self, prepared: Prepared) -> Iterator[tuple[int, int, float]]:
-        """(row kind, place in its block, variance) of columns that hold noise: currents with an unknown k_T."""
-        for axis, joint in enumerate(self.robot.joints):
-            if joint.actuation == "current":
-                for k, effect in enumerate(self.effects):
-                    if effect.name == "motor_gain":
-                        kind = self.first_axis + axis
-                        yield kind, len(self.blocks.columns[kind]) + k, float(prepared.drive_noise[axis] ** 2)
 
     def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:
         """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
@@ -126,10 +119,6 @@ class Equations:
                 residual = block[:, -1] - block[:, :-1] @ x[columns[kind]]
                 scored = block[:, :-1] * (weights[kind] * residual)[:, None]
                 sums[np.ix_(stretch[starts], columns[kind])] += np.add.reduceat(scored, starts, axis=0)
-            rows_per_stretch = np.add.reduceat(np.ones(len(stretch)), starts)
-            for kind, place, variance in self.noisy_columns(prepared):
-                column = columns[kind][place]
-                sums[stretch[starts], column] += weights[kind] * variance * x[column] * rows_per_stretch
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
@@ -141,17 +130,32 @@ class Equations:
                 residual[which, kind] = block[:, -1] - block[:, :-1] @ x[columns[kind]]
         return residual
 
-    def _fill_effects(self, signals: JointSignals, block: Array, x_signs: Array) -> None:
-        """Write the effects' columns of one axis; the effect of the stick sign comes from the row without it."""
+    def _gains(self) -> Iterator[tuple[int, int]]:
+        """(row kind, place of k_T in it) of the axes whose current is logged."""
+        for k, effect in enumerate(self.effects):
+            if effect.name == "motor_gain":
+                for kind, joint in enumerate(self.robot.joints, self.first_axis):
+                    if joint.actuation == "current":
+                        yield kind, len(self.blocks.columns[kind]) + k
+
+    def _fill_effects(self, signals: JointSignals, block: Array, x: Array, gain: int | None) -> None:
+        """Write the effects' columns of one axis. x: (k_r,) the row's parameters of the pass before.
+
+        gain: place of k_T in the row where the current is logged.
+        """
         first = block.shape[1] - 1 - len(self.effects)
         if signals.rest.any():
             without_friction = replace(signals, direction=np.zeros_like(signals.direction))
             for k, effect in enumerate(self.effects):
                 np.negative(effect.column(without_friction), out=block[:, first + k])
-            r = block[:, -1] - block[:, :-1] @ x_signs
+            r = block[:, -1] - block[:, :-1] @ x
             signals = replace(signals, stick=signals.rest * np.sign(r))
         for k, effect in enumerate(self.effects):
             np.negative(effect.column(signals), out=block[:, first + k])
+        if gain is not None and x[gain] > 0.0:
+            excess = block[:, :-1] @ x - block[:, -1]  # torque that the current before explains too little of
+            block[:, gain] -= excess / x[gain]
+            block[:, -1] -= excess
 
 
 def _signals(prepared: Prepared, samples: IntArray) -> list[JointSignals]:

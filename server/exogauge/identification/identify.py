@@ -21,7 +21,7 @@ from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
 from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
-from exogauge.identification.prior import as_printed, hold_scale, per_parameter, scales
+from exogauge.identification.prior import as_printed, per_parameter, scales
 from exogauge.identification.ranges import solve_within_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
@@ -37,7 +37,11 @@ from exogauge.robots.row_blocks import row_blocks
 
 Array = NDArray[np.float64]
 
-SIGN_PASSES = 3  # passes over the data; each takes the static friction's sign from the solution before
+PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
+SCALE_UNKNOWN = (
+    "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
+    "common factor, which the maker's values decide. Log a force/torque sensor, or move a known load, to fix it."
+)
 FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
 
 
@@ -64,7 +68,8 @@ def identify(
     progress(0.05, "filtering and differentiating")
     threshold = velocity_threshold(robot, fitted_logs, cutoff_hz)
     fitted = [prepare(robot, log, cutoff_hz, threshold) for log in fitted_logs]
-    prior, warnings = _prior(equations, fitted)
+    prior = per_parameter(robot, base, equations.effects, scales(robot, fitted))
+    warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = _solve(equations, fitted, prior, settings, progress)
     progress(0.75, "estimating the uncertainty")
     if solution.held:
@@ -121,57 +126,51 @@ class Solution:
 
 
 def _solve(
-    equations: Equations, fitted: Sequence[Prepared], prior: Prior, settings: Settings, progress: Progress
+    equations: Equations,
+    fitted: Sequence[Prepared],
+    prior: Prior,
+    settings: Settings,
+    progress: Progress = lambda _fraction, _phrase: None,
+    passes: int = PASSES,
 ) -> Solution:
     x, strength = prior.seen_mean, settings.prior_strength or 1.0
     curve: tuple[tuple[float, float], ...] = ()
-    weights = first_weights(equations, fitted)
     form: Form = "gram" if settings.solver == "statistics" else "factor"
     belief = prior
-    for number in range(SIGN_PASSES):
+    for number in range(passes):
         folds: list[Statistics] = []
         for index, prepared in enumerate(fitted):
 
             def tick(fraction: float, done: int = number * len(fitted) + index) -> None:
-                progress(0.1 + 0.65 * (done + fraction) / (SIGN_PASSES * len(fitted)), "collecting the equations")
+                progress(0.1 + 0.65 * (done + fraction) / (passes * len(fitted)), "collecting the equations")
 
             folds += equations.collect(prepared, x, FOLDS, form, tick)
         total = sum(folds[1:], folds[0])
+        if number == 0:
+            weights = first_weights(equations, total, prior)
         if settings.prior == "as_printed":
             belief = as_printed(equations, prior, total, weights)
-        weights = weigh(total, weights, belief, strength)
-        if settings.prior_strength is None and number == SIGN_PASSES - 1:
-            strength, curve = choose_strength(folds, total, weights, belief, settings.prior)
-            weights = weigh(total, weights, belief, strength)
+        weights = weigh(total, belief, strength, weights)
+        if settings.prior_strength is None and number == passes - 1:
+            strength, curve = choose_strength(folds, weights, belief, settings.prior)
+            weights = weigh(total, belief, strength, weights)
         solved, held = solve_within_ranges(equations, total, weights, belief, strength)
         x = solved.x
     return Solution(solved, total, weights, belief, strength, curve, held)
 
 
-def _prior(equations: Equations, fitted: Sequence[Prepared]) -> tuple[Prior, list[str]]:
-    """The prior, and what to tell the user about it."""
-    robot = equations.robot
-    seen = scales(robot, fitted)
-    prior = per_parameter(robot, equations.base, equations.effects, seen)
-    if scale_is_known(robot):
-        return prior, []
-    prior, warning = hold_scale(robot, equations.effects, prior, seen)
-    return prior, [warning]
-
-
 def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
-    """Mean log rms of what one quick solution leaves of the unfiltered channels of `log`."""
+    """Mean log share of the unfiltered channels of `log` that one quick solution leaves unexplained."""
     robot = equations.robot
     threshold = velocity_threshold(robot, [log], cutoff_hz)
     prepared = prepare(robot, log, cutoff_hz, threshold)
-    prior, _ = _prior(equations, [prepared])
-    total = equations.collect(prepared, prior.seen_mean, folds=1)[0]
-    weights = weigh(total, first_weights(equations, [prepared]), prior, 1.0)
-    solved, _ = solve_within_ranges(equations, total, weights, prior, 1.0)
+    prior = per_parameter(robot, equations.base, equations.effects, scales(robot, [prepared]))
+    solved = _solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2).solved
     parameters = split(equations, solved.prior.lift(solved.x))
     measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
     predicted = predicted_channels(equations, prepared, parameters)
-    return float(np.mean([np.log(rms(measured[channel] - predicted[channel])) for channel in measured]))
+    left = [rms(values - predicted[channel]) / rms(values) for channel, values in measured.items()]
+    return float(np.mean(np.log(left)))
 
 
 def _validate(

@@ -36,7 +36,7 @@ class Prepared:
     axis_velocity, axis_acceleration: (T, A).
     direction: (T, A) sgn_ε of the axis velocity; rest: (T, A) 1 - |direction|; both through the filter that the drive
     passed, because a sign jumps where a low-passed torque cannot.
-    drive_noise: (A,) std of the noise left in drive. wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
+    wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     raw_drive, raw_direction, raw_wrenches: not filtered.
     kept: samples that enter a fit (settled ends left out, decimated).
     """
@@ -49,7 +49,6 @@ class Prepared:
     axis_acceleration: Array
     direction: Array
     rest: Array
-    drive_noise: Array
     wrenches: Array
     raw_drive: Array
     raw_direction: Array
@@ -93,9 +92,15 @@ def wrench_channels(sensor: str) -> tuple[str, ...]:
 
 
 def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
-    """[Hz] the highest cut-off that the positions of any fitted log call for."""
+    """[Hz] the highest cut-off that any fitted log calls for: what its positions can bear, and its gyro."""
     names = [f"q.{joint.name}" for joint in robot.joints]
-    return max(suggest_cutoff(log.stack(names), log.rate_hz) for log in logs)
+    cutoffs = []
+    for log in logs:
+        bearable = [suggest_cutoff(log.stack(names), log.rate_hz)]
+        if robot.floating:
+            bearable.append(suggest_cutoff(log.stack(["gyro.x", "gyro.y", "gyro.z"]), log.rate_hz, order=1))
+        cutoffs.append(min(bearable))
+    return max(cutoffs)
 
 
 def velocity_threshold(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Array:
@@ -145,7 +150,6 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
         axis_acceleration=ddq @ C.T,
         direction=low_pass.apply(direction),
         rest=low_pass.apply(1.0 - np.abs(direction)),
-        drive_noise=_drive_noise(robot, raw_drive, low_pass),
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
         raw_direction=direction,
@@ -192,17 +196,6 @@ def _drive_on_axes(robot: Robot, log: Log) -> Array:
         to_axes = np.linalg.inv(robot.axes_from_joints)
         drive[:, torque] = drive[:, torque] @ to_axes[np.ix_(torque, torque)]
     return drive
-
-
-def _drive_noise(robot: Robot, raw_drive: Array, low_pass: LowPass) -> Array:
-    """(A,) std of what is left of the white noise of each drive after the low-pass; the maker's figure where given."""
-    kinds = [DRIVE.get(joint.actuation, "") for joint in robot.joints]
-    above = min(2.0 * low_pass.cutoff_hz, 0.4 * low_pass.rate_hz)
-    raw = [
-        robot.noise.get(kind, white_noise_std(column, low_pass.rate_hz, above))
-        for kind, column in zip(kinds, raw_drive.T, strict=True)
-    ]
-    return np.array(raw) * derivative_noise_gain(low_pass, 0)
 
 
 def _base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:

@@ -66,23 +66,6 @@ def per_parameter(robot: Robot, base: BaseParameters, effects: Sequence[JointEff
     return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects)))
 
 
-def hold_scale(robot: Robot, effects: Sequence[JointEffect], prior: Prior, seen: Scales) -> tuple[Prior, str]:
-    """The prior with the most loaded joint's k_T held, and a sentence for the user.
-
-    Where only currents are measured, (φ, ξ) times any factor solves the equations, zero too, and least squares would
-    shrink everything to suit the noise. One number must be believed; all others then follow it.
-    """
-    joint = int(np.argmax(seen.torque))
-    gain = [effect.name for effect in effects].index("motor_gain")
-    std = prior.std.copy()
-    std[robot.tree.phi.size + joint * len(effects) + gain] = 0.0
-    return Prior(prior.mean, std, prior.seen), (
-        "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
-        f"common factor. The maker's k_T of {robot.joints[joint].name} was taken as exact and everything follows it. "
-        "Log a force/torque sensor, or move a known load, to fix the factor."
-    )
-
-
 def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weights: Array) -> Prior:
     """The uniform weights of [Evaluator] (16)-(17): one for φ, one for each kind of joint parameter.
 

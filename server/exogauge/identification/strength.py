@@ -20,20 +20,25 @@ STRENGTHS = {
 
 
 def choose_strength(
-    folds: Sequence[Statistics], total: Statistics, weights: Array, prior: Prior, kind: str
+    folds: Sequence[Statistics], weights: Array, prior: Prior, kind: str
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
     """(strength, ((strength, score), …)); score: mean weighted square residual of the parts left out in turn.
 
-    Only parts of fitted logs are used; logs held out for validation stay unseen.
+    Of the strengths that predict as well as the best, within one standard error of the difference from part to part,
+    the one nearest to what the maker states (1) is taken: a difference that chance could make is no reason to doubt
+    him. Only parts of fitted logs are used; logs held out for validation stay unseen.
     """
     complements = [sum((f for f in folds if f is not fold), start=folds[0].cleared()) for fold in folds]
     data = [rest.square_root(weights) for rest in complements]
-    curve = []
-    for strength in STRENGTHS[kind]:
-        solutions = [PriorLeastSquares(rest, prior, strength).x for rest in data]
-        left_out = sum(
-            weights @ (fold.residual_square_sum(x) - fold.noise_square_sum(x))
-            for fold, x in zip(folds, solutions, strict=True)
-        )
-        curve.append((strength, float(left_out) / float(total.count @ (weights > 0.0))))
-    return min(curve, key=lambda point: point[1])[0], tuple(curve)
+    rows = np.array([float(fold.count @ (weights > 0.0)) for fold in folds])
+    scores = np.empty((len(STRENGTHS[kind]), len(folds)))
+    for row, strength in zip(scores, STRENGTHS[kind], strict=True):
+        for index, (fold, rest) in enumerate(zip(folds, data, strict=True)):
+            x = PriorLeastSquares(rest, prior, strength).x
+            row[index] = weights @ fold.residual_square_sum(x) / rows[index]
+    mean = scores @ rows / rows.sum()
+    excess = scores - scores[np.argmin(mean)]
+    error = excess.std(axis=1, ddof=1) / np.sqrt(len(folds))
+    as_good = [s for s, e, m in zip(STRENGTHS[kind], error, mean, strict=True) if m - mean.min() <= e]
+    curve = tuple((float(s), float(m)) for s, m in zip(STRENGTHS[kind], mean, strict=True))
+    return min(as_good, key=lambda s: abs(np.log(s))), curve

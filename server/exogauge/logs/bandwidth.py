@@ -1,4 +1,4 @@
-"""Where to cut: the frequency above which differentiating a position twice yields more noise than motion."""
+"""Where to cut: the frequency above which differentiating yields more noise than motion."""
 
 from __future__ import annotations
 
@@ -21,11 +21,13 @@ ROUND_OFF = 1e-9  # relative; a joint that varies less does not vary
 FALSE_ALARM = 1e-3  # chance that noise alone is taken for motion, per joint
 
 
-def suggest_cutoff(values: Array, rate_hz: float) -> float:
-    """values: (T, K) positions, evenly sampled -> cut-off [Hz] of an order-4 `LowPass`.
+def suggest_cutoff(values: Array, rate_hz: float, order: int = 2) -> float:
+    """values: (T, K), evenly sampled -> cut-off [Hz] of an order-4 `LowPass`.
 
-    Per joint, the cut-off with the least expected error of the second derivative,
-        E(f_c) = sum_f (2 pi f)^4 [ (1 - G)^2 S_motion + G^2 S_noise ],
+    order: of the derivative that is wanted, 2 for positions, 1 for angular velocities.
+
+    Per joint, the cut-off with the least expected error of that derivative,
+        E(f_c) = sum_f (2 pi f)^(2 order) [ (1 - G)^2 S_motion + G^2 S_noise ],
     S_noise: the white floor seen at 0.3-0.45 x rate; S_motion: the spectrum less the floor where it stands out of it.
     Then the upper quartile over the joints that move (a few slow ones must not blur a fast one), between 1 Hz and
     0.2 x rate. A joint that moves less than it is noisy has no say; if none moves the answer is 1 Hz. What was
@@ -42,7 +44,7 @@ def suggest_cutoff(values: Array, rate_hz: float) -> float:
         return slowest
     candidates = np.geomspace(slowest, fastest, 80)
     gain = np.array([LowPass(float(cutoff), rate_hz).gain(frequency) for cutoff in candidates])  # (C, F)
-    weight = (2.0 * np.pi * frequency)[:, None] ** 4
+    weight = (2.0 * np.pi * frequency)[:, None] ** (2 * order)
     error = (1.0 - gain) ** 2 @ (weight * motion[:, moving]) + gain**2 @ (weight * noise[moving])
     return float(np.quantile(candidates[np.argmin(error, axis=0)], FAST_JOINTS))
 
