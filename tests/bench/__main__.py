@@ -16,7 +16,7 @@ from tests.bench import memory, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
-ROBOTS = {"Talos": (20000, 2000), "Panda": (60000, 4000), "UR5": (60000, 4000)}  # samples for ours, for the usual ways
+ROBOTS = {"Talos": (40000, 5000), "Panda": (60000, 4000), "UR5": (60000, 4000)}  # samples for ours, for the usual ways
 HOUR, CSV_SECONDS, CSV_COLUMNS = 3600.0, 300.0, 120
 
 

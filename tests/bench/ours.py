@@ -8,20 +8,26 @@ from numpy.typing import NDArray
 from tests.bench.problems import Problem, parts
 
 from exogauge.estimation.statistics import Statistics
-from exogauge.identification.equations import CHUNK
 from exogauge.robots.row_blocks import Rows, row_blocks
 
 Array = NDArray[np.float64]
+
+BATCH = 400_000  # numbers per batch, 3 MB: 200 samples of Talos, 1000 of an arm
 
 
 def rows_of(problem: Problem, *, compiled: bool) -> Rows:
     return row_blocks(problem.tree, problem.base, np.eye(len(problem.tree.joints)), fast=compiled)
 
 
+def chunk(rows: Rows) -> int:
+    """Samples per batch."""
+    return int(np.clip(BATCH // sum(len(columns) + 1 for columns in rows.columns), 100, 1000))
+
+
 def fill_only(problem: Problem, rows: Rows) -> None:
     """The blocks alone, thrown away."""
     blocks = None
-    for part in parts(problem.samples, CHUNK):
+    for part in parts(problem.samples, chunk(rows)):
         blocks = rows.fill(problem.motion.rows(part), 1, blocks)
 
 
@@ -29,7 +35,7 @@ def gather(problem: Problem, rows: Rows) -> Statistics:
     """One pass over the log."""
     statistics = Statistics.empty(len(problem.base.columns), rows.columns)
     blocks = None
-    for part in parts(problem.samples, CHUNK):
+    for part in parts(problem.samples, chunk(rows)):
         blocks = rows.fill(problem.motion.rows(part), 1, blocks)
         for kind, block in enumerate(blocks):
             block[:, -1] = problem.forces[part, kind]

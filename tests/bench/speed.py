@@ -48,7 +48,7 @@ def measure(problem: Problem, short: int, repeats: int, folder: Path) -> Speeds:
         "dgemm": seconds_of(_multiply),
         "gram": seconds_of(lambda: _gram(blocks)),
     }
-    blocks = compiled.fill(problem.motion.rows(slice(0, ours.CHUNK)), 1)
+    blocks = compiled.fill(problem.motion.rows(slice(0, ours.chunk(compiled))), 1)
     whole = {name for name in rivals if name.startswith("num")}
     reference = usual.stack_and_lstsq(brief)
     answers = {
