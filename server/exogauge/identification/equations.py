@@ -27,7 +27,18 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
+HARDLY_AT_REST = 0.02  # of the low-passed rest signal: from there on a row counts as one at rest
 CHUNK = 800  # samples per batch: 20 MB of regressor, whatever the log's length; fewer cost more calls
+
+
+@final
+@dataclass(frozen=True)
+class Chunk:
+    """Rows of one kind. samples: (n,) places among the kept samples, ascending. block: (n, k_r + 1) = [A_r | y_r]."""
+
+    kind: int
+    samples: IntArray
+    block: Array
 
 
 @final
@@ -36,7 +47,8 @@ class Equations:
     """Which parameters each row holds. P = B + A·K parameters x = [φ_b (B), ξ (A, K) axis by axis].
 
     blocks: regressor rows in the parameters of base. effects: K.
-    Row kinds: 6 base axes if floating, then A actuator axes.
+    Row kinds: 6 base axes if floating, then A actuator axes in motion, then the same A axes at rest: what static
+    friction does at rest is known less well, so those rows get a variance of their own.
     """
 
     robot: Robot
@@ -62,14 +74,12 @@ class Equations:
 
     def columns(self) -> list[IntArray]:
         """Indices in x of every row kind."""
-        own: list[IntArray] = [np.empty(0, dtype=np.intp)] * self.first_axis
-        own += [self.effect_columns(axis) for axis in range(len(self.robot.joints))]
-        return [np.concatenate([c, e]) for c, e in zip(self.blocks.columns, own, strict=True)]
+        base, axes = self.blocks.columns[: self.first_axis], self.blocks.columns[self.first_axis :]
+        full = [np.concatenate([c, self.effect_columns(axis)]) for axis, c in enumerate(axes)]
+        return [*base, *full, *full]
 
-    def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Array]]]:
-        """Chunks of (which of the kept samples, per row kind [A_r | y_r] of shape (n, k_r + 1)).
-
-        The blocks are overwritten by the next chunk.
+    def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Chunk]]]:
+        """Chunks of (which of the kept samples, the rows they give). The blocks are overwritten by the next chunk.
 
         x_before: (P,) parameters of the pass before; two things are taken from them.
         The sign of the static friction, [Evaluator] (8)-(9). Differs from print: from the full residual
@@ -81,17 +91,26 @@ class Equations:
         """
         columns, reused, contacts = self.columns(), None, ContactPaths(self.robot)
         gains = dict(self._gains())
+        axes = len(self.robot.joints)
         for start in range(0, len(prepared.kept), CHUNK):
             which = slice(start, min(start + CHUNK, len(prepared.kept)))
-            samples = prepared.kept[which]
+            samples, everyone = prepared.kept[which], np.arange(which.start, which.stop)
             reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + 1, reused)
-            blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=True)]
+            blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=False)]
             external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
+            rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[: self.first_axis])]
             for kind, signals in enumerate(_signals(prepared, samples), self.first_axis):
-                self._fill_effects(signals, blocks[kind], x_before[columns[kind]], gains.get(kind))
-            yield which, blocks
+                block = blocks[kind]
+                self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind))
+                resting = signals.rest > HARDLY_AT_REST
+                if resting.any():
+                    rows.append(Chunk(kind, everyone[~resting], np.asfortranarray(block[~resting])))
+                    rows.append(Chunk(kind + axes, everyone[resting], np.asfortranarray(block[resting])))
+                else:
+                    rows.append(Chunk(kind, everyone, block))
+            yield which, [chunk for chunk in rows if len(chunk.samples)]
 
     def collect(
         self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
@@ -99,12 +118,12 @@ class Equations:
         """Statistics of `folds` consecutive parts of a log. tick: called with the fraction done."""
         parts = [Statistics.empty(self.size, self.columns(), form) for _ in range(folds)]
         edges = np.linspace(0, len(prepared.kept), folds + 1).astype(int)
-        for which, blocks in self.rows(prepared, x_before):
-            for fold, part in enumerate(parts):
-                start, stop = max(edges[fold], which.start), min(edges[fold + 1], which.stop)
-                if start < stop:
-                    for kind, block in enumerate(blocks):
-                        part.add_rows(kind, block[start - which.start : stop - which.start])
+        for which, rows in self.rows(prepared, x_before):
+            for chunk in rows:
+                cuts = np.searchsorted(chunk.samples, edges)
+                for fold, part in enumerate(parts):
+                    if cuts[fold] < cuts[fold + 1]:
+                        part.add_rows(chunk.kind, chunk.block[cuts[fold] : cuts[fold + 1]])
             tick(which.stop / len(prepared.kept))
         return parts
 
@@ -112,22 +131,23 @@ class Equations:
         """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
         columns = self.columns()
         sums = np.zeros((-(-len(prepared.kept) // length), self.size))
-        for which, blocks in self.rows(prepared, x):
-            stretch = np.arange(which.start, which.stop) // length
-            starts = np.flatnonzero(np.diff(stretch, prepend=-1))
-            for kind, block in enumerate(blocks):
-                residual = block[:, -1] - block[:, :-1] @ x[columns[kind]]
-                scored = block[:, :-1] * (weights[kind] * residual)[:, None]
-                sums[np.ix_(stretch[starts], columns[kind])] += np.add.reduceat(scored, starts, axis=0)
+        for _, rows in self.rows(prepared, x):
+            for chunk in rows:
+                stretch = chunk.samples // length
+                starts = np.flatnonzero(np.diff(stretch, prepend=-1))
+                A, own = chunk.block[:, :-1], columns[chunk.kind]
+                scored = A * (weights[chunk.kind] * (chunk.block[:, -1] - A @ x[own]))[:, None]
+                sums[np.ix_(stretch[starts], own)] += np.add.reduceat(scored, starts, axis=0)
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
-        """(T_kept, rows) y - A x."""
-        columns = self.columns()
-        residual = np.empty((len(prepared.kept), len(columns)))
-        for which, blocks in self.rows(prepared, x):
-            for kind, block in enumerate(blocks):
-                residual[which, kind] = block[:, -1] - block[:, :-1] @ x[columns[kind]]
+        """(T_kept, base and actuator axes) y - A x."""
+        columns, axes = self.columns(), len(self.robot.joints)
+        residual = np.empty((len(prepared.kept), self.first_axis + axes))
+        for _, rows in self.rows(prepared, x):
+            for chunk in rows:
+                place = chunk.kind if chunk.kind < residual.shape[1] else chunk.kind - axes
+                residual[chunk.samples, place] = chunk.block[:, -1] - chunk.block[:, :-1] @ x[columns[chunk.kind]]
         return residual
 
     def _gains(self) -> Iterator[tuple[int, int]]:

@@ -18,17 +18,19 @@ SMALLEST_SHARE = 1e-6  # of the signal: noise-free data must not give infinite w
 
 def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array) -> Array:
     """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it."""
-    signal = statistics.residual_square_sum(np.zeros(statistics.size)) / statistics.count
+    seen = np.maximum(statistics.count, 1)
+    signal = statistics.residual_square_sum(np.zeros(statistics.size)) / seen
     live = weights > 0.0
     for _ in range(ITERATIONS):
         x = PriorLeastSquares(statistics.square_root(weights), prior, strength).x
-        variance = statistics.residual_square_sum(x) / statistics.count
+        variance = statistics.residual_square_sum(x) / seen
         weights = np.where(live, 1.0 / np.maximum(variance, SMALLEST_SHARE**2 * signal + 1e-300), 0.0)
     return weights
 
 
 def first_weights(equations: Equations, statistics: Statistics, prior: Prior) -> Array:
     """(rows,) from what the a-priori robot leaves unexplained; 0 for joints whose torque is not logged."""
-    variance = statistics.residual_square_sum(prior.seen_mean) / statistics.count
-    measured = [True] * equations.first_axis + [joint.actuation != "none" for joint in equations.robot.joints]
+    variance = statistics.residual_square_sum(prior.seen_mean) / np.maximum(statistics.count, 1)
+    joints = [joint.actuation != "none" for joint in equations.robot.joints]
+    measured = np.array([True] * equations.first_axis + joints + joints) & (statistics.count > 0)
     return np.where(measured, 1.0 / np.maximum(variance, 1e-300), 0.0)
