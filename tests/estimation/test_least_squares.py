@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
-from exogauge.estimation.statistics import Statistics
+from exogauge.estimation.statistics import SquareRoot, Statistics
 
 COLUMNS = [np.arange(6), np.array([1, 3, 5]), np.array([0, 2, 4, 5])]
 SIZE = 6
@@ -132,3 +133,11 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         covariance = belief.lift_covariance(solved.covariance())
         inside.append(np.abs(belief.lift(solved.x) - truth) < 1.96 * np.sqrt(np.diag(covariance)))
     assert np.mean(inside) == pytest.approx(0.95, abs=0.012)
+
+
+def test_a_weak_belief_keeps_its_digits_where_the_data_say_nothing():
+    rng = np.random.default_rng(3)
+    R, mean = 1e3 * rng.normal(size=(7, 10)), rng.normal(size=10)
+    data = SquareRoot(R, R @ rng.normal(size=10), 0.0)
+    x = PriorLeastSquares(data, Prior(mean, np.ones(10), np.eye(10)), strength=1e-14).x
+    assert np.abs(null_space(R).T @ (x - mean)).max() < 1e-13

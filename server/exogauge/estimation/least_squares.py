@@ -13,8 +13,6 @@ from exogauge.estimation.statistics import SquareRoot
 
 Array = NDArray[np.float64]
 
-BLOCK = 32  # columns that the QR factorisation turns at once
-
 
 @final
 class PriorLeastSquares:
@@ -37,11 +35,11 @@ class PriorLeastSquares:
         offset = self.target - self.information @ prior.seen_mean[free]
         believed, size = np.sqrt(strength) * prior.whitening, len(free)
         scale = np.sqrt(np.sum(self.information**2, axis=0) + np.sum(believed**2, axis=0))
-        # QR of [believed 0; information offset], the upper part of which is triangular already
-        above = np.zeros((size + 1, size + 1), order="F")
-        above[:size, :size] = believed / scale
-        below = np.asfortranarray(np.column_stack([self.information / scale, offset]))
-        factor, *_ = sl.lapack.dtpqrt(0, min(BLOCK, size + 1), above, below, overwrite_a=1, overwrite_b=1)
+        # What the data say stands above a weak belief: the other way round, the belief would lose its digits.
+        stacked = np.zeros((len(offset) + size, size + 1), order="F")
+        stacked[: len(offset), :size], stacked[: len(offset), size] = self.information / scale, offset
+        stacked[len(offset) :, :size] = believed / scale
+        factor, *_ = sl.lapack.dgeqrf(stacked, lwork=64 * (size + 1), overwrite_a=1)
         self._root = np.triu(factor[:size, :size]) * scale
         step = sl.solve_triangular(self._root, factor[:size, size])
         self.x = prior.seen_mean.copy()
