@@ -60,7 +60,8 @@ def _iteration(equations: Equations, prepared: Prepared, statistics: Statistics)
 
     def iterate() -> Array:
         nonlocal x
-        weights = statistics.count / statistics.residual_square_sum(x)
+        left = statistics.residual_square_sum(x)  # a kind of row that this log lacks has none and weighs nothing
+        weights = np.divide(statistics.count, left, out=np.zeros_like(left), where=left > 0.0)
         x = PriorLeastSquares(statistics.square_root(weights), prior, 1.0).x
         return x
 
