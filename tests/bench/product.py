@@ -19,7 +19,7 @@ from tests.bench.timing import in_turns, seconds_of
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
+from exogauge.identification.preparation import Prepared, prepare, rest_detection
 from exogauge.identification.prior import per_parameter, scales
 from exogauge.logs.reading import read_log
 
@@ -85,7 +85,7 @@ def from_csv(problem: Problem, width: int, folder: Path) -> dict[str, float]:
     read = read_log(file, "log")
     seconds["read"] = clock() - start
     start = clock()
-    prepared = prepare(robot, read, CUTOFF_HZ, velocity_threshold(robot, [read], CUTOFF_HZ))
+    prepared = prepare(robot, read, CUTOFF_HZ, rest_detection(robot, [read], CUTOFF_HZ))
     seconds["filter, differentiate"] = clock() - start
     start = clock()
     equations.collect(replace(prepared, kept=np.arange(read.samples)), x, folds=4)

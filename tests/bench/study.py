@@ -9,7 +9,7 @@ from tests.bench.problems import RATE_HZ, Problem
 
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
+from exogauge.identification.preparation import Prepared, prepare, rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.row_blocks import row_blocks
@@ -56,5 +56,5 @@ def equations_of(problem: Problem, *, compiled: bool) -> tuple[Equations, Prepar
     robot, log = robot_of(problem), log_of(problem)
     blocks = row_blocks(problem.tree, problem.base, robot.axes_from_joints, fast=compiled)
     equations = Equations(robot, blocks, problem.base, choose(EFFECTS))
-    prepared = prepare(robot, log, CUTOFF_HZ, velocity_threshold(robot, [log], CUTOFF_HZ))
+    prepared = prepare(robot, log, CUTOFF_HZ, rest_detection(robot, [log], CUTOFF_HZ))
     return equations, prepared

@@ -125,6 +125,13 @@ class Statistics:
                 sums[kind] = np.sum(product**2)
         return np.maximum(sums, 0.0)
 
+    def along(self, kind: int, place: int, x: Array) -> tuple[float, float]:
+        """(a^T (y - A x), a^T a) of one column a of one kind's rows. place: within the row. x: (P,)."""
+        upper = self._upper(kind)
+        symmetric = upper[place] + upper[:, place]
+        symmetric[place] -= upper[place, place]
+        return float(-symmetric @ np.append(x[self.columns[kind]], -1.0)), float(upper[place, place])
+
     def _upper(self, kind: int) -> Array:
         """Upper triangle of the Gram matrix, zeros below."""
         stored = self.store[kind]

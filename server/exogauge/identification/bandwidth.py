@@ -12,25 +12,25 @@ from exogauge.robots.description import Robot
 
 HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
+AS_GOOD = np.log(1.03)  # three per cent of the residual; a lower cut-off lets less noise into the regressor
+STOP = np.log(1.15)
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], unexplained: Callable[[Log, float], float]) -> float:
-    """[Hz] where what a model leaves unexplained of the unfiltered measurements is smallest.
+    """[Hz] the lowest that leaves no more unexplained of the unfiltered measurements than the best does.
 
     unexplained(log, cutoff_hz): mean over channels of the logarithm of the residual's share of the channel. Tried from
     the cut-off that the spectra suggest downwards, in octaves, on the longest of the logs; elastic vibration and
     current ripple often call for less bandwidth than the sensors could give. Never more than 0.2 of the sampling rate.
     """
     log = max(logs, key=lambda one: one.samples)
-    best_hz = cutoff_hz = suggested_cutoff(robot, logs)
-    best = unexplained(log, cutoff_hz)
+    cutoff_hz = suggested_cutoff(robot, logs)
+    scores = {cutoff_hz: unexplained(log, cutoff_hz)}
     for _ in range(HALVINGS):
         cutoff_hz /= 2.0
         if cutoff_hz < LOWEST_HZ:
             break
-        score = unexplained(log, cutoff_hz)
-        if score < best:
-            best_hz, best = cutoff_hz, score
-        elif score > best + np.log(1.05):
+        scores[cutoff_hz] = unexplained(log, cutoff_hz)
+        if scores[cutoff_hz] > min(scores.values()) + STOP:
             break
-    return best_hz
+    return min(hz for hz, score in scores.items() if score <= min(scores.values()) + AS_GOOD)

@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
-HARDLY_AT_REST = 0.02  # of the low-passed rest signal: from there on a row counts as one at rest
-CHUNK = 800  # samples per batch: 20 MB of regressor, whatever the log's length; fewer cost more calls
+AT_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
+CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever the log's length
 
 
 @final
@@ -47,8 +47,9 @@ class Equations:
     """Which parameters each row holds. P = B + A·K parameters x = [φ_b (B), ξ (A, K) axis by axis].
 
     blocks: regressor rows in the parameters of base. effects: K.
-    Row kinds: 6 base axes if floating, then A actuator axes in motion, then the same A axes at rest: what static
-    friction does at rest is known less well, so those rows get a variance of their own.
+    Row kinds: 6 base axes if floating, then A actuator axes in steady motion, then the same A axes at rest, where
+    friction is known less well. Around starts, stops and turns, where a joint may stick for longer than a low-passed
+    velocity can show, an axis gives no row.
     """
 
     robot: Robot
@@ -101,12 +102,14 @@ class Equations:
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
             rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[: self.first_axis])]
-            for kind, signals in enumerate(_signals(prepared, samples), self.first_axis):
+            for axis, signals in enumerate(_signals(prepared, samples)):
+                kind = self.first_axis + axis
                 block = blocks[kind]
                 self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind))
-                resting = signals.rest > HARDLY_AT_REST
-                if resting.any():
-                    rows.append(Chunk(kind, everyone[~resting], np.asfortranarray(block[~resting])))
+                steady = prepared.steady[samples, axis]
+                if not steady.all():
+                    rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
+                    resting = ~steady & (signals.rest > AT_REST)
                     rows.append(Chunk(kind + axes, everyone[resting], np.asfortranarray(block[resting])))
                 else:
                     rows.append(Chunk(kind, everyone, block))
@@ -141,9 +144,9 @@ class Equations:
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
-        """(T_kept, base and actuator axes) y - A x."""
+        """(T_kept, base and actuator axes) y - A x, 0 where an axis gives no row."""
         columns, axes = self.columns(), len(self.robot.joints)
-        residual = np.empty((len(prepared.kept), self.first_axis + axes))
+        residual = np.zeros((len(prepared.kept), self.first_axis + axes))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
                 place = chunk.kind if chunk.kind < residual.shape[1] else chunk.kind - axes

@@ -20,11 +20,12 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
-from exogauge.identification.preparation import Prepared, prepare, velocity_threshold
+from exogauge.identification.preparation import Prepared, RestDetection, prepare, rest_detection
 from exogauge.identification.prior import as_printed, per_parameter, scales
 from exogauge.identification.ranges import solve_within_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
+from exogauge.identification.static_friction import Sticking, fill_static_friction
 from exogauge.identification.strength import choose_strength
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import fits, noise_floors, predict_log, rms
@@ -66,8 +67,8 @@ def identify(
     equations = Equations(robot, blocks, base, choose(settings.effects))
     cutoff_hz = settings.cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
     progress(0.05, "filtering and differentiating")
-    threshold = velocity_threshold(robot, fitted_logs, cutoff_hz)
-    fitted = [prepare(robot, log, cutoff_hz, threshold) for log in fitted_logs]
+    at_rest = rest_detection(robot, fitted_logs, cutoff_hz)
+    fitted = [prepare(robot, log, cutoff_hz, at_rest) for log in fitted_logs]
     prior = per_parameter(robot, base, equations.effects, scales(robot, fitted))
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = _solve(equations, fitted, prior, settings, progress)
@@ -77,17 +78,22 @@ def identify(
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
     unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
     covariance = solution.prior.lift_covariance(unbounded.covariance(meat))
-    standard = solution.solved.prior.lift(solution.solved.x)
+    standard = solution.solved.prior.lift(solution.sticking.x)
     if settings.consistency == "physical":
         progress(0.8, "making every link physically possible")
         standard, notes = possible_parameters(robot, solution.solved)
         warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     predictions, validation = _validate(
-        equations, recordings, fitted, cutoff_hz, threshold, (identified, before), progress
+        equations, recordings, fitted, cutoff_hz, at_rest, (identified, before), progress
     )
     condition, rank = solution.solved.condition_and_rank()
-    parameters = describe(equations, solution.prior, standard, covariance)
+    if solution.sticking.lower_bounds:
+        warnings.append(
+            "At rest, friction does not always take its largest value. What is given as tau_s is what is usual there, "
+            f"a lower bound of the static friction, at {', '.join(solution.sticking.lower_bounds)}."
+        )
+    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking)
     progress(1.0, "identified")
     return Identification(
         phi=identified.phi,
@@ -103,7 +109,7 @@ def identify(
         rank=rank,
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
-        velocity_threshold=threshold,
+        velocity_threshold=at_rest.threshold,
         warnings=tuple(warnings),
     )
 
@@ -123,6 +129,7 @@ class Solution:
     strength: float
     curve: tuple[tuple[float, float], ...]
     held: tuple[str, ...]
+    sticking: Sticking
 
 
 def _solve(
@@ -155,18 +162,18 @@ def _solve(
             strength, curve = choose_strength(folds, weights, belief, settings.prior)
             weights = weigh(total, belief, strength, weights)
         solved, held = solve_within_ranges(equations, total, weights, belief, strength)
-        x = solved.x
-    return Solution(solved, total, weights, belief, strength, curve, held)
+        sticking = fill_static_friction(equations, total, prior, solved.x)
+        x = sticking.x
+    return Solution(solved, total, weights, belief, strength, curve, held, sticking)
 
 
 def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
     """Mean log share of the unfiltered channels of `log` that one quick solution leaves unexplained."""
     robot = equations.robot
-    threshold = velocity_threshold(robot, [log], cutoff_hz)
-    prepared = prepare(robot, log, cutoff_hz, threshold)
+    prepared = prepare(robot, log, cutoff_hz, rest_detection(robot, [log], cutoff_hz))
     prior = per_parameter(robot, equations.base, equations.effects, scales(robot, [prepared]))
-    solved = _solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2).solved
-    parameters = split(equations, solved.prior.lift(solved.x))
+    solution = _solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
+    parameters = split(equations, solution.solved.prior.lift(solution.sticking.x))
     measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
     predicted = predicted_channels(equations, prepared, parameters)
     left = [rms(values - predicted[channel]) / rms(values) for channel, values in measured.items()]
@@ -178,7 +185,7 @@ def _validate(
     recordings: Sequence[Recording],
     fitted: Sequence[Prepared],
     cutoff_hz: float,
-    threshold: Array,
+    at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...]]:
@@ -189,9 +196,9 @@ def _validate(
     validation: list[ChannelFit] = []
     for index, recording in enumerate(recordings):
         progress(0.85 + 0.15 * index / len(recordings), f"predicting {recording.log.name}")
-        prepared = ready.get(id(recording.log)) or prepare(equations.robot, recording.log, cutoff_hz, threshold)
+        prepared = ready.get(id(recording.log)) or prepare(equations.robot, recording.log, cutoff_hz, at_rest)
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
         predictions.append(prediction)
-        floors = noise_floors(equations, prepared, parameters[0], k_T, threshold, prediction)
+        floors = noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction)
         validation += fits(prediction, prepared, equations, floors)
     return tuple(predictions), tuple(validation)

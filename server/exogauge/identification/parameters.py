@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.result import Parameter
+from exogauge.identification.static_friction import Sticking
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import parameter_names, parameter_units
 
 Array = NDArray[np.float64]
 
 DECIDED = 0.5  # a parameter is identifiable where data leave at most this share of the prior's std
-TORQUE_SCALED = frozenset({"k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r"})
 
 
 def scale_is_known(robot: Robot) -> bool:
@@ -26,8 +26,13 @@ def scale_is_known(robot: Robot) -> bool:
     return contact or any(joint.actuation == "torque" for joint in robot.joints)
 
 
-def describe(equations: Equations, prior: Prior, standard: Array, covariance: Array) -> tuple[Parameter, ...]:
-    """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth."""
+def describe(
+    equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking
+) -> tuple[Parameter, ...]:
+    """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth.
+
+    sticking: static friction has its std from there, and is not identifiable where it is only a lower bound.
+    """
     robot, effects = equations.robot, equations.effects
     names = list(parameter_names(robot.tree))
     units = list(parameter_units(robot.tree))
@@ -35,6 +40,9 @@ def describe(equations: Equations, prior: Prior, standard: Array, covariance: Ar
         names += [f"{effect.coefficient.name}[{joint.name}]" for effect in effects]
         units += [coefficient_unit(effect.coefficient.unit, joint.actuation) for effect in effects]
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    for i, name in enumerate(names):
+        std[i] = min(std[i], sticking.std.get(name, np.inf))
+    doubtful = {f"tau_s[{joint}]" for joint in sticking.lower_bounds}
     known_scale = scale_is_known(robot)
     unmeasured = {f"[{joint.name}]" for joint in robot.joints if joint.actuation == "none"}
     single = [
@@ -49,6 +57,7 @@ def describe(equations: Equations, prior: Prior, standard: Array, covariance: Ar
                 known_scale
                 and prior.std[i] > 0.0
                 and std[i] <= DECIDED * prior.std[i]
+                and name not in doubtful
                 and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in unmeasured))
             ),
         )

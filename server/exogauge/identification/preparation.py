@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
@@ -24,6 +25,11 @@ Array = NDArray[np.float64]
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
 THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
+STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
+RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
+GYRO_SHARE = (
+    0.5  # of the cut-off with the least error of the gyro's derivative: noise in a regressor biases, loss hardly
+)
 LONGEST_STEP = 1.5  # nominal sampling steps: a longer one is a gap
 
 
@@ -36,6 +42,8 @@ class Prepared:
     axis_velocity, axis_acceleration: (T, A).
     direction: (T, A) sgn_ε of the axis velocity; rest: (T, A) 1 - |direction|; both through the filter that the drive
     passed, because a sign jumps where a low-passed torque cannot.
+    steady: (T, A) bool, the axis moves at speed; not so at rest, and near stops and turns, where a joint may stick
+    for longer than a low-passed velocity can show.
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     raw_drive, raw_direction, raw_wrenches: not filtered.
     kept: samples that enter a fit (settled ends left out, decimated).
@@ -49,6 +57,7 @@ class Prepared:
     axis_acceleration: Array
     direction: Array
     rest: Array
+    steady: NDArray[np.bool_]
     wrenches: Array
     raw_drive: Array
     raw_direction: Array
@@ -98,30 +107,41 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     for log in logs:
         bearable = [suggest_cutoff(log.stack(names), log.rate_hz)]
         if robot.floating:
-            bearable.append(suggest_cutoff(log.stack(["gyro.x", "gyro.y", "gyro.z"]), log.rate_hz, order=1))
+            gyro = suggest_cutoff(log.stack(["gyro.x", "gyro.y", "gyro.z"]), log.rate_hz, order=1)
+            bearable.append(GYRO_SHARE * gyro)
         cutoffs.append(min(bearable))
     return max(cutoffs)
 
 
-def velocity_threshold(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Array:
-    """(A,) [rad/s] below which an axis counts as at rest, from the measured noise of its velocity."""
+@final
+@dataclass(frozen=True)
+class RestDetection:
+    """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz."""
+
+    cutoff_hz: float
+    threshold: Array
+
+
+def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestDetection:
+    """At all the bandwidth that the encoders can bear, at least cutoff_hz; thresholds from the noise of the velocity.
+
+    A joint sticks for moments that a velocity smoothed for the equations would glide over.
+    """
     joints = [f"q.{joint.name}" for joint in robot.joints]
+    finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
     noise, top = np.zeros(len(joints)), np.zeros(len(joints))
     for log in logs:
-        q, low_pass = log.stack(joints), LowPass(cutoff_hz, log.rate_hz)
-        gain = derivative_noise_gain(low_pass, 1)
+        q, low_pass = log.stack(joints), LowPass(finest, log.rate_hz)
         std = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in q.T])
-        if "q" in robot.noise:
-            std = np.maximum(std, robot.noise["q"])
-        noise = np.maximum(noise, gain * std)
+        noise = np.maximum(noise, derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0)))
         top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
     mixing = np.abs(robot.axes_from_joints)
     axis_noise = np.sqrt(mixing**2 @ noise**2)
-    return np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
+    return RestDetection(finest, np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top)))
 
 
-def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepared:
-    """Filter, differentiate, transform to the base link and to the actuator axes. threshold: (A,) [rad/s]."""
+def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:
+    """Filter, differentiate, transform to the base link and to the actuator axes."""
     require_even_clock(log)
     missing = [name for name in needed_channels(robot) if not log.has(name)]
     if missing:
@@ -129,7 +149,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
         raise BadLog([Fault("this column is missing", "missing_channel", advice, log.name, column=m) for m in missing])
     low_pass = LowPass(cutoff_hz, log.rate_hz)
     names = [joint.name for joint in robot.joints]
-    q = low_pass.apply(log.stack([f"q.{name}" for name in names]))
+    raw_q = log.stack([f"q.{name}" for name in names])
+    q = low_pass.apply(raw_q)
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
     acc, gyro, gyro_dot = _base_motion(robot, log, low_pass)
     C = robot.axes_from_joints
@@ -139,7 +160,10 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
     for index, sensor in enumerate(contacts):
         raw_wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
     axis_velocity = dq @ C.T
-    direction = directions(axis_velocity, threshold, round(log.rate_hz / cutoff_hz))
+    fine_velocity = differentiate(LowPass(at_rest.cutoff_hz, log.rate_hz).apply(raw_q), log.rate_hz) @ C.T
+    direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / at_rest.cutoff_hz))
+    smooth_direction = low_pass.apply(direction)
+    recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(low_pass.settle_samples, log.samples // 10)
     return Prepared(
         log=log,
@@ -148,8 +172,9 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, threshold: Array) -> Prepa
         drive=low_pass.apply(raw_drive),
         axis_velocity=axis_velocity,
         axis_acceleration=ddq @ C.T,
-        direction=low_pass.apply(direction),
+        direction=smooth_direction,
         rest=low_pass.apply(1.0 - np.abs(direction)),
+        steady=~binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool)),
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
         raw_direction=direction,

@@ -12,6 +12,8 @@ from exogauge.identification.equations import Equations
 
 Array = NDArray[np.float64]
 
+SLACK = 1e-6  # of the prior std: rounding is no reason to hold anything
+
 
 def solve_within_ranges(
     equations: Equations, statistics: Statistics, weights: Array, prior: Prior, strength: float
@@ -21,11 +23,12 @@ def solve_within_ranges(
     low = np.tile([effect.coefficient.low for effect in equations.effects], len(equations.robot.joints))
     high = np.tile([effect.coefficient.high for effect in equations.effects], len(equations.robot.joints))
     held = np.zeros(len(low), dtype=bool)
+    slack = SLACK * prior.std[-len(low) :]
     belief, data = prior, statistics.square_root(weights)
     while True:
         solved = PriorLeastSquares(data, belief, strength)
         xi = solved.x[first:]
-        outside = ((xi < low) | (xi > high)) & ~held & (prior.std[-len(low) :] > 0.0)
+        outside = ((xi < low - slack) | (xi > high + slack)) & ~held & (prior.std[-len(low) :] > 0.0)
         if not outside.any():
             return solved, tuple(np.array(_names(equations))[held])
         held |= outside

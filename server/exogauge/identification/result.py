@@ -37,8 +37,8 @@ class Parameter:
 class ChannelFit:
     """RMSE of one predicted channel on one log. channel: `base.fx` … `base.mz` or `tau.<joint>`; unit N or N·m.
 
-    rest_share: share of samples at which the joint stands still, where only an interval of the torque is predictable;
-    rmse_moving, rmse_at_rest: the identified RMSE of either part.
+    rest_share: share of samples at which the joint stands still, where only an interval of the torque is predictable.
+    rmse_moving, rmse_at_rest: the identified RMSE in steady motion and at rest; starts, stops and turns are in neither.
     """
 
     channel: str

@@ -13,6 +13,7 @@ from exogauge.estimation.statistics import Statistics
 
 Array = NDArray[np.float64]
 
+NO_MATTER = 0.02  # of the score: a smaller difference is of no use to anyone
 STRENGTHS = {
     "per_parameter": tuple(10.0**e for e in (-2, -1, 0, 1, 2, 3)),
     "as_printed": tuple(10.0**e for e in (-10, -8, -6, -4, -2)),
@@ -24,9 +25,9 @@ def choose_strength(
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
     """(strength, ((strength, score), …)); score: mean weighted square residual of the parts left out in turn.
 
-    Of the strengths that predict as well as the best, within one standard error of the difference from part to part,
-    the one nearest to what the maker states (1) is taken: a difference that chance could make is no reason to doubt
-    him. Only parts of fitted logs are used; logs held out for validation stay unseen.
+    Of the strengths that predict as well as the best, within one standard error of the difference from part to part
+    or two per cent, the one nearest to what the maker states (1) is taken: a difference that chance could make is no
+    reason to doubt him. Only parts of fitted logs are used; logs held out for validation stay unseen.
     """
     complements = [sum((f for f in folds if f is not fold), start=folds[0].cleared()) for fold in folds]
     data = [rest.square_root(weights) for rest in complements]
@@ -39,6 +40,7 @@ def choose_strength(
     mean = scores @ rows / rows.sum()
     excess = scores - scores[np.argmin(mean)]
     error = excess.std(axis=1, ddof=1) / np.sqrt(len(folds))
-    as_good = [s for s, e, m in zip(STRENGTHS[kind], error, mean, strict=True) if m - mean.min() <= e]
+    allowed = np.maximum(error, NO_MATTER * mean.min())
+    as_good = [s for s, a, m in zip(STRENGTHS[kind], allowed, mean, strict=True) if m - mean.min() <= a]
     curve = tuple((float(s), float(m)) for s, m in zip(STRENGTHS[kind], mean, strict=True))
     return min(as_good, key=lambda s: abs(np.log(s))), curve

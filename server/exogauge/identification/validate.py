@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
-from exogauge.identification.predict import Parameters, measured_channels, predicted_channels
-from exogauge.identification.preparation import Prepared, needed_channels, prepare
+from exogauge.identification.predict import BASE_CHANNELS, Parameters, measured_channels, predicted_channels
+from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
 from exogauge.identification.result import ChannelFit, Prediction
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
@@ -40,9 +40,9 @@ def fits(
     prediction: Prediction, prepared: Prepared, equations: Equations, floors: Mapping[str, float]
 ) -> tuple[ChannelFit, ...]:
     """RMSE of every channel over all samples of one log. floors: from `noise_floors`."""
-    resting = {
-        f"tau.{joint.name}": prepared.raw_direction[:, axis] == 0.0 for axis, joint in enumerate(equations.robot.joints)
-    }
+    joints = enumerate(equations.robot.joints)
+    resting = {f"tau.{joint.name}": prepared.raw_direction[:, axis] == 0.0 for axis, joint in joints}
+    moving = steady_samples(equations, prepared)
     result = []
     for channel, measured in prediction.measured.items():
         error = measured - prediction.predicted[channel]
@@ -57,7 +57,7 @@ def fits(
                 rmse_identified=rms(error),
                 noise_floor=floors[channel],
                 rest_share=float(rest.mean()),
-                rmse_moving=rms(error[~rest]) if not rest.all() else None,
+                rmse_moving=rms(error[moving[channel]]) if moving[channel].any() else None,
                 rmse_at_rest=rms(error[rest]) if rest.any() else None,
             )
         )
@@ -69,7 +69,7 @@ def noise_floors(
     prepared: Prepared,
     identified: Parameters,
     k_T: Array,
-    threshold: Array,
+    at_rest: RestDetection,
     prediction: Prediction,
 ) -> Mapping[str, float]:
     """Channel -> the RMSE that the sensors' noise alone would leave under a perfect model.
@@ -86,7 +86,7 @@ def noise_floors(
     for name in needed_channels(robot):
         std = max(white_noise_std(log.channels[name], rate, above), robot.noise.get(noise_kind(name), 0.0))
         noisy[name] = log.channels[name] + std * rng.normal(size=log.samples)
-    again = prepare(robot, Log(log.name, log.time, noisy), prepared.low_pass.cutoff_hz, threshold)
+    again = prepare(robot, Log(log.name, log.time, noisy), prepared.low_pass.cutoff_hz, at_rest)
     again = replace(again, raw_direction=prepared.raw_direction)
     measured = measured_channels(equations, again, k_T)
     predicted = predicted_channels(equations, again, identified)
@@ -96,6 +96,13 @@ def noise_floors(
         )
         for channel in measured
     }
+
+
+def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
+    """Channel -> (T,) samples in steady motion; all of them for the base wrench, which knows no friction."""
+    steady = {channel: np.ones(prepared.log.samples, dtype=bool) for channel in BASE_CHANNELS}
+    steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
+    return steady
 
 
 def noise_kind(channel: str) -> str:

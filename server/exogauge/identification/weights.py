@@ -29,8 +29,11 @@ def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array)
 
 
 def first_weights(equations: Equations, statistics: Statistics, prior: Prior) -> Array:
-    """(rows,) from what the a-priori robot leaves unexplained; 0 for joints whose torque is not logged."""
+    """(rows,) from what the a-priori robot leaves unexplained.
+
+    0 for joints whose torque is not logged, and for axes that are not in steady motion (see `static_friction`).
+    """
     variance = statistics.residual_square_sum(prior.seen_mean) / np.maximum(statistics.count, 1)
     joints = [joint.actuation != "none" for joint in equations.robot.joints]
-    measured = np.array([True] * equations.first_axis + joints + joints) & (statistics.count > 0)
+    measured = np.array([True] * equations.first_axis + joints + [False] * len(joints)) & (statistics.count > 0)
     return np.where(measured, 1.0 / np.maximum(variance, 1e-300), 0.0)
