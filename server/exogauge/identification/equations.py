@@ -104,9 +104,9 @@ class Equations:
             rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[: self.first_axis])]
             for axis, signals in enumerate(_signals(prepared, samples)):
                 kind = self.first_axis + axis
-                block = blocks[kind]
+                block, steady = blocks[kind], prepared.steady[samples, axis]
+                signals = replace(signals, rest=np.where(steady, 0.0, signals.rest))  # filters ring
                 self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind))
-                steady = prepared.steady[samples, axis]
                 if not steady.all():
                     rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
                     resting = ~steady & (signals.rest > AT_REST)
