@@ -82,6 +82,8 @@ def identify(
     if settings.consistency == "physical":
         progress(0.8, "making every link physically possible")
         standard, notes = possible_parameters(robot, solution.solved)
+        seen = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
+        standard[robot.tree.phi.size :] = seen[equations.base_size :]
         warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     predictions, validation = _validate(
