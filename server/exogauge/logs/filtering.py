@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfilt, sosfilt_zi
 
 from exogauge.errors import BadLog, Fault
 
@@ -52,14 +53,16 @@ class LowPass:
         if values.shape[0] < 2:
             return values.copy()
         beyond = self.settle_samples
-        sections = butter(self.order, self.cutoff_hz, fs=self.rate_hz, output="sos")
+        sections, steady = _sections(self)
         filtered = np.empty(values.shape)
         for index in np.ndindex(values.shape[1:]):  # channel by channel: what is worked on stays in the cache
             channel = np.array(values[:, *index], dtype=np.float64)
             line = np.linspace(channel[0], channel[-1], channel.size)
             channel -= line
             extended = np.pad(channel, beyond, mode="reflect", reflect_type="odd")  # reflects again where T is short
-            filtered[:, *index] = line + sosfiltfilt(sections, extended, padlen=0)[beyond:-beyond]
+            for _ in range(2):  # forwards, and again from the other end
+                extended = sosfilt(sections, extended, zi=steady * extended[0])[0][::-1]
+            filtered[:, *index] = line + extended[beyond:-beyond]
         return filtered
 
     def gain(self, frequency_hz: ArrayLike) -> Array:
@@ -72,8 +75,7 @@ class LowPass:
     @property
     def settle_samples(self) -> int:
         """Samples to leave out of a fit at each end: the slowest pole has lost 99 % of its transient by then."""
-        _, poles, _ = butter(self.order, self.cutoff_hz, fs=self.rate_hz, output="zpk")
-        return math.ceil(math.log(SETTLED) / math.log(float(np.max(np.abs(poles)))))
+        return _settle_samples(self)
 
     def decimation(self, keep_factor: float = 2.5) -> int:
         """Keep every n-th filtered sample; n is the largest that leaves at least keep_factor x cut-off as the rate.
@@ -83,6 +85,19 @@ class LowPass:
         is then no longer fit to be plotted as a spectrum. Differentiate before decimating, never after.
         """
         return max(1, math.floor(self.rate_hz / (keep_factor * self.cutoff_hz) + 1e-9))
+
+
+@lru_cache(maxsize=64)
+def _sections(low_pass: LowPass) -> tuple[Array, Array]:
+    """Second-order sections of one pass, and the state in which they leave a constant 1 as it is."""
+    sections = butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="sos")
+    return sections, sosfilt_zi(sections)
+
+
+@lru_cache(maxsize=64)
+def _settle_samples(low_pass: LowPass) -> int:
+    _, poles, _ = butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="zpk")
+    return math.ceil(math.log(SETTLED) / math.log(float(np.max(np.abs(poles)))))
 
 
 def _not_finite(values: Array, place: Array) -> Fault:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,9 @@ def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
     """
     low_pass = LowPass(above_hz, rate_hz)
     rest = values - low_pass.apply(values)
-    spread = [_mad(part) for part in np.array_split(rest, max(1, rest.size // SEGMENT))]
-    frequency = np.linspace(0.0, 0.5 * rate_hz, 2001)
-    seen = math.sqrt(float(np.mean((1.0 - low_pass.gain(frequency)) ** 2)))
     step = quantisation_step(values)
-    return max(float(np.median(spread)) / seen, step / math.sqrt(12.0) if step else 0.0)
+    spread = float(np.median(_spreads(rest, max(1, rest.size // SEGMENT))))
+    return max(spread / _seen_share(low_pass), step / math.sqrt(12.0) if step else 0.0)
 
 
 def quantisation_step(values: Array) -> float | None:
@@ -54,5 +53,17 @@ def quantisation_step(values: Array) -> float | None:
     return step if np.mean(on_lattice[near]) > 0.95 else None
 
 
-def _mad(values: Array) -> float:
-    return MAD_TO_STD * float(np.median(np.abs(values - np.median(values))))
+def _spreads(values: Array, segments: int) -> Array:
+    """(segments,) robust std of consecutive stretches of (almost) equal length: the first may be one sample longer."""
+    length, longer = divmod(values.size, segments)
+    cut = longer * (length + 1)
+    parts = (values[:cut].reshape(longer, length + 1), values[cut:].reshape(segments - longer, length))
+    centred = (np.abs(part - np.median(part, axis=1, keepdims=True)) for part in parts if part.size)
+    return MAD_TO_STD * np.concatenate([np.median(part, axis=1) for part in centred])
+
+
+@lru_cache(maxsize=64)
+def _seen_share(low_pass: LowPass) -> float:
+    """Of the std of white noise, what the low-pass takes away."""
+    frequency = np.linspace(0.0, 0.5 * low_pass.rate_hz, 2001)
+    return math.sqrt(float(np.mean((1.0 - low_pass.gain(frequency)) ** 2)))
