@@ -122,3 +122,22 @@ def test_nothing_to_fit_is_refused(make_truth, make_log):
     truth = make_truth(floating=True)
     with pytest.raises(BadStudy, match="no log to identify from"):
         identify(truth.robot, [Recording(make_log(truth, 1, seconds=5.0), True)], Settings())
+
+
+def test_a_log_too_slow_for_the_others_is_refused(make_truth, make_log):
+    truth = make_truth(floating=True)
+    fast, slow = make_log(truth, 1, seconds=8.0), make_log(truth, 2, seconds=40.0)
+    channels = {name: values[::20] for name, values in slow.channels.items()}
+    recordings = [Recording(fast, False), Recording(type(fast)("slow", slow.time[::20], channels), True)]
+    with pytest.raises(BadLog, match="too slow"):
+        identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
+
+
+def test_a_held_out_log_may_be_slower_than_the_fitted_one(make_truth, make_log):
+    truth = make_truth(floating=True, seed=10)
+    fast, slow = make_log(truth, 1, noise=1.0), make_log(truth, 2, noise=1.0)
+    channels = {name: values[::4] for name, values in slow.channels.items()}
+    recordings = [Recording(fast, False), Recording(type(fast)("slow", slow.time[::4], channels), True)]
+    result = identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
+    held_out = {one.channel: one for one in result.validation if one.held_out}
+    assert held_out["base.mx"].rmse_identified < 0.5 * held_out["base.mx"].rmse_prior

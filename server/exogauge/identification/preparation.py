@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
 THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
+WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
 RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
 GYRO_SHARE = (
@@ -147,6 +148,10 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     if missing:
         advice = "Add the column, or describe the robot without it in robot.yaml."
         raise BadLog([Fault("this column is missing", "missing_channel", advice, log.name, column=m) for m in missing])
+    if cutoff_hz > WIDEST * log.rate_hz:
+        detail = f"{log.rate_hz:.4g} Hz is too slow for the cut-off of {cutoff_hz:.3g} Hz that the other logs call for"
+        advice = f"Log at {cutoff_hz / WIDEST:.0f} Hz or more, or set a lower cutoff_hz."
+        raise BadLog(Fault(detail, "rate_too_low", advice, log.name, column="t"))
     low_pass = LowPass(cutoff_hz, log.rate_hz)
     names = [joint.name for joint in robot.joints]
     raw_q = log.stack([f"q.{name}" for name in names])
@@ -160,8 +165,9 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     for index, sensor in enumerate(contacts):
         raw_wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
     axis_velocity = dq @ C.T
-    fine_velocity = differentiate(LowPass(at_rest.cutoff_hz, log.rate_hz).apply(raw_q), log.rate_hz) @ C.T
-    direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / at_rest.cutoff_hz))
+    finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
+    fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
+    direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / finest.cutoff_hz))
     smooth_direction = low_pass.apply(direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(low_pass.settle_samples, log.samples // 10)
