@@ -49,8 +49,8 @@ class Expectation:
     """What a log of this robot should look like; whatever is None or empty is not checked.
 
     rate_hz: as declared. joints: by name. weight_n: total mass x g [N]. contacts: sign of each contact sensor that
-    carries the standing robot (+1: world on robot). actuation: `current` or `torque` by joint. noise: std by channel
-    kind, as in robot.yaml. up_in_imu: (3,) the upward direction in the IMU frame while the robot stands.
+    carries the standing robot (+1: world on robot). actuation: `current`, `torque` or `none` by joint. noise: std
+    by channel kind, as in robot.yaml. up_in_imu: (3,) the upward direction in the IMU frame while the robot stands.
     """
 
     rate_hz: float | None = None

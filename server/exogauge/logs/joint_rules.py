@@ -31,10 +31,10 @@ MOVES = 5.0  # times the noise of its derivative: only then is there a velocity 
 
 
 def joint_missing(log: Log, expected: Expectation) -> Iterator[Finding]:
-    """Every actuated joint needs its position, and its current or torque as the robot's description says."""
+    """Every joint needs its position, and its current or torque where the robot's description says there is one."""
+    effort = {"current": ("i",), "torque": ("tau",), "none": ()}
     for joint, actuation in expected.actuation.items():
-        effort = "i" if actuation == "current" else "tau"
-        for channel in (f"q.{joint}", f"{effort}.{joint}"):
+        for channel in (f"{kind}.{joint}" for kind in ("q", *effort[actuation])):
             if channel not in log.channels:
                 advice = "map the column that holds it, or correct the joint's name or actuation in robot.yaml"
                 yield Finding("warning", channel, "joint_missing", "is expected but not in the log", advice)

@@ -58,7 +58,8 @@ def read_mapped(
     times = _common_origin([time for time, _ in parts], mapping, [file for file, _ in matched])
     logs = [Log(file, time, channels) for (file, _), time, (_, channels) in zip(matched, times, parts, strict=True)]
     log = _join(logs, mapping.rate_hz, name, allow_gaps)
-    channels = joint_side(log.channels, _motor_offsets(mapping), joints, motor_from_joint)
+    channels = dict(joint_side(log.channels, _motor_offsets(mapping), joints, motor_from_joint))
+    channels |= {channel: np.full(log.samples, value) for channel, value in mapping.constants}
     label = ", ".join(file for file, _ in matched)
     if rows is None:
         cut(log.time, None, label)
@@ -109,8 +110,28 @@ def _targets(mapping: LogMapping, joints: Sequence[str]) -> list[list[list[Chann
             faults.append(_unit_fault(each.clock.unit, ("time",), each.file, "t"))
     if not seen and not faults:
         faults.append(Fault("the mapping fills no channel", "no_channels", "", mapping.files[0].file))
+    faults += _constant_faults(mapping, joints, seen)
     refuse(faults)
     return targets
+
+
+def _constant_faults(mapping: LogMapping, joints: Sequence[str], seen: set[str]) -> list[Fault]:
+    faults = list[Fault]()
+    for name, value in mapping.constants:
+        try:
+            channel = parse_channel(name)
+        except BadLog as bad:
+            faults += bad.faults
+            continue
+        if name in seen or channel.kind == "t":
+            detail, advice = "a constant cannot stand for what a column fills", "Keep the column or the constant."
+            faults.append(Fault(detail, "constant_and_column", advice, column=name))
+        if channel.of_joint and channel.subject not in joints:
+            advice = f"Joints: {_some(joints)}."
+            faults.append(Fault("the robot has no such joint", "unknown_joint", advice, column=name))
+        if not np.isfinite(value):
+            faults.append(Fault("a constant must be a finite number", "not_finite", column=name, value=str(value)))
+    return faults
 
 
 def _target_faults(

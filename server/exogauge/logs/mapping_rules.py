@@ -127,19 +127,25 @@ class FileMapping:
 @final
 @dataclass(frozen=True)
 class LogMapping:
-    """One log out of one or several files. rate_hz: of the common clock, where the files' clocks differ."""
+    """One log out of one or several files. rate_hz: of the common clock, where the files' clocks differ.
+
+    constants: (channel, value [its SI unit, joint side]) of what no file holds and the user sets on purpose.
+    """
 
     files: tuple[FileMapping, ...]
     rate_hz: float | None = None
+    constants: tuple[tuple[str, float], ...] = ()
 
     @staticmethod
     def from_plain(plain: Mapping[str, Any]) -> LogMapping:
         """From what `dataclasses.asdict` and JSON make of a mapping; the inverse of `to_plain`."""
-        return LogMapping(tuple(_file(each) for each in plain["files"]), plain["rate_hz"])
+        constants = tuple((str(name), float(value)) for name, value in plain.get("constants", ()))
+        return LogMapping(tuple(_file(each) for each in plain["files"]), plain["rate_hz"], constants)
 
     def to_plain(self) -> dict[str, Any]:
         return {
             "rate_hz": self.rate_hz,
+            "constants": self.constants,
             "files": [
                 {
                     "file": each.file,

@@ -139,8 +139,10 @@ class JointPriorStd(_Part):
 
 
 class JointEntry(_Part):
+    """actuation none: the joint moves, its position is logged, and neither its current nor its torque."""
+
     name: Name
-    actuation: Literal["current", "torque"]
+    actuation: Literal["current", "torque", "none"]
     gear_ratio: Number | None = None
     prior: JointPrior = JointPrior()
     prior_std: JointPriorStd = JointPriorStd()
@@ -153,6 +155,8 @@ class JointEntry(_Part):
             raise ValueError("a current-actuated joint needs prior.k_T, not 0: joint torque per ampere [N·m/A]")
         if self.actuation == "torque" and self.prior.k_T not in (None, 1.0):
             raise ValueError("a torque-actuated joint has k_T = 1, known: leave prior.k_T out")
+        if self.actuation == "none" and self.prior.k_T is not None:
+            raise ValueError("no current of this joint is logged, so k_T has no meaning: leave prior.k_T out")
         return self
 
 

@@ -165,12 +165,13 @@ class FileEntry(_Part):
 
 
 class MappingFile(_Part):
-    """mapping.yaml"""
+    """mapping.yaml. constants: channel -> SI value, joint side, for what no file holds; set by the user on purpose."""
 
     version: Literal[1]
     name: str | None = None
     rate_hz: Positive | None = None
     rotations: dict[str, list[list[Number]]] = {}
+    constants: Annotated[dict[Word, Number], Field(max_length=500)] = {}
     files: Annotated[list[FileEntry], Field(min_length=1, max_length=50)]
 
 
@@ -184,7 +185,8 @@ def parse_mapping(data: bytes, file: str) -> LogMapping:
     faults = _faults(content, data, file)
     if faults:
         raise BadStudy(faults)
-    return LogMapping(tuple(_file(entry, content) for entry in content.files), content.rate_hz)
+    files = tuple(_file(entry, content) for entry in content.files)
+    return LogMapping(files, content.rate_hz, tuple(content.constants.items()))
 
 
 def _faults(content: MappingFile, data: bytes, file: str) -> list[Fault]:
@@ -208,6 +210,8 @@ def _faults(content: MappingFile, data: bytes, file: str) -> list[Fault]:
         if find_unit(name) is None:
             at(pointer, Fault(f"{name!r} is no unit known here", "unknown_unit", "docs/mapping.md lists them."))
 
+    for name in content.constants:
+        try_channel(name, ("constants", name))
     for n, entry in enumerate(content.files):
         if entry.time is not None:
             try_unit(entry.time.unit, ("files", n, "time", "unit"))

@@ -176,7 +176,8 @@ def read_recordings(study: Study) -> list[Recording]:
 def needed_channels(robot: Robot) -> tuple[str, ...]:
     """Every channel that the robot's equations of motion need."""
     names = [f"q.{joint.name}" for joint in robot.joints]
-    names += [f"{'i' if joint.actuation == 'current' else 'tau'}.{joint.name}" for joint in robot.joints]
+    effort = {"current": "i", "torque": "tau"}
+    names += [f"{effort[joint.actuation]}.{joint.name}" for joint in robot.joints if joint.actuation != "none"]
     if robot.floating:
         names += [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
     for sensor in robot.sensors:

@@ -160,6 +160,11 @@ def _refuse_repeated(entry: RobotFile, page: _Page) -> None:
         if written is not None and not np.isclose(written, own, rtol=1e-6):
             detail = f"joint {name!r} has gear_ratio {written:g}, but its motor's own entry in the matrix is {own:g}"
             raise page.fault(detail, "gear_mismatch", ("transmission", "matrix", k), "Make them equal.", f"{own:g}")
+    unlogged = [joint.name for joint in entry.joints if joint.actuation == "none" and joint.name in transmission.joints]
+    if unlogged and len(unlogged) < len(transmission.joints):
+        detail = f"the motors of coupled joints share their torque, but that of {unlogged[0]!r} is not logged"
+        advice = "Give all of them `actuation: none`, or log them all."
+        raise page.fault(detail, "coupled_and_not_logged", ("transmission", "joints"), advice, unlogged[0])
     block = np.array(transmission.matrix)
     if np.linalg.matrix_rank(block / np.abs(block).max(axis=1, keepdims=True)) < len(block):
         raise page.fault("the coupling matrix cannot be inverted", "singular_matrix", ("transmission", "matrix"))
