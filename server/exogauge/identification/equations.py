@@ -191,8 +191,3 @@ def _signals(prepared: Prepared, samples: IntArray) -> list[JointSignals]:
         JointSignals(drive[axis], velocity[axis], acceleration[axis], direction[axis], rest[axis], still)
         for axis in range(len(drive))
     ]
-
-
-def external_effect(robot: Robot, q: Array, wrenches: Array) -> Array:
-    """`ContactPaths.effect` of one robot: (T, rows) from q (T, J) and wrenches (T, S, 6)."""
-    return ContactPaths(robot).effect(q, wrenches)

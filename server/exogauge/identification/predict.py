@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.equations import CHUNK, Equations, external_effect
+from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.equations import CHUNK, Equations
 from exogauge.identification.preparation import Prepared
-from exogauge.robots.regressor import inverse_dynamics
 
 Array = NDArray[np.float64]
 
@@ -45,9 +45,9 @@ def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> M
     robot = equations.robot
     channels: dict[str, Array] = {}
     if robot.floating:
-        wrench = np.empty((prepared.log.samples, 6))
+        wrench, contacts = np.empty((prepared.log.samples, 6)), ContactPaths(robot)
         for which in _chunks(prepared.log.samples):
-            wrench[which] = external_effect(robot, prepared.motion.q[which], prepared.raw_wrenches[which])[:, :6]
+            wrench[which] = contacts.effect(prepared.motion.q[which], prepared.raw_wrenches[which])[:, :6]
         channels.update(zip(BASE_CHANNELS, wrench.T, strict=True))
     torque = (prepared.raw_drive * k_T) @ robot.axes_from_joints
     for index, joint in enumerate(robot.joints):
@@ -62,32 +62,54 @@ def predicted_channels(equations: Equations, prepared: Prepared, parameters: Par
     At rest static friction is τ_s with the sign of the low-passed residual torque ([Evaluator] (8)-(9)): there the
     prediction knows from the measurement which way the joint sticks, and nothing more.
     """
-    robot = equations.robot
-    first, axes = equations.first_axis, len(robot.joints)
-    gain = [k for k, effect in enumerate(equations.effects) if effect.name == "motor_gain"]
-    predicted = np.empty((prepared.log.samples, first + axes))
-    to_axes = np.linalg.inv(robot.axes_from_joints)
+    return predictions(equations, prepared, [parameters])[0]
+
+
+def predictions(
+    equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]
+) -> list[Mapping[str, Array]]:
+    """`predicted_channels` of several parameter sets; the rows of the equations are built once for all."""
+    robot, rows, first = equations.robot, equations.blocks, equations.first_axis
+    phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
+    predicted = np.empty((len(alternatives), len(rows.columns), prepared.log.samples))
+    contacts, blocks = ContactPaths(robot), None
     for which in _chunks(prepared.log.samples):
-        rigid = inverse_dynamics(robot.tree, prepared.motion.rows(which), parameters.phi)
-        external = external_effect(robot, prepared.motion.q[which], prepared.wrenches[which])
-        predicted[which, :first] = rigid[:, :first]
-        needed = rigid[:, first:] @ to_axes - external[:, first:]
-        for axis in range(axes):
-            xi = parameters.xi[axis].copy()
-            drive = sum(xi[k] for k in gain) * prepared.drive[which, axis]
-            xi[gain] = 0.0
-            zero = np.zeros(len(needed))
-            smooth = prepared.raw_signals(axis, which, zero)
-            others = sum(e.column(smooth) * c for e, c in zip(equations.effects, xi, strict=True))
-            r = drive + others - needed[:, axis]
-            signals = prepared.raw_signals(axis, which, smooth.rest * np.sign(r))
-            torque = sum(e.column(signals) * c for e, c in zip(equations.effects, xi, strict=True))
-            predicted[which, first + axis] = needed[:, axis] - torque
-    channels = dict(zip(BASE_CHANNELS, predicted[:, :6].T, strict=True)) if first else {}
-    on_joints = predicted[:, first:] @ robot.axes_from_joints
-    for index, joint in enumerate(robot.joints):
+        motion = prepared.motion.rows(which)
+        blocks = rows.fill(motion, 0, blocks)
+        external = contacts.effect(motion.q, prepared.wrenches[which]).T
+        for one, phi_base, parameters in zip(predicted, phi, alternatives, strict=True):
+            for kind, (block, columns) in enumerate(zip(blocks, rows.columns, strict=True)):
+                one[kind, which] = block @ phi_base[columns]
+            one[first:, which] -= external[first:]
+            for axis, needed in enumerate(one[first:, which]):
+                needed -= _friction_and_offset(equations, prepared, parameters, axis, which, needed)
+    return [_named(equations, one) for one in predicted]
+
+
+def _friction_and_offset(
+    equations: Equations, prepared: Prepared, parameters: Parameters, axis: int, which: slice, needed: Array
+) -> Array:
+    """(n,) torque that all effects but the motor's own give. needed: (n,) Y_j φ - F_j."""
+    model = list(zip(equations.effects, parameters.xi[axis], strict=True))
+    gain = sum(c for effect, c in model if effect.name == "motor_gain")
+    others = [(effect, c) for effect, c in model if effect.name != "motor_gain"]
+    signals, none = prepared.raw_signals(axis, which, np.zeros(len(needed))), np.zeros(len(needed))
+    torque = sum((effect.column(signals) * c for effect, c in others), start=none)
+    if not signals.rest.any():
+        return torque
+    r = gain * prepared.drive[which, axis] + torque - needed
+    signals = replace(signals, stick=signals.rest * np.sign(r))
+    return sum((effect.column(signals) * c for effect, c in others), start=none)
+
+
+def _named(equations: Equations, predicted: Array) -> Mapping[str, Array]:
+    """predicted: (rows, T), axis torques on actuator axes; joint torques of the joints whose drive is logged."""
+    robot, first = equations.robot, equations.first_axis
+    channels = dict(zip(BASE_CHANNELS, predicted[:first], strict=True)) if first else {}
+    on_joints = robot.axes_from_joints.T @ predicted[first:]
+    for joint, torque in zip(robot.joints, on_joints, strict=True):
         if joint.actuation != "none":
-            channels[f"tau.{joint.name}"] = on_joints[:, index]
+            channels[f"tau.{joint.name}"] = torque
     return channels
 
 

@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
-from exogauge.identification.predict import BASE_CHANNELS, Parameters, measured_channels, predicted_channels
+from exogauge.identification.predict import (
+    BASE_CHANNELS,
+    Parameters,
+    measured_channels,
+    predicted_channels,
+    predictions,
+)
 from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
 from exogauge.identification.result import ChannelFit, Prediction
 from exogauge.logs.model import Log
@@ -25,13 +31,14 @@ def predict_log(
 ) -> Prediction:
     """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified."""
     measured = measured_channels(equations, prepared, k_T)
+    predicted, predicted_prior = predictions(equations, prepared, [identified, prior])
     return Prediction(
         log=prepared.log.name,
         held_out=held_out,
         time=prepared.log.time,
         measured=measured,
-        predicted=predicted_channels(equations, prepared, identified),
-        predicted_prior=predicted_channels(equations, prepared, prior),
+        predicted=predicted,
+        predicted_prior=predicted_prior,
         units={name: "N" if name.startswith("base.f") else "N·m" for name in measured},
     )
 
