@@ -199,6 +199,29 @@ def test_the_faulty_cell_of_a_foreign_file_is_named_in_its_own_words(tmp_path: P
     assert np.isnan(one(path, column("x", "q.a", "rad"), allow_gaps=True).channels["q.a"][4])
 
 
+def test_a_constant_fills_what_no_column_does_and_never_stands_in_for_one(tmp_path: Path) -> None:
+    path = table(tmp_path, {"p": np.linspace(0.0, 1.0, T), "z": np.full(T, 330.0)})
+    part = FileMapping(path.name, SAME, (column("p", "q.a", "rad"), column("z", "ft.foot.fz", "N")))
+
+    def read(*constants: tuple[str, float]) -> Log:
+        mapping = LogMapping.from_plain(json.loads(json.dumps(LogMapping((part,), None, constants).to_plain())))
+        return read_mapped({path.name: path}, mapping, joints=("a",), motor_from_joint=None, name="log", rows=(5, 15))
+
+    log = read(("ft.foot.fx", 0.0), ("ft.foot.my", -2.0))
+    np.testing.assert_array_equal(log.stack(["ft.foot.fx", "ft.foot.fz", "ft.foot.my"]), [[0.0, 330.0, -2.0]] * 10)
+    for name, value, rule in (
+        ("ft.foot.fz", 0.0, "constant_and_column"),
+        ("t", 0.0, "constant_and_column"),
+        ("q.b", 0.0, "unknown_joint"),
+        ("q.a.b", 0.0, "unknown_joint"),
+        ("foot", 0.0, "unknown_channel"),
+        ("acc.x", float("nan"), "not_finite"),
+    ):
+        with pytest.raises(BadLog) as caught:
+            read((name, value))
+        assert [fault.rule for fault in caught.value.faults] == [rule]
+
+
 def test_rows_are_cut_after_time_is_counted(tmp_path: Path) -> None:
     log = one(table(tmp_path, {"x": np.arange(float(T))}), column("x", "q.a", "rad"), rows=(5, 18))
     assert log.samples == 13

@@ -86,6 +86,13 @@ def test_a_broken_study_names_its_line(old: str, new: str, row: int, column: str
         ("prior_std: {k_T: 1}", "prior_std: {k_T: 0}", 9, "joints.0.prior_std.k_T", "greater than 0"),
         ("gear_ratio: 100", "gear_ratio: 0", 9, "joints.0", "cannot be 0"),
         ("actuation: torque}", "actuation: torque, prior: {k_T: 2}}", 10, "joints.1", "known"),
+        (
+            "actuation: torque}",
+            "actuation: none, prior: {k_T: 1}}",
+            10,
+            "joints.1",
+            "no current of this joint is logged",
+        ),
         ("sees: world_on_robot", "sees: world_on_robots", 7, "ft_sensors.0.sees", "Did you mean 'world_on_robot'"),
         ("[[45, 0], [32, 32]]", "[[45, 0], [32]]", 11, "transmission", "2 x 2"),
         ("[[45, 0], [32, 32]]", "[[0, 45], [32, 32]]", 11, "transmission", "cannot be 0"),

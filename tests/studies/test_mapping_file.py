@@ -77,6 +77,8 @@ def test_every_key_arrives_in_the_mapping(tmp_path: Path) -> None:
         ("[ax, ay, az]", "[ax, ay]", 9, "files.0.vectors.0.columns"),
         ("order: couple_first, ", "", 11, "files.0.wrenches.0.order"),
         ("version: 1", "version: 2", 1, "version"),
+        ("files:", "constants: {ft.foot.f: 0}\nfiles:", 2, "constants.ft.foot.f"),
+        ("files:", "constants: {acc.x: none}\nfiles:", 2, "constants.acc.x"),
     ],
 )
 def test_a_fault_names_its_place_and_line(wrong: str, right: str, row: int, place: str) -> None:
@@ -89,6 +91,11 @@ def test_a_file_has_either_a_time_column_or_a_rate() -> None:
     (neither,) = faults(SMALL.replace("    time: {column: time, unit: ms}\n", "", 1))
     assert both.detail == neither.detail
     assert "rate_hz" in both.detail
+
+
+def test_constants_arrive_in_the_mapping() -> None:
+    text = SMALL.replace("files:", "constants: {ft.hand.fx: 0, ft.hand.fz: -1.5}\nfiles:", 1)
+    assert parse_mapping(text.encode(), "m").constants == (("ft.hand.fx", 0.0), ("ft.hand.fz", -1.5))
 
 
 def test_rotations_may_be_named_or_written_out() -> None:
@@ -132,7 +139,9 @@ def test_the_humanoid_of_example_2_weighs_what_its_feet_say() -> None:
     (positions,) = [rule for rule in mapping.files[0].rules if isinstance(rule, Values) and len(rule.channels) > 1]
     joints = [name.removeprefix("q.") for name in positions.channels]
     log = read_mapped({"walking.mat": path}, mapping, joints=joints, motor_from_joint=None, name="walk")
-    assert (log.samples, len(joints)) == (1188, 26)
+    assert (log.samples, len(joints)) == (1200, 26)  # 1188 stamps between 0.2 and 27 ms apart, brought to 100 Hz
+    assert np.ptp(np.diff(log.time)) < 1e-9
+    assert not log.stack(["ft.l_foot.fx", "ft.r_foot.mz"]).any()
     assert np.linalg.norm(log.stack(["acc.x", "acc.y", "acc.z"]), axis=1).mean() == pytest.approx(10.01, abs=0.01)
     assert (log.channels["ft.l_foot.fz"] + log.channels["ft.r_foot.fz"]).mean() == pytest.approx(329.6, abs=0.1)
 

@@ -60,6 +60,13 @@ def test_a_fixed_base_finds_its_root(rewrite: Rewrite) -> None:
     assert not any(name.startswith(("acc", "gyro")) for name in needed_channels(robot))
 
 
+def test_a_joint_without_logged_torque_needs_its_position_only(rewrite: Rewrite) -> None:
+    text = "{name: torso_yaw, actuation: current, gear_ratio: 100, prior: {k_T: 5.0, tau_c: 1}, prior_std: {k_T: 1.0}}"
+    robot = load_robot(rewrite("robot.yaml", text, "{name: torso_yaw, actuation: none}"))
+    assert robot.joints[0].actuation == "none"
+    assert [name for name in needed_channels(robot) if name.endswith(".torso_yaw")] == ["q.torso_yaw"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "row", "words"),
     [
@@ -71,6 +78,7 @@ def test_a_fixed_base_finds_its_root(rewrite: Rewrite) -> None:
         ("joints: [torso_pitch, r_elbow]", "joints: [torso_pitch, l_elbow]", 13, "Did you mean 'r_elbow'"),
         ("[[45.0, 0.0]", "[[44.0, 0.0]", 14, "Make them equal"),
         ("[32.0, 32.0]]", "[32.0, -32.0]]", 14, "Make them equal"),
+        ("elbow, actuation: torque", "elbow, actuation: none", 13, "that of 'r_elbow' is not logged"),
         ("chest_1: 0.1", "chest: 0.1", 16, "Did you mean 'chest_"),
         ("chest_1: 0.1", "imu_link: 0.1", 16, "fixed to 'BODY'"),
         ("{name: r_elbow,", "{name: torso_yaw,", 11, "twice"),
