@@ -70,17 +70,19 @@ def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weigh
     """The uniform weights of [Evaluator] (16)-(17): one for φ, one for each kind of joint parameter.
 
     Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j). All w are 1 here, the
-    common factor is the prior's strength; reflected inertia weighs like viscous friction, by its own Λ.
+    common factor is the prior's strength; reflected inertia weighs like viscous friction, by its own Λ. An effect that
+    no row sees (no torque was logged) keeps the spread of `per_parameter`.
     """
     G, _, _ = statistics.normal(weights)
     D, inertial, B, K = prior.seen, equations.robot.tree.phi.size, equations.base_size, len(equations.effects)
     regroup = D[:B, :inertial]
     largest = np.linalg.eigvalsh(regroup.T @ G[:B, :B] @ regroup)[-1]
-    information = np.maximum(np.diag(G)[B:].reshape(-1, K).max(axis=0), 1e-300)  # σ_max of Λ_T, Λ_d, both diagonal
+    information = np.diag(G)[B:].reshape(-1, K).max(axis=0)  # σ_max of Λ_T, Λ_d, both diagonal
     signs = [k for k, effect in enumerate(equations.effects) if effect.coefficient.name in ("tau_c", "tau_s", "tau_o")]
     information[signs] = statistics.count.max() * weights[equations.first_axis :].max()
     std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
-    std[inertial:] = np.tile(1.0 / np.sqrt(information), len(equations.robot.joints))
+    uniform = np.tile(1.0 / np.sqrt(np.where(information > 0.0, information, 1.0)), len(equations.robot.joints))
+    std[inertial:] = np.where(np.tile(information > 0.0, len(equations.robot.joints)), uniform, prior.std[inertial:])
     return Prior(prior.mean, np.where(prior.std == 0.0, 0.0, std), D)
 
 
