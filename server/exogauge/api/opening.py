@@ -1,53 +1,25 @@
 """The child process that opens an uploaded bundle: study, robot or log. Its one answer is a summary or the faults.
 
-Run by `checking` as `python -I -m exogauge.api.opening`: a request on standard input, `answer.json` in its own folder.
+Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder of its own.
 """
 
 from __future__ import annotations
 
-import json
 import sys
-import traceback
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-ANSWER = "answer.json"
+from exogauge.sandbox.answering import serve
 
 
-def main() -> int:
-    from exogauge.sandbox.limits import Limits
-
-    request = json.load(sys.stdin)
-    Limits(**request["limits"]).apply()
-    Path(ANSWER).write_text(json.dumps(answer(request), allow_nan=False))
-    return 0
-
-
-def answer(request: dict[str, Any]) -> dict[str, Any]:
-    from exogauge.errors import BadInput
-
-    try:
-        tasks: dict[str, Callable[..., dict[str, Any]]] = {"study": study, "robot": robot, "log": log}
-        task = tasks[request["task"]]
-        return {"result": task(Path(request["folder"]), **request["options"])}
-    except BadInput as bad:
-        return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
-    except MemoryError:
-        return {"error": "MemoryError"}
-    except Exception as problem:  # the child's last door: nothing may leave it but an answer
-        traceback.print_exc()
-        return {"error": "Unforeseen", "kind": type(problem).__name__}
-
-
-def study(folder: Path) -> dict[str, Any]:
+def study(folder: str) -> dict[str, Any]:
     """study.yaml, what it names, and every log from its first row to its last; one log in memory at a time."""
     from exogauge.errors import BadInput, BadLog, Fault
     from exogauge.studies.open import missing_columns, open_study
     from exogauge.studies.read_log import read_entry
     from exogauge.studies.robot_file import motor_from_joint
 
-    with open_study(folder) as opened:
+    with open_study(Path(folder)) as opened:
         logs, faults = [], list[Fault]()
         gears = motor_from_joint(opened.robot_file)
         for entry, name in zip(opened.file.logs, opened.log_names, strict=True):
@@ -69,15 +41,15 @@ def study(folder: Path) -> dict[str, Any]:
         }
 
 
-def robot(folder: Path, file: str) -> dict[str, Any]:
+def robot(folder: str, file: str) -> dict[str, Any]:
     from exogauge.studies.bundle import Bundle
     from exogauge.studies.robot_file import read_robot
 
-    described, entry, _ = read_robot(Bundle(folder, file), file)
+    described, entry, _ = read_robot(Bundle(Path(folder), file), file)
     return {"urdf": entry.urdf, **about(described)}
 
 
-def log(folder: Path, file: str, mapping: str | None, robot: str | None) -> dict[str, Any]:
+def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[str, Any]:
     """The log `file`, read through `mapping` where given; with a robot's joints and gears, else with the mapping's own
     joint names and gears of 1 (enough to find what is broken, not to evaluate)."""
     import numpy as np
@@ -89,18 +61,19 @@ def log(folder: Path, file: str, mapping: str | None, robot: str | None) -> dict
     from exogauge.studies.read_log import known_gears
     from exogauge.studies.robot_file import motor_from_joint, read_robot
 
+    here = Path(folder)
     if mapping is None:
-        read = read_log(folder / file, file, file=file)
+        read = read_log(here / file, file, file=file)
         return {"channels": list(read.channels), **span(read)}
-    rules = parse_mapping((folder / mapping).read_bytes(), mapping)
+    rules = parse_mapping((here / mapping).read_bytes(), mapping)
     if robot is None:
         joints = joints_of(rules)
         gears = np.eye(len(joints))
     else:
-        _, entry, _ = read_robot(Bundle(folder, robot), robot)
+        _, entry, _ = read_robot(Bundle(here, robot), robot)
         joints = [joint.name for joint in entry.joints]
         gears = known_gears(rules, entry, motor_from_joint(entry), mapping)
-    read = read_mapped({file: folder / file}, rules, joints=joints, motor_from_joint=gears, name=file)
+    read = read_mapped({file: here / file}, rules, joints=joints, motor_from_joint=gears, name=file)
     return {"channels": list(read.channels), **span(read)}
 
 
@@ -129,4 +102,4 @@ def span(read: Any) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(serve({"study": study, "robot": robot, "log": log}))

@@ -1,53 +1,29 @@
-"""The child process: one request on standard input, one answer in `answer.json`, then the end.
+"""The child process that reads a log or a URDF.
 
 Run as `python -I -m exogauge.sandbox.child` in a temporary folder of its own. What it imports, it imports for its
-task alone, after its limits are set.
+task alone, after its limits are set (`answering`).
 """
 
 from __future__ import annotations
 
-import errno
-import json
 import sys
-import traceback
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.protocol import ANSWER, LOG, URDF
+from exogauge.sandbox.answering import serve
+from exogauge.sandbox.protocol import LOG, URDF
 
 
-def main() -> int:
-    request = json.load(sys.stdin)
-    from exogauge.sandbox.limits import Limits
-
-    Limits(**request["limits"]).apply()
-    Path(ANSWER).write_text(json.dumps(answer(request)))
-    return 0
-
-
-def answer(request: dict[str, Any]) -> dict[str, Any]:
-    """The result, the faults of the input, or the name of what stopped the child (traced on standard error)."""
-    from exogauge.errors import BadInput
-
-    try:
-        task = {"log": _log, "robot": _robot}[request["task"]]
-        return {"result": task(request)}
-    except BadInput as bad:
-        return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
-    except MemoryError:
-        return {"error": "MemoryError"}
-    except ImportError as problem:
-        traceback.print_exc()
-        return {"error": "MemoryError" if "failed to map" in str(problem) else "Unforeseen"}
-    except OSError as problem:
-        traceback.print_exc()
-        return {"error": {errno.EFBIG: "FileTooLarge", errno.ENOSPC: "NoSpace"}.get(problem.errno or 0, "Unforeseen")}
-    except Exception:  # the child's last door: nothing may leave it but an answer
-        traceback.print_exc()
-        return {"error": "Unforeseen"}
-
-
-def _log(request: dict[str, Any]) -> dict[str, Any]:
+def _log(
+    name: str,
+    paths: Mapping[str, str],
+    mapping: dict[str, Any] | None,
+    joints: Sequence[str],
+    motor_from_joint: Sequence[Sequence[float]] | None,
+    rows: tuple[int, int] | None,
+    allow_gaps: bool,
+) -> dict[str, Any]:
     import numpy as np
     import pyarrow as pa
 
@@ -57,21 +33,19 @@ def _log(request: dict[str, Any]) -> dict[str, Any]:
     from exogauge.logs.reading import read_log
 
     pa.set_cpu_count(1)
-    paths = {name: Path(path) for name, path in request["paths"].items()}
-    rows = None if request["rows"] is None else (int(request["rows"][0]), int(request["rows"][1]))
-    if request["mapping"] is None:
+    rows = None if rows is None else (int(rows[0]), int(rows[1]))
+    if mapping is None:
         ((file, path),) = paths.items()
-        log = read_log(path, request["name"], rows, file=file, allow_gaps=request["allow_gaps"])
+        log = read_log(Path(path), name, rows, file=file, allow_gaps=allow_gaps)
     else:
-        matrix = request["motor_from_joint"]
         log = read_mapped(
-            paths,
-            LogMapping.from_plain(request["mapping"]),
-            joints=request["joints"],
-            motor_from_joint=None if matrix is None else np.array(matrix, dtype=np.float64),
-            name=request["name"],
+            {file: Path(path) for file, path in paths.items()},
+            LogMapping.from_plain(mapping),
+            joints=joints,
+            motor_from_joint=None if motor_from_joint is None else np.array(motor_from_joint, dtype=np.float64),
+            name=name,
             rows=rows,
-            allow_gaps=request["allow_gaps"],
+            allow_gaps=allow_gaps,
         )
     write_log(log, Path(LOG))
     return {
@@ -83,24 +57,19 @@ def _log(request: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _robot(request: dict[str, Any]) -> dict[str, Any]:
+def _robot(
+    joints: Sequence[str] | None, base_link: str, floating: bool, cut_frames: Sequence[str], file: str
+) -> dict[str, Any]:
     from exogauge.robots.urdf import load_tree
     from exogauge.robots.urdf_check import check_urdf
 
-    urdf, file = Path(URDF).read_bytes(), request["file"]
+    urdf = Path(URDF).read_bytes()
     check_urdf(urdf, file)
-    if request["joints"] is None:
+    if joints is None:
         return {"bodies": [], "joints": [], "mass": None}
-    tree = load_tree(
-        urdf,
-        joints=request["joints"],
-        base_link=request["base_link"],
-        floating=request["floating"],
-        cut_frames=request["cut_frames"],
-        file=file,
-    )
+    tree = load_tree(urdf, joints=joints, base_link=base_link, floating=floating, cut_frames=cut_frames, file=file)
     return {"bodies": list(tree.bodies), "joints": list(tree.joints), "mass": tree.mass}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(serve({"log": _log, "robot": _robot}))

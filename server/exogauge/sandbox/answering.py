@@ -1,0 +1,46 @@
+"""The child's end of `asking`: one request on standard input, one answer in `answer.json`, then the end."""
+
+from __future__ import annotations
+
+import errno
+import json
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from exogauge.sandbox.protocol import ANSWER
+
+Tasks = Mapping[str, Callable[..., dict[str, Any]]]
+
+
+def serve(tasks: Tasks) -> int:
+    """Exit code. What a task imports, it imports itself, after the limits are set."""
+    request = json.load(sys.stdin)
+    from exogauge.sandbox.limits import Limits
+
+    Limits(**request["limits"]).apply()
+    Path(ANSWER).write_text(json.dumps(_answer(tasks, request), allow_nan=False))
+    return 0
+
+
+def _answer(tasks: Tasks, request: dict[str, Any]) -> dict[str, Any]:
+    """The result, the faults of the input, or the name of what stopped the child (traced on standard error)."""
+    from exogauge.errors import BadInput
+
+    try:
+        return {"result": tasks[request["task"]](**request["options"])}
+    except BadInput as bad:
+        return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
+    except MemoryError:
+        return {"error": "MemoryError"}
+    except ImportError as problem:
+        traceback.print_exc()
+        return {"error": "MemoryError" if "failed to map" in str(problem) else "Unforeseen"}
+    except OSError as problem:
+        traceback.print_exc()
+        return {"error": {errno.EFBIG: "FileTooLarge", errno.ENOSPC: "NoSpace"}.get(problem.errno or 0, "Unforeseen")}
+    except Exception:  # the child's last door: nothing may leave it but an answer
+        traceback.print_exc()
+        return {"error": "Unforeseen"}

@@ -1,0 +1,138 @@
+"""Put one request to a short-lived child process, and turn whatever becomes of it into a result or an error that helps.
+
+The other end is `answering`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import logging
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy, Fault, TooLarge, Unavailable
+from exogauge.sandbox.limits import Limits
+from exogauge.sandbox.protocol import ANSWER
+
+log = logging.getLogger(__name__)
+
+MAX_ANSWER = 8 << 20
+ERRORS: Mapping[str, type[BadInput]] = {
+    each.__name__: each for each in (BadInput, BadLog, BadRobot, BadStudy, TooLarge)
+}
+
+
+def ask(
+    module: str,
+    task: str,
+    options: Mapping[str, Any],
+    folder: Path,
+    limits: Limits,
+    error: type[BadInput],
+    what: str = "file",
+    file: str | None = None,
+) -> dict[str, Any]:
+    """The result of one task of `module`, run in `folder`, where it may leave files.
+
+    error: the class for input that brings the child down. what, file: how the user knows the input.
+    """
+    request = {"task": task, "options": options, "limits": dataclasses.asdict(limits)}
+    code, trace = _run(module, json.dumps(request), folder, limits.wall_s, what, file)
+    answer = _read_answer(folder / ANSWER)
+    if code == 0 and "result" in answer:
+        return dict(answer["result"])
+    if code == 0 and answer.get("error") in ERRORS:
+        raise ERRORS[answer["error"]]([Fault(**fault) for fault in answer["faults"]])
+    stop = answer.get("error", "none")
+    log.warning("reading %s: child ended with %s, answer %s; %s", file or f"a {what}", code, stop, trace)
+    if stop == "NoSpace":
+        raise Unavailable(f"there is no space left for reading the {what}")
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise TooLarge(_fault(f"reading the {what} takes too long or too much memory", "time_limit", file))
+    if code == -signal.SIGXFSZ or stop == "FileTooLarge":
+        raise TooLarge(_fault(f"the {what} unpacks to too many bytes", "too_many_bytes", file))
+    if stop == "MemoryError" or "bad_alloc" in trace or "MemoryError" in trace:
+        raise TooLarge(_fault(f"reading the {what} takes too much memory", "memory_limit", file))
+    raise error(
+        Fault(
+            f"the {what} cannot be read: its reader failed on it"
+            if code == 0
+            else f"the {what} makes its reader crash",
+            "unreadable_file" if code == 0 else "reader_crashed",
+            "It is damaged or not what its format promises; export it again.",
+            file,
+        )
+    )
+
+
+def _run(module: str, request: str, folder: Path, wall_s: float, what: str, file: str | None) -> tuple[int, str]:
+    """Exit code and the end of standard error."""
+    with (folder / "stderr").open("w+b") as trace:
+        try:
+            child = subprocess.Popen(
+                [sys.executable, "-I", "-X", "faulthandler", "-m", module],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=trace,
+                cwd=folder,
+                env=_environment(folder),
+                start_new_session=True,
+                close_fds=True,
+            )
+        except OSError as problem:
+            raise Unavailable(
+                f"no process can be started to read {file or f'the {what}'}: {problem.strerror}"
+            ) from None
+        try:
+            child.communicate(request.encode(), timeout=wall_s)
+        except subprocess.TimeoutExpired:
+            raise TooLarge(_fault(f"reading the {what} takes more than {wall_s:g} s", "time_limit", file)) from None
+        finally:
+            _end(child)
+        trace.seek(max(0, trace.tell() - 4000))
+        return child.returncode, trace.read().decode("utf-8", "replace")
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """Kill the child and whatever it started: they share one session of their own."""
+    if child.poll() is None:
+        os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
+    if child.stdin is not None and not child.stdin.closed:
+        child.stdin.close()
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    """Nothing of the parent's environment; one thread; an allocator that does not reserve address space."""
+    return {
+        "PATH": "/usr/bin:/bin",
+        "HOME": str(folder),
+        "TMPDIR": str(folder),
+        "LANG": "C.UTF-8",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+        "ARROW_DEFAULT_MEMORY_POOL": "system",
+        "ARROW_IO_THREADS": "1",
+        "MALLOC_ARENA_MAX": "2",
+        "HDF5_PLUGIN_PATH": str(folder),
+    }
+
+
+def _read_answer(path: Path) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > MAX_ANSWER:
+            return {}
+        answer = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return answer if isinstance(answer, dict) else {}
+
+
+def _fault(detail: str, rule: str, file: str | None) -> Fault:
+    return Fault(detail, rule, "Split it, or hand in less of it.", file)
