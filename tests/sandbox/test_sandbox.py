@@ -98,7 +98,10 @@ def test_what_needs_more_than_its_limits_is_too_large(limits: Limits, rule: str,
 @pytest.mark.slow
 def test_a_reader_that_computes_too_long_is_stopped(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
-    path.write_text("t,q.a\n" + "0,x\n" * 40_000_000)
+    numbers = ",0.123456" * 100
+    with path.open("w") as table:
+        table.write("t," + ",".join(f"q.{k}" for k in range(100)) + "\n")
+        table.writelines(f"{k}{numbers}\n" for k in range(350_000))
     with pytest.raises(TooLarge) as caught:
         parse_log(request(path), Limits(cpu_s=1))
     assert caught.value.faults[0].rule == "time_limit"
