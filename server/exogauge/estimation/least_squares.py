@@ -46,6 +46,15 @@ class PriorLeastSquares:
         self.x[free] += step
         self.residual = float(np.sum((self.information @ step - offset) ** 2) + data.rest)
 
+    def shift(self, step: Array) -> None:
+        """Move the solution, and the data that it answers to, by step: (P,), to take off a known bias.
+
+        Parameters known exactly stay.
+        """
+        free = self.prior.free
+        self.x[free] += step[free]
+        self.target = self.target + self.information @ step[free]
+
     def covariance(self, meat: Array | None = None) -> Array:
         """(P, P) covariance of x about the truth.
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,23 +11,21 @@ from numpy.typing import NDArray
 from exogauge.effects.catalogue import choose
 from exogauge.errors import BadStudy, Fault
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.estimation.prior import Prior
-from exogauge.estimation.statistics import Form, Statistics
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
+from exogauge.identification.noise_bias import noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
 from exogauge.identification.preparation import Prepared, RestDetection, prepare, rest_detection
-from exogauge.identification.prior import as_printed, per_parameter, scales
-from exogauge.identification.ranges import solve_within_ranges
+from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
-from exogauge.identification.static_friction import Sticking, fill_static_friction
-from exogauge.identification.strength import choose_strength
+from exogauge.identification.solution import solve
+from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import fits, noise_floors, predict_log, rms
-from exogauge.identification.weights import first_weights, weigh
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
@@ -38,12 +34,10 @@ from exogauge.robots.row_blocks import row_blocks
 
 Array = NDArray[np.float64]
 
-PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
 SCALE_UNKNOWN = (
     "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
     "common factor, which the maker's values decide. Log a force/torque sensor, or move a known load, to fix it."
 )
-FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
 
 
 def identify(
@@ -71,19 +65,26 @@ def identify(
     fitted = [prepare(robot, log, cutoff_hz, at_rest) for log in fitted_logs]
     prior = per_parameter(robot, base, equations.effects, scales(robot, fitted))
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
-    solution = _solve(equations, fitted, prior, settings, progress)
+    solution = solve(equations, fitted, prior, settings, progress)
+
+    def fill_in(standard: Array) -> Array:
+        """Static friction to all else."""
+        x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
+        return np.concatenate([standard[: robot.tree.phi.size], clip_to_ranges(equations, x[equations.base_size :])])
+
     progress(0.75, "estimating the uncertainty")
     if solution.held:
         warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
     unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
-    covariance = solution.prior.lift_covariance(unbounded.covariance(meat))
-    standard = solution.solved.prior.lift(solution.sticking.x)
+    bias = noise_bias(equations, fitted, at_rest, solution)
+    covariance = solution.prior.lift_covariance(unbounded.covariance(meat) + np.outer(bias, bias))
+    solution.solved.shift(-bias)
+    standard = fill_in(solution.solved.prior.lift(solution.solved.x))
     if settings.consistency == "physical":
         progress(0.8, "making every link physically possible")
         standard, notes = possible_parameters(robot, solution.solved)
-        seen = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
-        standard[robot.tree.phi.size :] = seen[equations.base_size :]
+        standard = fill_in(standard)
         warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     predictions, validation = _validate(
@@ -116,65 +117,12 @@ def identify(
     )
 
 
-@final
-@dataclass(frozen=True)
-class Solution:
-    """What the sign passes end with. weights: (rows,) 1/variance. curve: (strength, held-out score).
-
-    held: names of joint parameters that stand at the edge of their physical range.
-    """
-
-    solved: PriorLeastSquares
-    statistics: Statistics
-    weights: Array
-    prior: Prior
-    strength: float
-    curve: tuple[tuple[float, float], ...]
-    held: tuple[str, ...]
-    sticking: Sticking
-
-
-def _solve(
-    equations: Equations,
-    fitted: Sequence[Prepared],
-    prior: Prior,
-    settings: Settings,
-    progress: Progress = lambda _fraction, _phrase: None,
-    passes: int = PASSES,
-) -> Solution:
-    x, strength = prior.seen_mean, settings.prior_strength or 1.0
-    curve: tuple[tuple[float, float], ...] = ()
-    form: Form = "gram" if settings.solver == "statistics" else "factor"
-    belief = prior
-    for number in range(passes):
-        folds: list[Statistics] = []
-        for index, prepared in enumerate(fitted):
-
-            def tick(fraction: float, done: int = number * len(fitted) + index) -> None:
-                progress(0.1 + 0.65 * (done + fraction) / (passes * len(fitted)), "collecting the equations")
-
-            folds += equations.collect(prepared, x, FOLDS, form, tick)
-        total = sum(folds[1:], folds[0])
-        if number == 0:
-            weights = first_weights(equations, total, prior)
-        if settings.prior == "as_printed":
-            belief = as_printed(equations, prior, total, weights)
-        weights = weigh(total, belief, strength, weights)
-        if settings.prior_strength is None and number == passes - 1:
-            strength, curve = choose_strength(folds, weights, belief, settings.prior)
-            weights = weigh(total, belief, strength, weights)
-        solved, held = solve_within_ranges(equations, total, weights, belief, strength)
-        sticking = fill_static_friction(equations, total, prior, solved.x)
-        x = sticking.x
-    return Solution(solved, total, weights, belief, strength, curve, held, sticking)
-
-
 def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
     """Mean log share of the unfiltered channels of `log` that one quick solution leaves unexplained."""
     robot = equations.robot
     prepared = prepare(robot, log, cutoff_hz, rest_detection(robot, [log], cutoff_hz))
     prior = per_parameter(robot, equations.base, equations.effects, scales(robot, [prepared]))
-    solution = _solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
+    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
     parameters = split(equations, solution.solved.prior.lift(solution.sticking.x))
     measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
     predicted = predicted_channels(equations, prepared, parameters)

@@ -20,8 +20,7 @@ def solve_within_ranges(
 ) -> tuple[PriorLeastSquares, tuple[str, ...]]:
     """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again."""
     first = statistics.size - len(equations.robot.joints) * len(equations.effects)
-    low = np.tile([effect.coefficient.low for effect in equations.effects], len(equations.robot.joints))
-    high = np.tile([effect.coefficient.high for effect in equations.effects], len(equations.robot.joints))
+    low, high = _ranges(equations)
     held = np.zeros(len(low), dtype=bool)
     slack = SLACK * prior.std[-len(low) :]
     belief, data = prior, statistics.square_root(weights)
@@ -36,6 +35,19 @@ def solve_within_ranges(
         mean[-len(low) :][outside] = np.clip(xi, low, high)[outside]
         std[-len(low) :][outside] = 0.0
         belief = Prior(mean, std, prior.seen)
+
+
+def clip_to_ranges(equations: Equations, xi: Array) -> Array:
+    """xi: (A·K,) joint parameters, each moved to the nearest possible value."""
+    return np.asarray(np.clip(xi, *_ranges(equations)))
+
+
+def _ranges(equations: Equations) -> tuple[Array, Array]:
+    """(A·K,) lowest and highest value of every joint parameter."""
+    axes = len(equations.robot.joints)
+    low = np.tile([effect.coefficient.low for effect in equations.effects], axes)
+    high = np.tile([effect.coefficient.high for effect in equations.effects], axes)
+    return low, high
 
 
 def _names(equations: Equations) -> list[str]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
+from exogauge.identification.noise_bias import draw_noise, with_noise
 from exogauge.identification.predict import (
     BASE_CHANNELS,
     Parameters,
@@ -16,14 +16,10 @@ from exogauge.identification.predict import (
     predicted_channels,
     predictions,
 )
-from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
+from exogauge.identification.preparation import Prepared, RestDetection
 from exogauge.identification.result import ChannelFit, Prediction
-from exogauge.logs.model import Log
-from exogauge.logs.noise import white_noise_std
 
 Array = NDArray[np.float64]
-
-NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for noise
 
 
 def predict_log(
@@ -81,20 +77,11 @@ def noise_floors(
 ) -> Mapping[str, float]:
     """Channel -> the RMSE that the sensors' noise alone would leave under a perfect model.
 
-    The noise of every logged channel (white, its size from the channel's own part above twice the cut-off, or what
-    the maker states if that is more) is drawn once more, added, and the log predicted again: what that changes in
+    The noise of every logged channel is drawn once more, added, and the log predicted again: what that changes in
     the residual is as large as what the noise already in it did. Signs of velocities are left as they were.
     """
-    log, robot = prepared.log, equations.robot
-    rate = log.rate_hz
-    above = min(NOISE_ABOVE * prepared.low_pass.cutoff_hz, 0.4 * rate)
-    rng = np.random.default_rng(0)
-    noisy = {}
-    for name in needed_channels(robot):
-        std = max(white_noise_std(log.channels[name], rate, above), robot.noise.get(noise_kind(name), 0.0))
-        noisy[name] = log.channels[name] + std * rng.normal(size=log.samples)
-    again = prepare(robot, Log(log.name, log.time, noisy), prepared.low_pass.cutoff_hz, at_rest)
-    again = replace(again, raw_direction=prepared.raw_direction)
+    noise = draw_noise(equations.robot, prepared, np.random.default_rng(0))
+    again = with_noise(equations.robot, prepared, noise, 1.0, at_rest)
     measured = measured_channels(equations, again, k_T)
     predicted = predicted_channels(equations, again, identified)
     return {
@@ -110,13 +97,6 @@ def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDA
     steady = {channel: np.ones(prepared.log.samples, dtype=bool) for channel in BASE_CHANNELS}
     steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
     return steady
-
-
-def noise_kind(channel: str) -> str:
-    """Key in `Robot.noise` of a channel."""
-    if channel.startswith("ft."):
-        return "force" if channel.rsplit(".", 1)[1].startswith("f") else "moment"
-    return channel.split(".", 1)[0]
 
 
 def rms(values: Array) -> float:

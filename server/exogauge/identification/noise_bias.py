@@ -1,0 +1,82 @@
+"""What the sensors' noise does to the estimate by sitting in the regressor, found by adding it once more.
+
+Accelerations are measured; their noise makes the regressor look larger than the motion was, and least squares answers
+with coefficients that are off by a share of noise to signal, in the same direction however long the log is. Noise of
+the same size drawn again and added to every channel does it once more (simulation extrapolation), so the step it makes
+is the step it made. Added with both signs and averaged, what is linear in the noise drops out and the bias is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
+from exogauge.identification.solution import Solution
+from exogauge.logs.model import Log
+from exogauge.logs.noise import white_noise_std
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for noise
+
+
+def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution) -> Array:
+    """(P,) estimate of what noise in the regressor added to x."""
+    rng = np.random.default_rng(0)
+    parts: dict[float, list[Statistics]] = {1.0: [], -1.0: []}
+    for prepared in fitted:
+        noise = draw_noise(equations.robot, prepared, rng)
+        for sign in parts:
+            noisy = with_noise(equations.robot, prepared, noise, sign, at_rest)
+            parts[sign] += equations.collect(noisy, solution.x_before, 1)
+
+    def estimate(total: Statistics) -> Array:
+        return PriorLeastSquares(total.square_root(solution.weights), solution.prior, solution.strength).x
+
+    noisier = [estimate(sum(each[1:], each[0])) for each in parts.values()]
+    return np.asarray(np.mean(noisier, axis=0) - estimate(solution.statistics))
+
+
+def draw_noise(robot: Robot, prepared: Prepared, rng: np.random.Generator) -> Mapping[str, Array]:
+    """Channel -> (T,) white noise as large as the channel's own.
+
+    Its std is seen in the channel's part above twice the cut-off, or is what the maker states, if that is more.
+    """
+    log, rate = prepared.log, prepared.log.rate_hz
+    above = min(NOISE_ABOVE * prepared.low_pass.cutoff_hz, 0.4 * rate)
+    noise = {}
+    for name in needed_channels(robot):
+        std = max(white_noise_std(log.channels[name], rate, above), robot.noise.get(noise_kind(name), 0.0))
+        noise[name] = std * rng.normal(size=log.samples)
+    return noise
+
+
+def with_noise(
+    robot: Robot, prepared: Prepared, noise: Mapping[str, Array], sign: float, at_rest: RestDetection
+) -> Prepared:
+    """The same log with sign · noise added; when axes rest or move, and which way, stays as it was."""
+    log = prepared.log
+    channels = {name: log.channels[name] + sign * noise[name] for name in noise}
+    noisy = prepare(robot, Log(log.name, log.time, channels), prepared.low_pass.cutoff_hz, at_rest)
+    return replace(
+        noisy,
+        direction=prepared.direction,
+        rest=prepared.rest,
+        steady=prepared.steady,
+        raw_direction=prepared.raw_direction,
+    )
+
+
+def noise_kind(channel: str) -> str:
+    """Key in `Robot.noise` of a channel."""
+    if channel.startswith("ft."):
+        return "force" if channel.rsplit(".", 1)[1].startswith("f") else "moment"
+    return channel.split(".", 1)[0]

@@ -1,0 +1,83 @@
+"""The passes over the data: collect, weigh, choose the prior's strength, solve, fill in static friction, again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
+from exogauge.estimation.statistics import Form, Statistics
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import Prepared
+from exogauge.identification.prior import as_printed
+from exogauge.identification.ranges import solve_within_ranges
+from exogauge.identification.settings import Progress, Settings
+from exogauge.identification.static_friction import Sticking, fill_static_friction
+from exogauge.identification.strength import choose_strength
+from exogauge.identification.weights import first_weights, weigh
+
+Array = NDArray[np.float64]
+
+PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
+FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
+
+
+@final
+@dataclass(frozen=True)
+class Solution:
+    """What the sign passes end with. weights: (rows,) 1/variance. curve: (strength, held-out score).
+
+    held: names of joint parameters that stand at the edge of their physical range.
+    x_before: (P,) parameters of the pass before, at which the statistics were collected.
+    """
+
+    solved: PriorLeastSquares
+    statistics: Statistics
+    weights: Array
+    prior: Prior
+    strength: float
+    curve: tuple[tuple[float, float], ...]
+    held: tuple[str, ...]
+    sticking: Sticking
+    x_before: Array
+
+
+def solve(
+    equations: Equations,
+    fitted: Sequence[Prepared],
+    prior: Prior,
+    settings: Settings,
+    progress: Progress = lambda _fraction, _phrase: None,
+    passes: int = PASSES,
+) -> Solution:
+    """[Evaluator] (15) by `passes` passes over the data, each from what the one before found."""
+    x, strength = prior.seen_mean, settings.prior_strength or 1.0
+    curve: tuple[tuple[float, float], ...] = ()
+    form: Form = "gram" if settings.solver == "statistics" else "factor"
+    belief = prior
+    for number in range(passes):
+        folds: list[Statistics] = []
+        for index, prepared in enumerate(fitted):
+
+            def tick(fraction: float, done: int = number * len(fitted) + index) -> None:
+                progress(0.1 + 0.65 * (done + fraction) / (passes * len(fitted)), "collecting the equations")
+
+            folds += equations.collect(prepared, x, FOLDS, form, tick)
+        total = sum(folds[1:], folds[0])
+        if number == 0:
+            weights = first_weights(equations, total, prior)
+        if settings.prior == "as_printed":
+            belief = as_printed(equations, prior, total, weights)
+        weights = weigh(total, belief, strength, weights)
+        if settings.prior_strength is None and number == passes - 1:
+            strength, curve = choose_strength(folds, weights, belief, settings.prior)
+            weights = weigh(total, belief, strength, weights)
+        solved, held = solve_within_ranges(equations, total, weights, belief, strength)
+        sticking = fill_static_friction(equations, total, prior, solved.x)
+        x_before, x = x, sticking.x
+    return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before)
