@@ -247,10 +247,13 @@ function sizeOf(bytes) {
 
 async function showFit(entry) {
   const results = await ask(`${API}jobs/${entry.study.latest_job.id}/results`);
-  const rows = (results.identification || {}).validation || [];
+  const { validation: rows = [], summary = [] } = results.identification || {};
+  const lines = summary.map((each) => element("p",
+    `${each.kind.replace("_", " ")}, ${each.held_out ? "all held-out logs" : "fitted logs"}: `
+    + `${numberOf(each.rmse_prior)} → ${numberOf(each.rmse_identified)} ${each.unit}, noise floor ${numberOf(each.noise_floor)}`));
   const table = element("table");
   table.append(element("caption", "Root mean square of measured minus predicted; held-out logs were never fitted."));
-  const heads = ["Channel", "Log", "Before", "Identified", "Noise floor", "Unit"];
+  const heads = ["Channel", "Log", "Maker’s values", "Identified", "In steady motion", "Noise floor", "Unit"];
   const head = element("tr");
   head.append(...heads.map((text) => element("th", text, { scope: "col" })));
   table.createTHead().append(head);
@@ -258,11 +261,11 @@ async function showFit(entry) {
   for (const row of rows) {
     const line = body.insertRow();
     line.append(element("th", row.channel, { scope: "row" }));
-    const cells = [`${row.log}${row.held_out ? " (held out)" : ""}`, ...["rmse_prior", "rmse_identified", "noise_floor"]
-      .map((key) => numberOf(row[key])), row.unit];
+    const numbers = ["rmse_prior", "rmse_identified", "rmse_moving", "noise_floor"].map((key) => numberOf(row[key]));
+    const cells = [`${row.log}${row.held_out ? " (held out)" : ""}`, ...numbers, row.unit];
     for (const text of cells) line.append(element("td", text));
   }
-  entry.part("table").replaceChildren(rows.length ? table : element("p", "The result holds no validation."));
+  entry.part("table").replaceChildren(...lines, rows.length ? table : element("p", "The result holds no validation."));
 }
 
 function numberOf(entry) {
@@ -319,7 +322,8 @@ async function showHealth() {
   const workers = `${count(health.workers_alive, "worker")} of ${health.workers_wanted}`;
   const said = {
     ok: `Service ${health.version}, ${workers}.`,
-    degraded: `Service ${health.version}, only ${workers}: jobs may wait.`,
+    degraded: health.workers_alive ? `Service ${health.version}, only ${workers}: jobs may wait.`
+      : `Service ${health.version}, no worker is there yet: jobs wait.`,
     unavailable: `Cannot serve now: database ${health.database}, storage ${health.blobs}.`,
   };
   const words = said[health.status] || "The service answers oddly.";

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, final
+from typing import Any, Protocol, final
 
 from tqdm import tqdm
 
-SHAPE = "{desc} {percentage:3.0f}%|{bar:30}| {elapsed} {unit}"
-LINE_EVERY_S = 5.0  # where stderr is a file and not a terminal
+SHAPE = "{desc:9} {percentage:3.0f}%|{bar:30}| {elapsed} {unit}"
+DRAW_EVERY_S = 0.1
+LINE_EVERY_S = 15.0  # where stderr is a file and not a terminal
+NUMBER = re.compile(r"([-−]?[\d.]+( ?%)?)?|–")
+
+
+class Progress(Protocol):
+    """What every long computation calls: how much is done, 0 to 1, and what is being done."""
+
+    def __call__(self, fraction: float, phrase: str, name: str | None = None) -> None: ...
 
 
 @final
 class Bar:
-    """Called as bar(fraction, phrase): what every long computation calls."""
+    """Drawn in place."""
 
     def __init__(self, drawn: tqdm[Any]) -> None:
         self._drawn = drawn
-        self._pause = 0.1 if sys.stderr.isatty() else LINE_EVERY_S
         self._next = 0.0
 
     def __call__(self, fraction: float, phrase: str, name: str | None = None) -> None:
@@ -31,24 +39,46 @@ class Bar:
         now = time.monotonic()
         if now >= self._next:
             self._drawn.refresh()
-            self._next = now + self._pause
+            self._next = now + DRAW_EVERY_S
+
+
+@final
+class Lines:
+    """A whole line now and then, for logs of builds and pipes; none at all for what ends sooner."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._next = time.monotonic() + LINE_EVERY_S
+
+    def __call__(self, fraction: float, phrase: str, name: str | None = None) -> None:
+        self._name = name or self._name
+        now = time.monotonic()
+        if now >= self._next:
+            print(f"{self._name} {100 * fraction:.0f} % {phrase}".rstrip(), file=sys.stderr, flush=True)
+            self._next = now + LINE_EVERY_S
+
+
+def silent(fraction: float, phrase: str, name: str | None = None) -> None:
+    """Progress that nobody watches."""
 
 
 @contextmanager
-def bar(name: str, shown: bool = True) -> Iterator[Bar]:
-    """A bar on stderr: drawn in place on a terminal, a line now and then elsewhere."""
-    with tqdm(total=1.0, bar_format=SHAPE, desc=name, unit="", disable=not shown) as drawn:
-        yield Bar(drawn)
+def bar(name: str, shown: bool = True) -> Iterator[Progress]:
+    """Progress on stderr: a bar on a terminal, a line now and then elsewhere."""
+    if not shown:
+        yield silent
+    elif not sys.stderr.isatty():
+        yield Lines(name)
+    else:
+        with tqdm(total=1.0, bar_format=SHAPE, desc=name, unit="") as drawn:
+            yield Bar(drawn)
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], widest: int = 40) -> str:
-    """Columns aligned, numbers to the right with four digits, long text cut at `widest` with an ellipsis."""
+    """Columns aligned, numbers to the right (four digits, or as text gives them), long text cut at `widest`."""
     cells = [[shown(value, widest) for value in row] for row in rows]
     widths = [max(len(line[k]) for line in [list(columns), *cells]) for k in range(len(columns))]
-    numeric = [
-        bool(rows) and all(isinstance(row[k], int | float) or row[k] is None for row in rows)
-        for k in range(len(columns))
-    ]
+    numeric = [bool(rows) and all(is_number(row[k]) for row in rows) for k in range(len(columns))]
 
     def line(texts: Sequence[str]) -> str:
         padded = (
@@ -58,6 +88,11 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], widest: in
         return "  ".join(padded).rstrip()
 
     return "\n".join([line(columns), line(["-" * width for width in widths]), *(line(row) for row in cells)])
+
+
+def is_number(value: Any) -> bool:
+    """Whether a cell belongs to the right: a number, a number in text, or nothing."""
+    return value is None or isinstance(value, int | float) or bool(NUMBER.fullmatch(str(value)))
 
 
 def shown(value: Any, widest: int) -> str:

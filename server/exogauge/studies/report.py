@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from exogauge.identification.result import Identification, Prediction
 from exogauge.studies.figures import draw_curve, draw_series, label
+from exogauge.studies.notices import by_sort, notice
 from exogauge.studies.report_tables import (
     base_table,
     figure_channels,
@@ -75,6 +76,9 @@ def render_report(evaluation: Evaluation) -> str:
         lead=lead(evaluation, pooled),
         tiles=[_tile(each) for each in pooled],
         held_out=held_out,
+        notices=[notice(each) for each in content["warnings"]],
+        findings=by_sort(content["doctor"]),
+        parted=any(fit.rmse_at_rest is not None for fit in found.validation),
         held_out_tables=fit_tables(found, held_out=True),
         fitted_tables=fit_tables(found, held_out=False),
         drawings=_drawings(found, pooled, held_out),

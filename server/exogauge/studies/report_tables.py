@@ -22,6 +22,7 @@ JOINT_WORDS = {
     "tau_o": "offset",
     "J_r": "rotor inertia",
 }
+WORSE = 1.05  # identified / prior from which a row is marked; below it is chance
 ADVICE = {
     "single": "Many of these can never be told apart, whatever the motion: no joint torque depends on them alone. "
     "Predictions need only their combinations.",
@@ -56,7 +57,7 @@ class Cell:
 class FitRow:
     """One channel on one log. bars: percent of the longer one, prior and identified; floor: the tick's place.
 
-    parts: the identified error moving and at rest, where the joint does stand still.
+    steady, rest: the identified error in steady motion and at rest; rest_share: of the samples. Empty: not of a joint.
     """
 
     channel: str
@@ -69,7 +70,9 @@ class FitRow:
     floor_bar: float
     ratio: str
     worse: bool
-    parts: str
+    steady: str
+    rest: str
+    rest_share: str
 
 
 @final
@@ -115,16 +118,15 @@ def _fit_row(fit: ChannelFit) -> FitRow:
         100 * fit.rmse_identified / longest,
         100 * fit.noise_floor / longest,
         significant(ratio, 2),
-        ratio > 1.0,
-        _parts(fit),
+        ratio >= WORSE,
+        _part(fit, fit.rmse_moving),
+        _part(fit, fit.rmse_at_rest),
+        f"{100 * fit.rest_share:.0f} %" if fit.rmse_at_rest is not None else "",
     )
 
 
-def _parts(fit: ChannelFit) -> str:
-    if fit.rest_share < 0.02 or fit.rmse_moving is None or fit.rmse_at_rest is None:
-        return ""
-    rest = f"at rest {significant(fit.rmse_at_rest)} ({100 * fit.rest_share:.0f} %)"
-    return f"moving {significant(fit.rmse_moving)}, {rest}"
+def _part(fit: ChannelFit, rmse: float | None) -> str:
+    return "" if rmse is None or not fit.channel.startswith("tau.") else significant(rmse)
 
 
 def joint_table(

@@ -1,0 +1,31 @@
+"""Long lists are folded for the eye; nothing is lost."""
+
+from __future__ import annotations
+
+from exogauge.studies.notices import by_sort, notice
+
+NAMES = ("torso_yaw", "r.arm[2]", "l_hip/roll", "knee", "ankle_pitch", "neck", "r_hand", "l_hand.x")
+
+
+def test_a_long_list_in_a_sentence_is_cut_and_kept_beside_it() -> None:
+    said = notice(f"No body can have those of {', '.join(NAMES)}. Ask for more, or less, please.")
+    assert (
+        said.text
+        == "No body can have those of torso_yaw, r.arm[2], l_hip/roll and 5 more. Ask for more, or less, please."
+    )
+    assert said.names == NAMES
+
+
+def test_a_sentence_with_a_short_list_stays_as_it_is() -> None:
+    text = "Held at the edge: torso_yaw, knee, neck. Look at them, one by one, again, and again."
+    assert notice(text).text == text
+    assert notice(text).names == ()
+
+
+def test_findings_of_one_sort_stand_together_errors_first_and_none_is_lost() -> None:
+    sorts = [("note", "coarse"), ("warning", "coarse"), ("error", "dead"), ("note", "coarse"), ("strange", "new")]
+    findings = [{"severity": each, "rule": rule, "channel": str(k)} for k, (each, rule) in enumerate(sorts)]
+    groups = by_sort(findings)
+    assert {groups[0].severity, groups[1].severity} == {"error", "strange"}
+    assert [len(group.each) for group in groups] == [1, 1, 1, 2]
+    assert sorted(str(each["channel"]) for group in groups for each in group.each) == list("01234")
