@@ -6,8 +6,16 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.effects.catalogue import choose
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import prepare, rest_detection
+from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.settings import Settings
 from exogauge.logs.model import Log
+from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.row_blocks import row_blocks
 from exogauge.robots.urdf import load_tree
 
 RATE = 200.0
@@ -186,3 +194,32 @@ def with_prior_std():
         return Truth(replace(truth.robot, joints=joints), truth.phi, truth.xi)
 
     return widen
+
+
+@pytest.fixture
+def small(make_truth, make_log):
+    """(equations, prepared log, prior) of a fixed arm whose torques are logged."""
+    truth = make_truth(False, joints=2, actuation="torque")
+    log = make_log(truth, seed=1, seconds=8.0, noise=1.0)
+    base = find_base_parameters(truth.robot.tree)
+    rows = row_blocks(truth.robot.tree, base, truth.robot.axes_from_joints)
+    equations = Equations(truth.robot, rows, base, choose(Settings().effects))
+    prepared = prepare(truth.robot, log, 10.0, rest_detection(truth.robot, [log], 10.0))
+    return equations, prepared, per_parameter(truth.robot, base, equations.effects, scales(truth.robot, [prepared]))
+
+
+@pytest.fixture
+def statistics_for(small):
+    """Of the rows of `small`'s log, with the right-hand side that the parameters x would give."""
+    equations, prepared, _ = small
+
+    def make(x):
+        made = Statistics.empty(equations.size, equations.columns())
+        for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
+            for chunk in chunks:
+                block = chunk.block.copy(order="F")
+                block[:, -1] = block[:, :-1] @ x[equations.columns()[chunk.kind]]
+                made.add_rows(chunk.kind, block)
+        return made
+
+    return make

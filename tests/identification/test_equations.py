@@ -1,0 +1,196 @@
+"""What a log says as rows: true at the truth, whatever the chunks, the axes and the noise of the currents."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import exogauge.identification.equations as module
+from exogauge.effects.catalogue import choose
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import prepare, rest_detection
+from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.settings import Settings
+from exogauge.identification.static_friction import fill_static_friction
+from exogauge.robots.base_parameters import find_base_parameters
+from exogauge.robots.description import WrenchSensor
+from exogauge.robots.regressor import contact_effect, regressor
+from exogauge.robots.row_blocks import row_blocks
+
+CUTOFF_HZ = 12.0
+DIFFERENTIAL = np.array([[1.0, 0.0, 0.0], [0.0, 0.9, 0.4], [0.0, -0.5, 1.1]])
+
+
+def equations_of(robot):
+    base = find_base_parameters(robot.tree)
+    return Equations(robot, row_blocks(robot.tree, base, robot.axes_from_joints), base, choose(Settings().effects))
+
+
+def prepared_of(robot, log):
+    return prepare(robot, log, CUTOFF_HZ, rest_detection(robot, [log], CUTOFF_HZ))
+
+
+def true_parameters(equations, truth):
+    xi = np.column_stack([truth.xi[effect.coefficient.name] for effect in equations.effects])
+    return np.concatenate([equations.base.regroup @ truth.phi.ravel(), xi.ravel()])
+
+
+def rows_of(equations, prepared, x):
+    """Kind -> (samples, [A | y]) over the whole log."""
+    found = {}
+    for _, chunks in equations.rows(prepared, x):
+        for chunk in chunks:
+            samples, blocks = found.setdefault(chunk.kind, ([], []))
+            samples.append(chunk.samples)
+            blocks.append(chunk.block.copy())
+    return {kind: (np.concatenate(samples), np.vstack(blocks)) for kind, (samples, blocks) in found.items()}
+
+
+def without_gain(equations, x):
+    """x with k_T = 0, at which the logged current stays where it is."""
+    x = x.copy()
+    for axis in range(len(equations.robot.joints)):
+        x[equations.effect_columns(axis)[0]] = 0.0
+    return x
+
+
+def static_friction_columns(equations):
+    place = [effect.name for effect in equations.effects].index("static_friction")
+    return [equations.effect_columns(axis)[place] for axis in range(len(equations.robot.joints))]
+
+
+@pytest.fixture(params=["floating", "fixed", "coupled"])
+def case(request, make_truth, make_log):
+    """(equations, truth, noise-free log prepared)"""
+    coupling = DIFFERENTIAL if request.param == "coupled" else None
+    truth = make_truth(request.param != "fixed", actuation="current", coupling=coupling)
+    return equations_of(truth.robot), truth, prepared_of(truth.robot, make_log(truth, seed=1, seconds=14.0))
+
+
+def test_the_true_parameters_solve_the_rows_of_a_log_without_noise(case):
+    equations, truth, prepared = case
+    x = true_parameters(equations, truth)
+    rows = rows_of(equations, prepared, without_gain(equations, x))
+    axes = len(equations.robot.joints)
+    assert set(range(equations.first_axis + axes)) <= set(rows)
+    for kind, (_, block) in rows.items():
+        if kind < equations.first_axis + axes:  # base axes and axes in steady motion
+            terms = block[:, :-1] * x[equations.columns()[kind]]
+            left = block[:, -1] - terms.sum(axis=1)
+            size = np.sqrt(np.mean(np.sum(terms**2, axis=1) + block[:, -1] ** 2))
+            assert np.sqrt(np.mean(left**2)) < 2e-3 * size
+            assert np.abs(left).max() < 2e-2 * size
+
+
+def test_no_row_comes_from_the_moments_around_starts_stops_and_turns(case):
+    equations, truth, prepared = case
+    rows, first, axes = rows_of(equations, prepared, true_parameters(equations, truth)), equations.first_axis, 3
+    around = np.arange(-8, 9)  # half a period of the cut-off to either side
+    for axis in range(axes):
+        steady, resting = rows[first + axis][0], rows[first + axes + axis][0]
+        assert len(steady) > 100
+        assert len(resting) > 10
+        assert not set(steady) & set(resting)
+        assert len(steady) + len(resting) < len(prepared.kept)
+        seen = prepared.raw_direction[prepared.kept[steady][:, None] + around, axis]
+        assert np.all(np.abs(seen.sum(axis=1)) == len(around))  # one direction all the time
+        assert np.all(prepared.raw_direction[prepared.kept[resting], axis] == 0.0)
+
+
+def test_the_current_that_the_model_calls_for_leaves_every_residual_where_it_is(case):
+    equations, truth, prepared = case
+    x = true_parameters(equations, truth) * np.random.default_rng(0).uniform(0.8, 1.2, equations.size)
+    logged, called_for = (rows_of(equations, prepared, at) for at in (without_gain(equations, x), x))
+    for kind in range(equations.first_axis + 3):
+        own = x[equations.columns()[kind]]
+        left, right = (block[:, -1] - block[:, :-1] @ own for block in (logged[kind][1], called_for[kind][1]))
+        np.testing.assert_allclose(left, right, atol=1e-10)
+        if kind >= equations.first_axis:
+            assert np.abs(logged[kind][1] - called_for[kind][1]).max() > 1e-3
+
+
+def test_errors_of_the_current_stay_out_of_the_regressor(case):
+    equations, truth, prepared = case
+    x = true_parameters(equations, truth)
+    noise = np.random.default_rng(0).normal(size=prepared.drive.shape)
+    quiet, noisy = (rows_of(equations, p, x) for p in (prepared, replace(prepared, drive=prepared.drive + noise)))
+    for axis in range(3):
+        kind = equations.first_axis + axis
+        np.testing.assert_allclose(quiet[kind][1][:, :-1], noisy[kind][1][:, :-1], atol=1e-10)
+        expected = truth.xi["k_T"][axis] * noise[prepared.kept[quiet[kind][0]], axis]
+        np.testing.assert_allclose(noisy[kind][1][:, -1] - quiet[kind][1][:, -1], expected, atol=1e-9)
+
+
+def test_rows_of_coupled_axes_are_the_joint_rows_through_the_inverse_transposed_matrix(make_truth, make_log):
+    truth = make_truth(True, coupling=DIFFERENTIAL)
+    log = make_log(truth, seed=2, seconds=8.0)
+    robot = replace(truth.robot, sensors=(WrenchSensor("plate", "link3", "contact", 1.0),))
+    equations, prepared = equations_of(robot), prepared_of(robot, log)
+    rows = rows_of(equations, prepared, np.zeros(equations.size))
+    motion, to_axes = prepared.motion.rows(prepared.kept), np.linalg.inv(DIFFERENTIAL).T
+    dense = regressor(robot.tree, motion)
+    external = contact_effect(robot.tree, motion.q, "link3", prepared.wrenches[prepared.kept, 0])
+    phi = np.random.default_rng(0).normal(size=truth.phi.size)
+    torque, force = dense[:, 6:] @ phi @ to_axes.T, external[:, 6:] @ to_axes.T
+    assert np.abs(force).max() > 1.0
+    for axis in range(3):
+        samples, block = rows[6 + axis]
+        columns = equations.columns()[6 + axis][: -len(equations.effects)]
+        own = (equations.base.regroup @ phi)[columns]
+        np.testing.assert_allclose(block[:, : len(columns)] @ own, torque[samples, axis], atol=1e-9)
+        np.testing.assert_allclose(block[:, -1], force[samples, axis], atol=1e-9)
+        velocity = (motion.dq @ DIFFERENTIAL.T)[samples, axis]
+        np.testing.assert_allclose(block[:, len(columns) + 1], velocity, atol=1e-12)
+
+
+def test_statistics_do_not_depend_on_how_the_log_is_cut(case, monkeypatch):
+    equations, truth, prepared = case
+    x, weights = true_parameters(equations, truth), np.ones(len(equations.columns()))
+    (whole,) = equations.collect(prepared, x, 1)
+    residual, scores = equations.residuals(prepared, x), equations.scores(prepared, x, weights, 37)
+    monkeypatch.setattr(module, "CHUNK", 101)
+    parts = equations.collect(prepared, x, 5)
+    assert len(parts) == 5
+    together = sum(parts[1:], parts[0])
+    np.testing.assert_array_equal(whole.count, together.count)
+    for one, other in zip(whole.normal(weights), together.normal(weights), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(one).max())
+    np.testing.assert_allclose(equations.residuals(prepared, x), residual, atol=1e-10)
+    again = equations.scores(prepared, x, weights, 37)
+    np.testing.assert_allclose(again, scores, atol=1e-9 * np.abs(scores).max())
+
+
+def test_scores_of_all_stretches_add_up_to_the_gradient(case):
+    equations, truth, prepared = case
+    x, weights = true_parameters(equations, truth) * 1.1, np.arange(1.0, len(equations.columns()) + 1)
+    (whole,) = equations.collect(prepared, x, 1)
+    G, g, _ = whole.normal(weights)
+    total = equations.scores(prepared, x, weights, 50).sum(axis=0)
+    np.testing.assert_allclose(total, g - G @ x, atol=1e-9 * np.abs(g).max())
+
+
+def test_static_friction_is_recovered_from_rest_alone(make_truth, make_log):
+    truth = make_truth(True, coupling=DIFFERENTIAL)
+    equations, x = equations_of(truth.robot), true_parameters(equations_of(truth.robot), truth)
+    prepared = prepared_of(truth.robot, make_log(truth, seed=1, seconds=20.0, noise=1.0))
+    columns = static_friction_columns(equations)
+    wrong = x.copy()
+    wrong[columns] = 0.0
+    (statistics,) = equations.collect(prepared, wrong, 1)
+    prior = per_parameter(truth.robot, equations.base, equations.effects, scales(truth.robot, [prepared]))
+    found = fill_static_friction(equations, statistics, prior, wrong)
+    np.testing.assert_allclose(found.x[columns], truth.xi["tau_s"], rtol=0.05)
+    np.testing.assert_array_equal(np.delete(found.x, columns), np.delete(x, columns))
+    assert found.lower_bounds == ()
+
+
+def test_static_friction_stays_at_the_prior_where_nothing_rests(make_truth, make_log):
+    truth = make_truth(True)
+    equations = equations_of(truth.robot)
+    prepared = prepared_of(truth.robot, make_log(truth, seed=3, seconds=8.0, pause=False))
+    x = true_parameters(equations, truth)
+    (statistics,) = equations.collect(prepared, x, 1)
+    prior = per_parameter(truth.robot, equations.base, equations.effects, scales(truth.robot, [prepared]))
+    found = fill_static_friction(equations, statistics, prior, x)
+    assert found.x[static_friction_columns(equations)].tolist() == [0.0, 0.0, 0.0]
+    assert found.std == {}
