@@ -8,7 +8,8 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
@@ -88,15 +89,26 @@ def can_create_databases(url: str) -> bool:
         return False
 
 
+@pytest.fixture(scope="session")
+def throw_away_database(postgres_server: str) -> Callable[[], AbstractContextManager[str]]:
+    """A context whose value is the address of a new, empty PostgreSQL database."""
+
+    @contextmanager
+    def create() -> Iterator[str]:
+        name = f"exogauge_test_{uuid4().hex[:12]}"
+        with psycopg.connect(postgres_server, autocommit=True) as connection:
+            connection.execute(f'CREATE DATABASE "{name}"')
+        yield postgres_server.rsplit("/", 1)[0] + f"/{name}"
+        with psycopg.connect(postgres_server, autocommit=True) as connection:
+            connection.execute(f'DROP DATABASE "{name}" WITH (FORCE)')
+
+    return create
+
+
 @pytest.fixture
-def postgres_url(postgres_server: str) -> Iterator[str]:
-    """A throw-away database."""
-    name = f"exogauge_test_{uuid4().hex[:12]}"
-    with psycopg.connect(postgres_server, autocommit=True) as connection:
-        connection.execute(f'CREATE DATABASE "{name}"')
-    yield postgres_server.rsplit("/", 1)[0] + f"/{name}"
-    with psycopg.connect(postgres_server, autocommit=True) as connection:
-        connection.execute(f'DROP DATABASE "{name}" WITH (FORCE)')
+def postgres_url(throw_away_database: Callable[[], AbstractContextManager[str]]) -> Iterator[str]:
+    with throw_away_database() as url:
+        yield url
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

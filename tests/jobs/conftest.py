@@ -8,11 +8,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
-import psycopg
 import pytest
 
 from exogauge.jobs import recipes, requests
@@ -121,14 +120,10 @@ def workshop(
 
 
 @pytest.fixture(scope="module")
-def throw_away(postgres_server: str) -> Iterator[str]:
+def throw_away(throw_away_database: Callable[[], AbstractContextManager[str]]) -> Iterator[str]:
     """A PostgreSQL database for a module."""
-    name = f"exogauge_test_{uuid4().hex[:12]}"
-    with psycopg.connect(postgres_server, autocommit=True) as connection:
-        connection.execute(f'CREATE DATABASE "{name}"')
-    yield postgres_server.rsplit("/", 1)[0] + f"/{name}"
-    with psycopg.connect(postgres_server, autocommit=True) as connection:
-        connection.execute(f'DROP DATABASE "{name}" WITH (FORCE)')
+    with throw_away_database() as url:
+        yield url
 
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
