@@ -33,7 +33,7 @@ LOCAL = [
 @pytest.fixture(scope="session")
 def postgres_server() -> Iterator[str]:
     """The address of a PostgreSQL server: the one named in EXOGAUGE_TEST_POSTGRES_URL, one on this machine, or one
-    started for this session."""
+    started for this test run."""
     named = os.environ.get("EXOGAUGE_TEST_POSTGRES_URL")
     for url in [named] if named else LOCAL:
         if can_create_databases(url):
