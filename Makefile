@@ -5,6 +5,8 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 PIP    := $(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check
+COMPILE := .venv-lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
+           --no-emit-index-url --no-header --no-annotate
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: help install demo serve test check bench lock clean
@@ -49,9 +51,8 @@ bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet uv
-	.venv-lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-		--no-header --no-annotate --extra build --extra test --extra check --extra fast --extra sample \
-		pyproject.toml -o requirements.lock
+	$(COMPILE) --extra build --extra test --extra check --extra fast --extra sample pyproject.toml -o requirements.lock
+	$(COMPILE) --extra build --extra fast --constraint requirements.lock pyproject.toml -o docker/requirements.lock
 
 clean:  ## remove the environment and caches
 	rm -rf .venv .venv-* .cache .pytest_cache .mypy_cache .ruff_cache
