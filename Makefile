@@ -31,7 +31,7 @@ serve: $(READY)  ## start the service on 127.0.0.1 with the same data as `make d
 	$(BIN)/exogauge serve
 
 test: $(READY)  ## all tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2
 
 check: $(READY)  ## style, types, import layers, migrations and the quick tests, in under three minutes
 	$(BIN)/ruff format --check .

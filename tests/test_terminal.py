@@ -14,7 +14,7 @@ def test_where_stderr_is_no_terminal_progress_is_a_line_now_and_then(
     with bar("run") as say:
         for k in range(100):
             say(k / 100, "thinking")
-    assert capsys.readouterr().err == ""
+    assert capsys.readouterr().err == "run 99 % thinking\n"
     monkeypatch.setattr(terminal, "LINE_EVERY_S", 0.0)
     with bar("run") as say:
         say(0.25, "thinking")

@@ -44,18 +44,26 @@ class Bar:
 
 @final
 class Lines:
-    """A whole line now and then, for logs of builds and pipes; none at all for what ends sooner."""
+    """A whole line now and then and one at the end, for logs of builds and pipes."""
 
     def __init__(self, name: str) -> None:
         self._name = name
+        self._line = ""
         self._next = time.monotonic() + LINE_EVERY_S
 
     def __call__(self, fraction: float, phrase: str, name: str | None = None) -> None:
         self._name = name or self._name
+        self._line = f"{self._name} {100 * fraction:.0f} % {phrase}".rstrip()
         now = time.monotonic()
         if now >= self._next:
-            print(f"{self._name} {100 * fraction:.0f} % {phrase}".rstrip(), file=sys.stderr, flush=True)
+            self.write()
             self._next = now + LINE_EVERY_S
+
+    def write(self) -> None:
+        """What was said last, unless it is written already."""
+        if self._line:
+            print(self._line, file=sys.stderr, flush=True)
+            self._line = ""
 
 
 def silent(fraction: float, phrase: str, name: str | None = None) -> None:
@@ -68,7 +76,11 @@ def bar(name: str, shown: bool = True) -> Iterator[Progress]:
     if not shown:
         yield silent
     elif not sys.stderr.isatty():
-        yield Lines(name)
+        lines = Lines(name)
+        try:
+            yield lines
+        finally:
+            lines.write()
     else:
         with tqdm(total=1.0, bar_format=SHAPE, desc=name, unit="") as drawn:
             yield Bar(drawn)
