@@ -12,6 +12,7 @@ from exogauge import __version__
 from exogauge.errors import ExogaugeError
 
 BAD_INPUT = 2
+SHOWN_FINDINGS = 5  # of one sort, unless it is an error
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,6 +43,7 @@ def parser() -> argparse.ArgumentParser:
 
     doctor = commands.add_parser("doctor", help="examine a study's logs before they are believed")
     doctor.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
+    doctor.add_argument("--all", action="store_true", help="every finding, also where there are many of one sort")
     doctor.set_defaults(command=examine_logs)
 
     sample = commands.add_parser("sample", help="write a complete synthetic study")
@@ -86,15 +88,22 @@ def run_study(options: argparse.Namespace) -> int:
 def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
     from exogauge.studies.examine_logs import examine_logs as examined
+    from exogauge.studies.notices import by_sort
     from exogauge.studies.open import open_study, read_recordings
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
-        findings = examined(study.robot, read_recordings(study))
-    columns = ("log", "severity", "channel", "row", "detail", "advice")
-    print(text_table(columns, [[finding.get(column) for column in columns] for finding in findings], widest=70))
-    errors = sum(finding["severity"] == "error" for finding in findings)
-    print(f"{len(findings)} findings, {errors} of them errors")
+        sorts = by_sort(examined(study.robot, read_recordings(study)))
+    columns = ("log", "channel", "row", "detail")
+    for sort in sorts:
+        most = len(sort.each) if options.all or sort.severity == "error" else SHOWN_FINDINGS
+        advice = f". {sort.advice[0].upper()}{sort.advice[1:]}" if sort.advice else ""
+        print(f"{sort.severity.upper()} {sort.rule}: {len(sort.each)}{advice}")
+        rows = [[finding.get(column) for column in columns] for finding in sort.each[:most]]
+        print(text_table(columns, rows, widest=90))
+        print(f"… and {len(sort.each) - most} more: --all lists them\n" if len(sort.each) > most else "")
+    errors = sum(len(sort.each) for sort in sorts if sort.severity == "error")
+    print(f"{sum(len(sort.each) for sort in sorts)} findings, {errors} of them errors")
     return 1 if errors else 0
 
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
+
+from exogauge.cli import main
 from exogauge.studies.notices import by_sort, notice
 
 NAMES = ("torso_yaw", "r.arm[2]", "l_hip/roll", "knee", "ankle_pitch", "neck", "r_hand", "l_hand.x")
@@ -29,3 +34,15 @@ def test_findings_of_one_sort_stand_together_errors_first_and_none_is_lost() -> 
     assert {groups[0].severity, groups[1].severity} == {"error", "strange"}
     assert [len(group.each) for group in groups] == [1, 1, 1, 2]
     assert sorted(str(each["channel"]) for group in groups for each in group.each) == list("01234")
+
+
+def test_the_doctor_shows_a_few_of_each_sort_and_all_when_asked(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["doctor", str(folder)])
+    few = capsys.readouterr().out
+    main(["doctor", str(folder), "--all"])
+    everything = capsys.readouterr().out
+    assert few.splitlines()[-1] == everything.splitlines()[-1]
+    assert len(everything.splitlines()) >= len(few.splitlines())
+    assert "--all lists them" not in everything
