@@ -1,0 +1,52 @@
+"""The packaged sample through the product: made by MuJoCo, evaluated without its truth, then scored against it."""
+
+import json
+
+import numpy as np
+import pytest
+
+from exogauge.studies.evaluate import evaluate
+from exogauge.synthetic import write_sample
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def scored(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sample")
+    write_sample(folder / "study", 1)
+    evaluate(folder / "study" / "study.yaml", folder / "out", lambda _fraction, _phrase: None)
+    results = json.loads((folder / "out" / "results.json").read_text())["identification"]
+    return results, json.loads((folder / "study" / "truth.json").read_text())["parameters"]
+
+
+def pooled(results, channels, key):
+    chosen = [v for v in results["validation"] if v["held_out"] and v["channel"] in channels and v.get(key) is not None]
+    assert chosen
+    return np.sqrt(np.mean([v[key] ** 2 for v in chosen]))
+
+
+@pytest.mark.parametrize(
+    "channels", [("base.mx", "base.my", "base.mz"), ("tau.torso_yaw", "tau.torso_pitch")], ids=["base", "torso"]
+)
+def test_held_out_error_falls_below_half_of_the_makers(scored, channels):
+    results, _ = scored
+    assert pooled(results, channels, "rmse_identified") < 0.5 * pooled(results, channels, "rmse_prior")
+
+
+def test_where_friction_is_the_modelled_one_the_error_is_the_sensors_noise(scored):
+    results, _ = scored
+    for channel in {v["channel"] for v in results["validation"]}:
+        error = "rmse_identified" if channel.startswith("base.") else "rmse_moving"
+        assert pooled(results, (channel,), error) < 1.3 * pooled(results, (channel,), "noise_floor"), channel
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(scored):
+    results, truth = scored
+    inside = []
+    for p in results["parameters"]:
+        if p["identifiable"]:
+            true = sum(c * truth[name] for name, c in p.get("combination", {p["name"]: 1.0}).items())
+            inside.append(abs(p["value"] - true) < 1.96 * p["std"])
+    assert len(inside) > 300
+    assert 0.90 <= np.mean(inside) <= 0.99
