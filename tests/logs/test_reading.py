@@ -59,8 +59,8 @@ def decimal_comma(delimiter: str) -> str:
         PLAIN.replace(",", "    "),
         "".join(f"  {line}  \n" for line in PLAIN.replace(",", "   ").splitlines()),
         PLAIN.encode("utf-16"),
-        gzip.compress(PLAIN.encode()),
-        gzip.compress(PLAIN[:30].encode()) + gzip.compress(PLAIN[30:].encode()),
+        gzip.compress(PLAIN.encode(), mtime=0),
+        gzip.compress(PLAIN[:30].encode(), mtime=0) + gzip.compress(PLAIN[30:].encode(), mtime=0),
     ],
 )
 def test_every_common_way_of_writing_a_table_gives_the_same_log(content: str | bytes, tmp_path: Path) -> None:
@@ -165,7 +165,7 @@ def test_row_numbers_stay_those_of_the_file_when_only_some_rows_are_read(tmp_pat
         (b"t,joint1\n", "unknown_channel"),
         (b"\x00\x01\x02\x03", "unknown_format"),
         (b"SQLite format 3\x00", "unknown_format"),
-        (gzip.compress(PLAIN.encode())[:-12], "unreadable_file"),
+        (gzip.compress(PLAIN.encode(), mtime=0)[:-12], "unreadable_file"),
         (b"PAR1 nothing PAR1", "unreadable_file"),
         (b"\x89HDF\r\n\x1a\n", "unreadable_file"),
         (b"MATLAB 5.0 MAT-file", "unreadable_file"),
@@ -243,7 +243,7 @@ def test_pickled_objects_are_refused(tmp_path: Path) -> None:
 def test_text_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("exogauge.logs.limits.MAX_BYTES", 100_000)
     with pytest.raises(TooLarge):
-        read_log(put(tmp_path, gzip.compress(PLAIN.encode() + b"\n" * 1_000_000)), "log")
+        read_log(put(tmp_path, gzip.compress(PLAIN.encode() + b"\n" * 1_000_000, mtime=0)), "log")
 
 
 def _external_link(target: h5py.File, secret: Path) -> None:
