@@ -269,7 +269,8 @@ def test_no_log_is_too_odd_to_be_examined(samples, content):
         "noise": lambda: rng.standard_normal(samples),
         "huge": lambda: 1e60 * rng.standard_normal(samples),
     }[content]
-    examine(Log("odd", np.arange(samples) / RATE, {name: make() for name in names}), EXPECTED)
+    findings = examine(Log("odd", np.arange(samples) / RATE, {name: make() for name in names}), EXPECTED)
+    assert all(finding.rule and finding.detail for finding in findings)
 
 
 def test_every_rule_speaks_in_some_case():

@@ -1,1 +1,1 @@
-"""Solvers that know no robot: statistics of linear rows, priors, covariances, and the `Estimate` they all return."""
+"""Solvers that know no robot: statistics of linear rows, priors and covariances."""

@@ -44,7 +44,6 @@ class PriorLeastSquares:
         step = sl.solve_triangular(self._root, factor[:size, size])
         self.x = prior.seen_mean.copy()
         self.x[free] += step
-        self.residual = float(np.sum((self.information @ step - offset) ** 2) + data.rest)
 
     def shift(self, step: Array) -> None:
         """Move the solution, and the data that it answers to, by step: (P,), to take off a known bias.
