@@ -1,0 +1,136 @@
+"""What the comparison of logs with and without a device says, joint by joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.result import Estimate
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
+Verdict = Literal["equal", "doubtful", "different"]
+
+
+@final
+@dataclass(frozen=True)
+class JointEquality:
+    """How equal a joint's motion is in two logs, after alignment.
+
+    q_rms [rad], dq_rms [rad/s]: of the difference. dq_share: dq_rms over the joint's own rms velocity (0 where it
+    hardly moves). verdict: by the limits of the settings.
+    """
+
+    joint: str
+    q_rms: float
+    dq_rms: float
+    dq_share: float
+    verdict: Verdict
+
+
+@final
+@dataclass(frozen=True)
+class Trial:
+    """One log with the device; T samples on its own times, D joints on which the bands act.
+
+    reference: the log without the device that approach A compared it with, None where there is none; lag_s: how much
+    later the same motion comes in it [s].
+    q: (T, D) [rad]. All torques (T, D) [N·m] on the joint, positive along it, low-passed; A and its std are None
+    without a reference. At rest a, b and prior are the middle of an interval: half_width_a, half_width_b (T, D) is half
+    of it, 0 elsewhere. *_std: one standard deviation, of parameters, noise and coloured residuals together.
+    band_model: what the device file's bands give (or identified ones, see SupportResult), None if no values are known.
+    compared: A's samples in which both runs move the same way; steady: this run moves steadily; rest: it stands still.
+    phase: (T,) index into phase_names. length [m], tension [N]: by band.
+    """
+
+    log: str
+    device: str
+    motion: str
+    reference: str | None
+    lag_s: float
+    time: Array
+    joints: tuple[str, ...]
+    q: Array
+    support_a: Array | None
+    support_a_std: Array | None
+    support_b: Array
+    support_b_std: Array
+    support_prior: Array
+    band_model: Array | None
+    half_width_a: Array
+    half_width_b: Array
+    compared: BoolArray
+    steady: BoolArray
+    rest: BoolArray
+    equality: tuple[JointEquality, ...]
+    phase: IntArray
+    phase_names: tuple[str, ...]
+    length: Mapping[str, Array]
+    tension: Mapping[str, Array]
+
+
+@final
+@dataclass(frozen=True)
+class Effort:
+    """peak: [N·m] of the largest size, with its sign; mean [N·m]; integral [N·m·s]."""
+
+    peak: Estimate
+    mean: Estimate
+    integral: Estimate
+
+
+@final
+@dataclass(frozen=True)
+class PhaseEffort:
+    """phase: lowering, holding, raising or standing. duration_s: mean over the trials. by: approach -> effort."""
+
+    phase: str
+    duration_s: float
+    by: Mapping[str, Effort]
+
+
+@final
+@dataclass(frozen=True)
+class JointSupport:
+    """One joint in one motion with one device, over all trials. Approaches: `a`, `b`, `prior`, `band_model`.
+
+    rmse: approach -> RMSE [N·m] against the band model, all samples; rmse_steady: where both runs move steadily.
+    by: approach -> effort over the whole motion, mean over the trials, std with their spread in it; spread: approach
+    -> standard deviation of the mean supporting torque between trials [N·m].
+    null: approach -> RMS [N·m] of what the approach gives on logs without the device, where the truth is 0.
+    masked_share: of A's samples left out because the runs' friction differs; rest_share: of samples at rest.
+    rest_half_width: [N·m] half of the interval at rest by B.
+    """
+
+    device: str
+    motion: str
+    joint: str
+    logs: tuple[str, ...]
+    references: tuple[str, ...]
+    rmse: Mapping[str, float]
+    rmse_steady: Mapping[str, float]
+    by: Mapping[str, Effort]
+    spread: Mapping[str, float]
+    phases: tuple[PhaseEffort, ...]
+    null: Mapping[str, float]
+    equality: tuple[JointEquality, ...]
+    lag_s: tuple[float, ...]
+    masked_share: float
+    rest_share: float
+    rest_half_width: float
+
+
+@final
+@dataclass(frozen=True)
+class SupportResult:
+    """band_model: device -> where the values of its band model come from, in words."""
+
+    trials: tuple[Trial, ...]
+    joints: tuple[JointSupport, ...]
+    band_model: Mapping[str, str]
+    warnings: tuple[str, ...]
