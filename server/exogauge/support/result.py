@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
+from exogauge.identification.result import Prediction
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -46,6 +47,7 @@ class Trial:
     band_model: what the device file's bands give (or identified ones, see SupportResult), None if no values are known.
     compared: A's samples in which both runs move the same way; steady: this run moves steadily; rest: it stands still.
     phase: (T,) index into phase_names. length [m], tension [N]: by band.
+    prediction: measured channels of this log, and what the robot's model says without the device.
     """
 
     log: str
@@ -72,6 +74,7 @@ class Trial:
     phase_names: tuple[str, ...]
     length: Mapping[str, Array]
     tension: Mapping[str, Array]
+    prediction: Prediction
 
 
 @final
