@@ -199,4 +199,5 @@ def identification(pristine: Path) -> Identification:
         cutoff_hz=10.0,
         velocity_threshold=np.array([0.01, 0.02, 0.03]),
         warnings=("Joint r_elbow never stood still: its static friction stays at the maker's value.",),
+        model=None,  # what is written and drawn needs no model
     )

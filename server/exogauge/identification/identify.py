@@ -13,6 +13,7 @@ from exogauge.errors import BadStudy, Fault
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
+from exogauge.identification.model import RobotModel
 from exogauge.identification.noise_bias import noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
@@ -78,7 +79,8 @@ def identify(
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
     unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
     bias = noise_bias(equations, fitted, at_rest, solution)
-    covariance = solution.prior.lift_covariance(unbounded.covariance(meat) + np.outer(bias, bias))
+    doubt = unbounded.covariance(meat) + np.outer(bias, bias)
+    covariance = solution.prior.lift_covariance(doubt)
     solution.solved.shift(-bias)
     standard = fill_in(solution.solved.prior.lift(solution.solved.x))
     if settings.consistency == "physical":
@@ -114,6 +116,7 @@ def identify(
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
         warnings=tuple(warnings),
+        model=RobotModel(equations, identified, before, doubt, prior.seen_covariance, at_rest, cutoff_hz),
     )
 
 

@@ -9,6 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.identification.model import RobotModel
+
 Array = NDArray[np.float64]
 
 
@@ -78,6 +80,7 @@ class Identification:
     phi: (N, 10) standard inertial parameters (layout of `RigidTree.phi`), prior where the data are silent.
     joint_values: joint parameter name (`k_T`, `k_d` …) -> (J,), on actuator axes, joint-side units.
     parameters: every standard, base and joint parameter. unidentifiable: names that stay (nearly) at the prior.
+    model: to apply to further logs.
     prior_strength: chosen factor on the prior's weight; prior_curve: (factor, held-out score) for all that were tried.
     """
 
@@ -96,3 +99,4 @@ class Identification:
     cutoff_hz: float
     velocity_threshold: Array
     warnings: tuple[str, ...]
+    model: RobotModel

@@ -1,0 +1,48 @@
+"""An identified robot, ready to be applied to further logs: parameters, their covariance, and how signals are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.equations import Equations
+from exogauge.identification.predict import Parameters, motor_gain
+from exogauge.identification.preparation import Prepared, RestDetection, prepare
+from exogauge.logs.model import Log
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class RobotModel:
+    """x = [φ_b; ξ]: (P,) in the parameters of `equations`.
+
+    identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
+    truth; static friction is not in them (see `identification.static_friction`).
+    """
+
+    equations: Equations
+    identified: Parameters
+    a_priori: Parameters
+    covariance: Array
+    a_priori_covariance: Array
+    at_rest: RestDetection
+    cutoff_hz: float
+
+    @property
+    def robot(self) -> Robot:
+        return self.equations.robot
+
+    @property
+    def k_T(self) -> Array:
+        """(A,) identified motor gains; 1 where torque is logged."""
+        return motor_gain(self.equations, self.identified)
+
+    def prepare(self, log: Log) -> Prepared:
+        """A further log, filtered and differentiated as the identified ones were."""
+        return prepare(self.robot, log, self.cutoff_hz, self.at_rest)
