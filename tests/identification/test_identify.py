@@ -36,7 +36,9 @@ def fit(truth, make_log, noise, settings=None, fitted=(1, 2), held_out=(9,)):
 @pytest.mark.parametrize("floating", [True, False])
 def test_known_truth_comes_back_without_noise(make_truth, make_log, floating):
     truth = make_truth(floating, actuation="current" if floating else "torque")
-    result = fit(truth, make_log, noise=0.0, settings=Settings(cutoff_hz=8.0, prior_strength=1e-6))
+    # without noise and nearly without a prior, float64 sums of squares cannot tell a null direction from rounding
+    settings = Settings(cutoff_hz=8.0, prior_strength=1e-6, solver="rows")
+    result = fit(truth, make_log, noise=0.0, settings=settings)
     for parameter in result.parameters:
         if parameter.combination or parameter.name.split("[")[0] in JOINTS:
             true = truth_of(truth, parameter)
