@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 import platform
@@ -12,11 +10,16 @@ from dataclasses import asdict, dataclass, fields, is_dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, final
 
+from exogauge.devices.result import StiffnessResult
 from exogauge.identification.result import ChannelFit, Identification, Parameter
 from exogauge.identification.settings import Settings
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.bundle import Input
+from exogauge.studies.csv_table import csv_table
 from exogauge.studies.open import Step
+from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries
+from exogauge.studies.support_results import support_entries
+from exogauge.support.result import SupportResult
 
 VERSION = 1
 PACKAGES = ("exogauge", "numpy", "scipy", "pin", "pyarrow")
@@ -30,6 +33,7 @@ class Evaluation:
     """All that an evaluation found: what results.json, the tables and the report are written from.
 
     findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
+    support, stiffness: None and empty where no device was worn; the study's own device comes first.
     """
 
     name: str
@@ -41,6 +45,8 @@ class Evaluation:
     identification: Identification
     warnings: Sequence[str]
     files: Mapping[str, str]
+    support: SupportResult | None = None
+    stiffness: Sequence[StiffnessResult] = ()
 
 
 @final
@@ -60,7 +66,7 @@ class Summary:
 
 def results(evaluation: Evaluation) -> dict[str, Any]:
     """The content of results.json; NaN and infinity become null."""
-    found = evaluation.identification
+    found, support = evaluation.identification, evaluation.support
     joints = [joint.name for joint in evaluation.robot.joints]
     content = {
         "version": VERSION,
@@ -75,7 +81,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             for each in evaluation.steps
         ],
         "settings": asdict(evaluation.settings),
-        "warnings": [*evaluation.warnings, *found.warnings],
+        "warnings": [*evaluation.warnings, *found.warnings, *(support.warnings if support else ())],
         "doctor": list(evaluation.findings),
         "identification": {
             "summary": [asdict(each) for each in summaries(found, joints)],
@@ -95,6 +101,9 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
                 for joint, value in zip(joints, found.velocity_threshold, strict=False)
             ],
         },
+        "support": support_entries(support) if support else [],
+        "stiffness": stiffness_entries(evaluation.stiffness),
+        "stiffness_details": stiffness_details(evaluation.stiffness),
         "files": dict(evaluation.files),
     }
     cleaned = finite(content)
@@ -177,31 +186,13 @@ def to_json(content: Mapping[str, Any]) -> bytes:
 def parameter_table(found: Identification) -> bytes:
     """parameters.csv: one row per parameter."""
     columns = ("name", "value", "std", "unit", "prior", "prior_std", "identifiable")
-    return _csv(columns, ([getattr(each, column) for column in columns] for each in found.parameters))
+    return csv_table(columns, ([getattr(each, column) for column in columns] for each in found.parameters))
 
 
 def validation_table(found: Identification) -> bytes:
     """validation.csv: one row per channel and log."""
     columns = tuple(each.name for each in fields(ChannelFit))
-    return _csv(columns, ([getattr(each, column) for column in columns] for each in found.validation))
-
-
-def _csv(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
-    sink = io.StringIO(newline="")
-    writer = csv.writer(sink, lineterminator="\n")
-    writer.writerow(columns)
-    for row in rows:
-        writer.writerow([_safe(value) for value in row])
-    return sink.getvalue().encode()
-
-
-def _safe(value: Any) -> Any:
-    """Text that a spreadsheet would take for a formula is quoted; truth values are written as in JSON."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "\t"):
-        return "'" + value
-    return value
+    return csv_table(columns, ([getattr(each, column) for column in columns] for each in found.validation))
 
 
 def software() -> dict[str, str]:

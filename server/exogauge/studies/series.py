@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from exogauge.identification.result import Prediction
+from exogauge.studies.series_columns import Columns
+from exogauge.studies.support_series import add_bands, add_phases, add_support
+from exogauge.support.result import Trial
 
 ROW_GROUP = 12_000
 
 
-def series_table(prediction: Prediction) -> pa.Table:
-    """`t`, then `measured.`, `predicted.`, `predicted_prior.` per channel; the unit is in each field's metadata."""
-    fields, arrays = [pa.field("t", pa.float64(), False, {"unit": "s"})], [pa.array(prediction.time)]
+def series_table(prediction: Prediction, trial: Trial | None = None) -> pa.Table:
+    """`t`, then `measured.`, `predicted.`, `predicted_prior.` per channel; the unit is in each field's metadata.
+
+    trial: for a log with a device, its supporting torques, phases and bands as well.
+    """
+    columns = Columns(prediction.time)
     parts = (
         ("measured", prediction.measured),
         ("predicted", prediction.predicted),
@@ -24,13 +29,15 @@ def series_table(prediction: Prediction) -> pa.Table:
     for channel in prediction.measured:
         for part, values in parts:
             if channel in values:
-                unit = {"unit": prediction.units.get(channel, "")}
-                fields.append(pa.field(f"{part}.{channel}", pa.float64(), True, unit))
-                column = np.asarray(values[channel], dtype=np.float64)
-                arrays.append(pa.array(column, mask=~np.isfinite(column)))
+                columns.add(f"{part}.{channel}", values[channel], prediction.units.get(channel, ""))
     metadata = {"log": prediction.log, "held_out": "true" if prediction.held_out else "false", "version": "1"}
-    return pa.table(arrays, schema=pa.schema(fields, metadata))
+    if trial is not None:
+        add_support(columns, trial)
+        add_phases(columns, trial)
+        add_bands(columns, trial)
+        metadata |= {"device": trial.device, "motion": trial.motion, "reference": trial.reference or ""}
+    return columns.table(metadata)
 
 
-def write_series(prediction: Prediction, path: Path) -> None:
-    pq.write_table(series_table(prediction), path, compression="zstd", row_group_size=ROW_GROUP)
+def write_series(prediction: Prediction, path: Path, trial: Trial | None = None) -> None:
+    pq.write_table(series_table(prediction, trial), path, compression="zstd", row_group_size=ROW_GROUP)

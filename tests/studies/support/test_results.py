@@ -1,0 +1,165 @@
+"""results.json, the tables and the series say of a device what the evaluation found, under the contract's keys."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+import math
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from exogauge.devices.result import StiffnessResult
+from exogauge.studies.results import finite, to_json
+from exogauge.studies.series import write_series
+from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries, stiffness_table
+from exogauge.studies.support_results import main_joints, support_entries, support_table
+from exogauge.support.result import SupportResult
+
+
+def entry(
+    support: SupportResult, device: str = "Normal suit", motion: str = "bend", joint: str = "torso_pitch"
+) -> dict:
+    found = json.loads(to_json({"support": finite(support_entries(support))}))["support"]
+    (chosen,) = (e for e in found if (e["device"], e["motion"], e["joint"]) == (device, motion, joint))
+    return chosen
+
+
+def rows(table: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(table.decode())))
+
+
+def test_there_is_one_entry_per_device_motion_and_joint_the_own_device_first(support: SupportResult) -> None:
+    found = support_entries(support)
+    assert len({(e["device"], e["motion"], e["joint"]) for e in found}) == len(found) == 12
+    assert [e["device"] for e in found[:6]] == ["Normal suit"] * 6
+
+
+def test_every_number_stands_with_its_std_and_unit(support: SupportResult) -> None:
+    found = entry(support)
+    joint = next(each for each in support.joints if (each.motion, each.joint) == ("bend", "torso_pitch"))
+    assert found["peak"] == {
+        "value": joint.by["a"].peak.value, "std": joint.by["a"].peak.std, "unit": "N·m", "approach": "A",
+    }  # fmt: skip
+    assert found["integral"]["unit"] == "N·m·s"
+    assert set(found["approaches"]) == {"A", "B", "prior", "band_model"}
+    assert found["approaches"]["B"]["spread"] == joint.spread["b"]
+    assert found["approaches"]["band_model"]["spread"] is None
+    assert [part["phase"] for part in found["phases"]] == ["standing", "lowering", "holding", "raising"]
+    assert found["phases"][2]["approaches"]["A"]["mean"]["value"] == joint.phases[2].by["a"].mean.value
+    assert (found["rmse_a"], found["rmse_b"], found["rmse_prior"]) == tuple(joint.rmse[k] for k in ("a", "b", "prior"))
+    assert found["null"] == {"a": 0.123, "b": 0.321}
+
+
+def test_motion_equality_pools_the_trials_and_takes_the_worst_word(support: SupportResult) -> None:
+    doubtful = tuple(
+        dataclasses.replace(
+            trial, equality=tuple(dataclasses.replace(each, verdict="doubtful") for each in trial.equality)
+        )
+        if trial.log == "bend_normal_2"
+        else trial
+        for trial in support.trials
+    )
+    found = entry(dataclasses.replace(support, trials=doubtful))["motion_equality"]
+    assert found["verdict"] == "doubtful"
+    assert found["q_rms"] == pytest.approx(math.sqrt((0.002**2 + 0.004**2) / 2))
+    assert found["lag_s"] == pytest.approx(0.024)
+    assert [each["reference"] for each in found["trials"]] == ["bend_plain_1", "bend_plain_2"]
+
+
+def test_without_a_reference_the_numbers_are_those_of_b(support: SupportResult) -> None:
+    alone = dataclasses.replace(
+        support,
+        trials=tuple(
+            dataclasses.replace(each, reference=None, support_a=None, support_a_std=None, equality=())
+            for each in support.trials
+        ),
+        joints=tuple(
+            dataclasses.replace(
+                each, by={k: v for k, v in each.by.items() if k != "a"}, rmse={"b": 0.3, "prior": math.nan},
+                rmse_steady={}, null={"b": 0.3}, references=(), equality=(), lag_s=(),
+            )
+            for each in support.joints
+        ),
+    )  # fmt: skip
+    found = entry(alone)
+    assert found["peak"]["approach"] == "B"
+    assert found["motion_equality"] is None
+    assert found["rmse_a"] is None
+    assert found["rmse_prior"] is None
+    assert found["rmse_steady"] == {"a": None, "b": None, "prior": None}
+
+
+def test_the_main_joints_are_those_the_device_acts_on(support: SupportResult) -> None:
+    assert main_joints(support, "bend") == ("torso_pitch",)
+    assert main_joints(support, "twist") == ("torso_yaw",)
+    assert entry(support)["main"]
+    assert not entry(support, joint="r_elbow")["main"]
+
+
+def test_stiffness_entries_hold_value_interval_truth_and_error(stiffness: tuple[StiffnessResult, ...]) -> None:
+    found = finite(stiffness_entries(stiffness))
+    first, unknown = found[0], found[2]
+    assert (first["device"], first["approach"], first["band"], first["group"]) == ("Normal suit", "A", "A_left", "A")
+    assert first["stiffness_n_per_m"] == {"value": 0.985 * 197.8, "std": 2.9, "unit": "N/m"}
+    assert first["interval_95"]["natural_length_m"] == [0.6035, 0.6211]
+    assert first["error_percent"] == pytest.approx(-1.5)
+    assert unknown["stiffness_n_per_m"]["std"] is None
+    assert unknown["truth_n_per_m"] is None
+    assert unknown["note"] == "slack in every log"
+    details = finite(stiffness_details(stiffness))
+    assert [each["approach"] for each in details] == ["A", "B", "prior"] * 2
+    assert details[0]["correlation"][0][1] == 0.97
+
+
+def test_the_tables_hold_every_number(support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> None:
+    found = rows(support_table(support))
+    assert len(found) == 12 * (4 + 4 * 4)  # whole motion and four phases, by four approaches
+    whole = [row for row in found if row["phase"] == "" and row["joint"] == "torso_pitch" and row["approach"] == "A"]
+    assert float(whole[0]["rmse"]) == entry(support)["rmse_a"]
+    assert float(whole[0]["peak"]) == entry(support)["peak"]["value"]
+    bands = rows(stiffness_table(stiffness))
+    assert len(bands) == 18
+    assert float(bands[0]["stiffness_n_per_m"]) == pytest.approx(0.985 * 197.8)
+    assert bands[2]["identifiable"] == "false"
+    assert bands[2]["truth_n_per_m"] == ""
+
+
+def test_a_reader_of_the_series_finds_the_stated_rmse(support: SupportResult, tmp_path) -> None:
+    trial = support.trials[0]
+    write_series(trial.prediction, tmp_path / "worn.parquet", trial)
+    table = pq.read_table(tmp_path / "worn.parquet")
+    model = np.asarray(table["support_band_model.torso_pitch"])
+    for approach in ("a", "b", "prior"):
+        error = np.asarray(table[f"support_{approach}.torso_pitch"]) - model
+        assert math.sqrt(np.mean(error**2)) == pytest.approx(entry(support)[f"rmse_{approach}"], rel=1e-12)
+
+
+def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support: SupportResult, tmp_path) -> None:
+    trial = support.trials[0]
+    write_series(trial.prediction, tmp_path / "worn.parquet", trial)
+    table = pq.read_table(tmp_path / "worn.parquet")
+    assert table["phase"].to_pylist()[:: 100 * 5] == ["standing", "lowering", "holding", "raising", "standing"]
+    width = np.asarray(table["support_b_high.torso_pitch"]) - np.asarray(table["support_b_low.torso_pitch"])
+    rest = np.asarray(table["support_rest.torso_pitch"])
+    assert width[rest] == pytest.approx(3.4)
+    assert not width[~rest].any()
+    assert table.schema.field("band.A_left.tension").metadata == {b"unit": b"N"}
+    assert np.asarray(table["band.A_left.length"]).max() == pytest.approx(0.67)
+    assert not np.asarray(table["support_compared.torso_pitch"]).all()
+    assert table.schema.metadata[b"device"] == b"Normal suit"
+    assert "measured.tau.torso_pitch" in table.column_names
+
+
+def test_series_without_reference_or_band_values_have_no_such_columns(support: SupportResult, tmp_path) -> None:
+    trial = dataclasses.replace(
+        support.trials[0], support_a=None, support_a_std=None, reference=None, band_model=None, tension={}
+    )
+    write_series(trial.prediction, tmp_path / "worn.parquet", trial)
+    names = pq.read_table(tmp_path / "worn.parquet").column_names
+    assert not [name for name in names if name.startswith(("support_a", "support_band_model", "support_compared"))]
+    assert "band.A_left.length" in names
+    assert "band.A_left.tension" not in names
