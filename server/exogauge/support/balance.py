@@ -1,0 +1,106 @@
+"""What a robot's model without a device leaves unexplained in a log: torque on the joints that someone else gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.equations import Equations
+from exogauge.identification.model import RobotModel
+from exogauge.identification.predict import Parameters
+from exogauge.identification.preparation import Prepared
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
+
+CHUNK = 2000
+FULL_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
+
+
+@final
+@dataclass(frozen=True)
+class Balance:
+    """T samples, D joints out of J, both sides low-passed alike.
+
+    torque, torque_a_priori: (T, D) [N·m] Y_j φ - F_j - Z ξ without static friction, with the identified and with the
+    maker's parameters: the supporting torque on the joint, up to what friction holds at rest.
+    rest: (T, D) 0…1 share of that friction, largest of the axes that move the joint. steady: (T, D) all of them move
+    at speed. sign: (T, D, A) directions of the axes that move each joint, 0 elsewhere: two runs have the same friction
+    where these are equal.
+    """
+
+    prepared: Prepared
+    joints: IntArray
+    torque: Array
+    torque_a_priori: Array
+    rest: Array
+    steady: BoolArray
+    sign: Array
+
+    @property
+    def time(self) -> Array:
+        return self.prepared.log.time
+
+    @property
+    def at_rest(self) -> BoolArray:
+        return self.rest > FULL_REST
+
+
+def balance(model: RobotModel, prepared: Prepared, joints: IntArray) -> Balance:
+    """Both parameter sets on one log.
+
+    Implements [Evaluator] (4), with (10)-(12) corrected. Differs from print: at rest static friction is left out, so
+    that what is given there is the middle of an interval, not a number; rule (9) cannot know the device.
+    """
+    C = model.robot.axes_from_joints
+    acts = (C[:, joints] != 0.0).T
+    identified, a_priori = _on_axes(model.equations, prepared, [model.identified, model.a_priori])
+    rest = np.stack([np.max(prepared.rest[:, axes], axis=1, initial=0.0) for axes in acts], axis=1)
+    steady = np.stack([np.all(prepared.steady[:, axes], axis=1) for axes in acts], axis=1)
+    sign = np.where(acts[None], np.round(prepared.direction)[:, None, :], 0.0)
+    return Balance(
+        prepared, joints, identified @ C[:, joints], a_priori @ C[:, joints], np.clip(rest, 0.0, 1.0), steady, sign
+    )
+
+
+def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:
+    """(T, A) each."""
+    first, samples = equations.first_axis, prepared.log.samples
+    contacts, none = ContactPaths(equations.robot), np.zeros(CHUNK)
+    phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
+    result = [np.empty((samples, len(equations.robot.joints))) for _ in alternatives]
+    for start in range(0, samples, CHUNK):
+        which = slice(start, min(start + CHUNK, samples))
+        motion = prepared.motion.rows(which)
+        external = contacts.effect(motion.q, prepared.wrenches[which])[:, first:]
+        for out, phi_base, parameters in zip(result, phi, alternatives, strict=True):
+            out[which] = equations.blocks.predict(motion, phi_base)[:, first:] - external
+            for axis, coefficients in enumerate(parameters.xi):
+                signals = prepared.signals(axis, which, none[: which.stop - which.start])
+                for effect, coefficient in zip(equations.effects, coefficients, strict=True):
+                    out[which, axis] -= effect.column(signals) * coefficient
+    return result
+
+
+def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> Iterator[tuple[int, Array]]:
+    """(place in joints, (n, P) ∂torque/∂x at the chosen samples), one joint after the other."""
+    equations, C = model.equations, model.robot.axes_from_joints
+    columns, first = equations.columns(), equations.first_axis
+    blocks = equations.blocks.fill(prepared.motion.rows(samples), 0)
+    none = np.zeros(len(samples))
+    for place, joint in enumerate(joints):
+        slope = np.zeros((len(samples), equations.size))
+        for axis in np.flatnonzero(C[:, joint]):
+            own = columns[first + axis]
+            seen = blocks[first + axis]
+            slope[:, own[: seen.shape[1]]] += C[axis, joint] * seen
+            signals = prepared.signals(int(axis), samples, none)
+            for effect, column in zip(equations.effects, equations.effect_columns(int(axis)), strict=True):
+                slope[:, column] -= C[axis, joint] * effect.column(signals)
+        yield place, slope
