@@ -89,11 +89,11 @@ def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
     from exogauge.studies.examine_logs import examine_logs as examined
     from exogauge.studies.notices import by_sort
-    from exogauge.studies.open import open_study, read_recordings
+    from exogauge.studies.open import open_study, read_recordings, read_worn
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
-        sorts = by_sort(examined(study.robot, read_recordings(study)))
+        sorts = by_sort(examined(study.robot, [*read_recordings(study), *read_worn(study)]))
     columns = ("log", "channel", "row", "detail")
     for sort in sorts:
         most = len(sort.each) if options.all or sort.severity == "error" else SHOWN_FINDINGS

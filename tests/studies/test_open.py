@@ -11,10 +11,33 @@ import pinocchio as pin
 import pytest
 
 from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy
-from exogauge.studies.open import needed_channels, open_study, read_recordings
+from exogauge.studies.open import needed_channels, open_study, read_recordings, read_worn
 from exogauge.studies.robot_file import load_robot, motor_from_joint, read_robot
 
 Rewrite = Callable[[str, str, str], Path]
+SUIT = """version: 1
+name: {name}
+bands:
+  - name: A
+    via_points:
+      - {{link: chest_1, xyz: [-0.1, 0, 0.2]}}
+      - {{link: BODY, xyz: [-0.12, 0, 0.1]}}
+"""
+
+
+@pytest.fixture
+def worn(folder: Path, rewrite: Rewrite) -> Path:
+    """The study with a log without a device, and one log each with two devices."""
+    for name in ("plain", "worn", "other"):
+        (folder / "logs" / f"{name}.parquet").write_bytes((folder / "logs/id_1.parquet").read_bytes())
+    for file, name in (("suit.yaml", "Suit"), ("thin.yaml", "Thin")):
+        (folder / file).write_text(SUIT.format(name=name))
+    extra = """  - {file: logs/plain.parquet, role: without_device, motion: bend}
+  - {file: logs/worn.parquet, role: with_device, motion: bend}
+  - {file: logs/other.parquet, role: with_device, device: thin.yaml}
+"""
+    rewrite("study.yaml", "robot: robot.yaml\n", "robot: robot.yaml\ndevice: suit.yaml\n")
+    return rewrite("study.yaml", "settings:", extra + "settings:")
 
 
 def test_the_robot_file_becomes_the_robot(folder: Path) -> None:
@@ -96,19 +119,81 @@ def test_an_unknown_name_is_told_where_it_is_written(
     assert fault.row in (row, None)
 
 
-def test_recordings_are_fitted_or_held_out_by_role(folder: Path, rewrite: Rewrite) -> None:
-    for name in ("plain", "worn"):
-        (folder / "logs" / f"{name}.parquet").write_bytes((folder / "logs/id_1.parquet").read_bytes())
-    extra = "  - {file: logs/plain.parquet, role: without_device}\n  - {file: logs/worn.parquet, role: with_device}\n"
-    with open_study(rewrite("study.yaml", "settings:", extra + "settings:")) as study:
+def test_recordings_are_fitted_or_held_out_by_role(worn: Path) -> None:
+    with open_study(worn) as study:
         recordings = read_recordings(study)
-        assert [(each.log.name, each.held_out) for each in recordings] == [
-            ("id_1", False),
-            ("val_1", True),
-            ("plain", True),
-        ]
-        assert (study.steps[0].step, study.steps[0].skipped) == ("identify", None)
-        assert all("not part of this version" in str(each.skipped) for each in study.steps[1:])
+    assert [(each.log.name, each.held_out) for each in recordings] == [
+        ("id_1", False),
+        ("val_1", True),
+        ("plain", True),
+    ]
+
+
+def test_logs_with_a_device_know_it_and_their_motion(worn: Path) -> None:
+    with open_study(worn) as study:
+        first, second = read_worn(study)
+        assert (first.name, first.motion, first.device_file, first.device.name) == ("worn", "bend", "suit.yaml", "Suit")
+        assert (second.name, second.motion, second.device.name) == ("other", "other", "Thin")
+        assert first.log.samples == 400
+        assert list(study.devices) == ["suit.yaml", "thin.yaml"]
+        assert study.log_devices == (None, None, None, "suit.yaml", "thin.yaml")
+        assert {name: each.motion for name, each in study.motions.items()} == {
+            "id_1": None, "val_1": "bend", "plain": "bend", "worn": "bend", "other": None,
+        }  # fmt: skip
+        assert study.motions["plain"].role == "without_device"
+        assert study.device_warnings == ()
+
+
+def test_a_worn_log_lacks_no_column_either(worn: Path, log_writer: Callable[..., None]) -> None:
+    with open_study(worn) as study:
+        log_writer(worn / "logs/worn.parquet", study.robot, drop=("q.r_elbow",))
+        with pytest.raises(BadLog) as caught:
+            read_worn(study)
+    assert [(fault.file, fault.column) for fault in caught.value.faults] == [("logs/worn.parquet", "q.r_elbow")]
+
+
+@pytest.mark.parametrize(
+    ("steps", "done", "skipped"),
+    [
+        ("", ["identify", "support", "stiffness"], ["discrepancy"]),
+        ("steps: [stiffness]\n", ["identify", "support", "stiffness"], []),
+        ("steps: [support]\n", ["identify", "support"], []),
+        ("steps: [identify]\n", ["identify"], []),
+        ("steps: [discrepancy]\n", ["identify"], ["discrepancy"]),
+    ],
+)
+def test_what_stands_on_a_step_asks_for_it(
+    worn: Path, rewrite: Rewrite, steps: str, done: list[str], skipped: list[str]
+) -> None:
+    with open_study(rewrite("study.yaml", "settings:", steps + "settings:")) as study:
+        assert [each.step for each in study.steps if each.skipped is None] == done
+        assert [each.step for each in study.steps if each.skipped is not None] == skipped
+
+
+def test_without_a_log_with_the_device_support_is_skipped_and_says_why(folder: Path) -> None:
+    with open_study(folder) as study:
+        reasons = {each.step: each.skipped for each in study.steps}
+    assert reasons["identify"] is None
+    assert "with_device" in str(reasons["support"])
+    assert "with_device" in str(reasons["stiffness"])
+
+
+def test_a_devices_fault_is_told_when_the_study_is_opened(worn: Path, rewrite: Rewrite) -> None:
+    rewrite("thin.yaml", "link: chest_1", "link: chest_2")
+    with pytest.raises(BadStudy) as caught:
+        open_study(rewrite("suit.yaml", "link: BODY", "link: BODI"))
+    assert [(fault.file, fault.row) for fault in caught.value.faults] == [("suit.yaml", 7), ("thin.yaml", 6)]
+
+
+def test_two_devices_of_one_name_are_refused(worn: Path, rewrite: Rewrite) -> None:
+    with pytest.raises(BadStudy, match="has the same name"):
+        open_study(rewrite("thin.yaml", "name: Thin", "name: Suit"))
+
+
+def test_limits_on_motions_are_no_setting_of_the_identification(rewrite: Rewrite) -> None:
+    root = rewrite("study.yaml", "settings: {", "settings: {motion_doubtful: 0.2, ")
+    with open_study(root, {"motion_different": 0.7}) as study:
+        assert study.motion_limits == {"doubtful": 0.2, "different": 0.7}
 
 
 def test_one_file_is_split_into_fitted_and_held_out_rows(rewrite: Rewrite) -> None:
@@ -159,10 +244,12 @@ def test_the_callers_settings_go_on_top(folder: Path) -> None:
     [
         ("role: identification", "role: validation", "no log to identify from"),
         ("settings: {", "settings: {effects: [viscos], ", "Did you mean 'viscous'"),
-        ("settings:", "steps: [support]\nsettings:", "nothing to do"),
         ("logs/val_1.parquet, role", "logs/id_1.parquet, role", "two logs would be named 'id_1'"),
         ("logs/val_1", "logs/val_2", "no such file"),
         ("settings:", "device: device.yaml\nsettings:", "no such file"),
+        ("role: validation", "role: with_device", "no device file is named"),
+        ("role: validation", "role: validation, device: device.yaml", "wears no device"),
+        ("settings: {", "settings: {motion_doubtful: 0.6, motion_different: 0.5, ", "cannot be above"),
     ],
 )
 def test_a_study_that_cannot_be_done_says_why(rewrite: Rewrite, old: str, new: str, words: str) -> None:

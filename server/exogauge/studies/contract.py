@@ -53,6 +53,7 @@ class LogEntry(_Part):
     """One log: a table in the contract's columns, or vendor files read through a mapping.
 
     rows: [start, stop], data rows from 0, stop not included. name: of the series file; default: the file's own stem.
+    device: what was worn, where it is not the study's device; only with role with_device.
     """
 
     file: Annotated[tuple[RelativePath, ...], BeforeValidator(_as_names), Field(min_length=1, max_length=50)]
@@ -61,9 +62,12 @@ class LogEntry(_Part):
     mapping: RelativePath | None = None
     rows: Annotated[tuple[int, int], BeforeValidator(_as_tuple)] | None = None
     name: FileName | None = None
+    device: RelativePath | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.device is not None and self.role != "with_device":
+            raise ValueError(f"a log with role {self.role} wears no device: leave `device` out, or say with_device")
         if self.rows is not None and not 0 <= self.rows[0] < self.rows[1]:
             raise ValueError("rows must be [start, stop] with 0 <= start < stop")
         if len(self.file) > 1 and self.mapping is None:
@@ -72,7 +76,11 @@ class LogEntry(_Part):
 
 
 class SettingsEntry(_Part):
-    """Choices about the identification; a key that is not given takes the default of `identification.settings`."""
+    """Choices about the evaluation; a key that is not given takes its default.
+
+    motion_doubtful, motion_different: rms of the velocities' difference between the runs with and without the device,
+    as a share of the joint's own rms velocity: from there on the motions count as doubtful, or different.
+    """
 
     cutoff_hz: Positive | None = None
     effects: Annotated[list[Name], Field(min_length=1, max_length=50)] | None = None
@@ -80,6 +88,15 @@ class SettingsEntry(_Part):
     prior_strength: Positive | None = None
     consistency: Literal["free", "physical"] | None = None
     solver: Literal["statistics", "rows"] | None = None
+    motion_doubtful: Positive | None = None
+    motion_different: Positive | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        doubtful, different = self.motion_doubtful, self.motion_different
+        if doubtful is not None and different is not None and doubtful > different:
+            raise ValueError("motion_doubtful cannot be above motion_different")
+        return self
 
 
 class StudyFile(_Part):
@@ -215,22 +232,44 @@ class RobotFile(_Part):
 
 
 class ViaPoint(_Part):
+    """A point the band passes: xyz [m] in the frame of a link of the URDF."""
+
     link: Name
     xyz: Vector
 
 
+class BenchEntry(_Part):
+    """A force-length test of the bare band: a table with columns length_m, force_n.
+
+    is_truth: what estimates are compared with; otherwise the prior they start from.
+    """
+
+    file: RelativePath
+    is_truth: bool = False
+
+
 class Band(_Part):
+    """group: bands of one group share their stiffness; default: the band is a group of its own.
+
+    law: how the band pulls (`devices.laws`); law_values: that law's other parameters.
+    ground_truth: stiffness and natural length are true, not nominal.
+    """
+
     name: Name
     group: Name | None = None
     via_points: Annotated[list[ViaPoint], Field(min_length=2, max_length=50)]
     stiffness_n_per_m: Positive | None = None
     natural_length_m: Positive | None = None
     ground_truth: bool = False
+    law: Name = "linear"
+    law_values: Annotated[dict[Name, Number], Field(max_length=20)] = {}
+    bench: BenchEntry | None = None
 
 
 class DeviceFile(_Part):
-    """device.yaml: its shape is checked; no step of this version uses it."""
+    """device.yaml. tied: groups whose bands have one natural length."""
 
     version: Literal[1]
     name: Name
     bands: Annotated[list[Band], Field(min_length=1, max_length=200)]
+    tied: Annotated[list[Name], Field(max_length=200)] = []

@@ -8,12 +8,13 @@ from typing import Any
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Expectation, JointLimits, examine
 from exogauge.robots.description import Robot
+from exogauge.studies.open import WornLog
 from exogauge.studies.results import finite
 
 STANDARD_GRAVITY = 9.80665
 
 
-def examine_logs(robot: Robot, recordings: Sequence[Recording]) -> list[dict[str, Any]]:
+def examine_logs(robot: Robot, recordings: Sequence[Recording | WornLog]) -> list[dict[str, Any]]:
     """{log, severity, channel, rule, detail, advice, row, value}, worst first within a log."""
     expected = expectation(robot)
     return [

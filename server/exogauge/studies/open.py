@@ -10,18 +10,21 @@ from typing import Any, Self, final
 
 from pydantic import ValidationError
 
+from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.bundle import Bundle, open_bundle
-from exogauge.studies.contract import STEPS, DeviceFile, LogEntry, RobotFile, SettingsEntry, StudyFile
+from exogauge.studies.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.read_log import read_entry
 from exogauge.studies.robot_file import motor_from_joint, read_robot
+from exogauge.studies.worn_devices import read_devices
 from exogauge.studies.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
 
 NOT_IN_THIS_VERSION = "not part of this version"
+MOTION_LIMITS = {"motion_doubtful": "doubtful", "motion_different": "different"}  # key in settings -> in the study
 
 
 @final
@@ -35,11 +38,35 @@ class Step:
 
 @final
 @dataclass(frozen=True)
+class LogMotion:
+    """What a log shows: the name of its motion, None where study.yaml gives none, and what the log is for."""
+
+    motion: str | None
+    role: Role
+
+
+@final
+@dataclass(frozen=True)
+class WornLog:
+    """A log with a device on. device_file: key of `Study.devices`. motion: the log's own name where none is given."""
+
+    log: Log
+    device: Device
+    device_file: str
+    motion: str
+    name: str
+
+
+@final
+@dataclass(frozen=True)
 class Study:
     """An opened study; a context manager, because a zip's unpacked copy goes when it ends.
 
     log_names: of `file.logs`, one each, unique: names of logs, channels' tables and series files.
-    urdf: bytes of the robot's URDF. settings: those of study.yaml with the caller's on top.
+    urdf: bytes of the robot's URDF. settings: those of study.yaml with the caller's on top; motion_limits: those of
+    them about the equality of motions, `doubtful` and `different`, as far as given.
+    devices: by file, in the order in which they are named. log_devices: the device file of each log, None where it
+    wears none. device_warnings: what looks like a slip in them.
     """
 
     bundle: Bundle
@@ -50,6 +77,10 @@ class Study:
     settings: Settings
     log_names: tuple[str, ...]
     steps: tuple[Step, ...]
+    motion_limits: Mapping[str, float]
+    devices: Mapping[str, Device]
+    log_devices: tuple[str | None, ...]
+    device_warnings: tuple[str, ...]
 
     def __enter__(self) -> Self:
         return self
@@ -60,6 +91,14 @@ class Study:
     @property
     def name(self) -> str:
         return self.file.name
+
+    @property
+    def motions(self) -> dict[str, LogMotion]:
+        """By log name, in the order of study.yaml."""
+        return {
+            name: LogMotion(entry.motion, entry.role)
+            for name, entry in zip(self.log_names, self.file.logs, strict=True)
+        }
 
 
 def open_study(path: Path, settings: Mapping[str, Any] | None = None) -> Study:
@@ -76,19 +115,34 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
     name = bundle.study_file
     data = bundle.read(name, limit=MAX_BYTES)
     file = load_yaml(data, StudyFile, file=name)
-    settings = choose_settings(file.settings, overrides, name, data)
+    settings, motion_limits = choose_settings(file.settings, overrides, name, data)
     for k, entry in enumerate(file.logs):
         for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
             bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
-    if file.device is not None:
-        device = bundle.read(file.device, limit=MAX_BYTES, named_in=name, column="device", row=place(data, ("device",)))
-        load_yaml(device, DeviceFile, file=file.device)
     robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
-    return Study(bundle, file, robot_file, robot, urdf, settings, log_names(file, name, data), _steps(file, name, data))
+    names = log_names(file, name, data)
+    worn = read_devices(bundle, file, robot, data)
+    steps = _steps(file, worn.of_log, name, data)
+    return Study(
+        bundle=bundle,
+        file=file,
+        robot_file=robot_file,
+        robot=robot,
+        urdf=urdf,
+        settings=settings,
+        log_names=names,
+        steps=steps,
+        motion_limits=motion_limits,
+        devices=worn.devices,
+        log_devices=worn.of_log,
+        device_warnings=worn.warnings,
+    )
 
 
-def choose_settings(entry: SettingsEntry, overrides: Mapping[str, Any], file: str, data: bytes) -> Settings:
-    """Defaults, then study.yaml, then the caller's."""
+def choose_settings(
+    entry: SettingsEntry, overrides: Mapping[str, Any], file: str, data: bytes
+) -> tuple[Settings, dict[str, float]]:
+    """Defaults, then study.yaml, then the caller's; beside them the limits on motions (`Study.motion_limits`)."""
     try:
         above = SettingsEntry.model_validate(dict(overrides))
     except ValidationError as invalid:
@@ -106,6 +160,7 @@ def choose_settings(entry: SettingsEntry, overrides: Mapping[str, Any], file: st
             ]
         ) from None
     chosen = {**entry.model_dump(exclude_none=True), **above.model_dump(exclude_none=True)}
+    motion_limits = {word: chosen.pop(key) for key, word in MOTION_LIMITS.items() if key in chosen}
     if "effects" in chosen:
         known = sorted(all_effects())
         for k, effect in enumerate(chosen["effects"]):
@@ -116,7 +171,7 @@ def choose_settings(entry: SettingsEntry, overrides: Mapping[str, Any], file: st
                     Fault("no such effect", "unknown_effect", advice, file, row, f"settings.effects.{k}", effect)
                 )
         chosen["effects"] = tuple(chosen["effects"])
-    return replace(Settings(), **chosen)
+    return replace(Settings(), **chosen), motion_limits
 
 
 def log_names(file: StudyFile, name: str, data: bytes) -> tuple[str, ...]:
@@ -145,32 +200,51 @@ def _stem(entry: LogEntry) -> str:
     return plain.lstrip(".+-")[:80] or "log"
 
 
-def _steps(file: StudyFile, name: str, data: bytes) -> tuple[Step, ...]:
-    """identify now; what a later version adds is skipped and says so."""
-    asked = file.steps or STEPS
-    if "identify" not in asked:
-        row = place(data, ("steps",))
-        advice = "Every step of this version starts with `identify`: add it, or leave `steps` out."
-        raise BadStudy(Fault("nothing to do", "no_step", advice, name, row, "steps"))
+def _steps(file: StudyFile, log_devices: Sequence[str | None], name: str, data: bytes) -> tuple[Step, ...]:
+    """identify always, as all else stands on it; stiffness asks for support; the rest is skipped and says why."""
     if not any(entry.role == "identification" for entry in file.logs):
         row = place(data, ("logs",))
         advice = "Give at least one log `role: identification`."
         raise BadStudy(Fault("no log to identify from", "no_identification_log", advice, name, row, "logs"))
-    return tuple(Step(step, None if step == "identify" else NOT_IN_THIS_VERSION) for step in STEPS if step in asked)
+    asked = {"identify", *(file.steps or STEPS)}
+    if "stiffness" in asked:
+        asked.add("support")
+    no_support = None if any(log_devices) else "no log with role with_device"
+    why = {"support": no_support, "stiffness": no_support, "discrepancy": NOT_IN_THIS_VERSION}
+    return tuple(Step(step, why.get(step)) for step in STEPS if step in asked)
 
 
 def read_recordings(study: Study) -> list[Recording]:
     """The logs that identification uses: fitted, or held out (validation, and motions without the device)."""
-    recordings, faults = [], list[Fault]()
-    for entry, name in zip(study.file.logs, study.log_names, strict=True):
-        if entry.role == "with_device":
-            continue
-        log = read_entry(study.bundle, entry, name, study.robot_file, motor_from_joint(study.robot_file))
+    chosen = [k for k, entry in enumerate(study.file.logs) if entry.role != "with_device"]
+    roles = [study.file.logs[k].role for k in chosen]
+    return [
+        Recording(log, held_out=role != "identification") for log, role in zip(_read(study, chosen), roles, strict=True)
+    ]
+
+
+def read_worn(study: Study) -> list[WornLog]:
+    """The logs with a device on."""
+    worn = [(k, file) for k, file in enumerate(study.log_devices) if file is not None]
+    logs = _read(study, [k for k, _ in worn])
+    return [
+        WornLog(log, study.devices[file], file, study.file.logs[k].motion or log.name, log.name)
+        for log, (k, file) in zip(logs, worn, strict=True)
+    ]
+
+
+def _read(study: Study, chosen: Sequence[int]) -> list[Log]:
+    """The chosen logs of study.yaml; whatever column is missing from any of them is told at once."""
+    logs, faults = [], list[Fault]()
+    gears = motor_from_joint(study.robot_file)
+    for k in chosen:
+        entry = study.file.logs[k]
+        log = read_entry(study.bundle, entry, study.log_names[k], study.robot_file, gears)
         faults += missing_columns(log, study.robot, entry.file[0])
-        recordings.append(Recording(log, held_out=entry.role != "identification"))
+        logs.append(log)
     if faults:
         raise BadLog(faults)
-    return recordings
+    return logs
 
 
 def needed_channels(robot: Robot) -> tuple[str, ...]:

@@ -48,6 +48,19 @@ _Loader.add_constructor("tag:yaml.org,2002:int", _whole_number)
 
 def load_yaml(data: bytes, model: type[Model], *, file: str, error: type[BadInput] = BadStudy) -> Model:
     """The checked content of one YAML file, or `error` with a `Fault` per broken rule (row = line in the file)."""
+    checked, _, faults = read_yaml(data, model, file=file, error=error)
+    if checked is None:
+        raise error(faults)
+    return checked
+
+
+def read_yaml(
+    data: bytes, model: type[Model], *, file: str, error: type[BadInput] = BadStudy
+) -> tuple[Model | None, dict[Any, Any], list[Fault]]:
+    """(checked content or None, content as written, faults), for callers that look on where the model is broken.
+
+    What is no YAML, or holds no keys and values, raises `error` all the same.
+    """
     node = _compose(data, file, error)
     _refuse_duplicate_keys(node, file, error)
     try:
@@ -57,10 +70,10 @@ def load_yaml(data: bytes, model: type[Model], *, file: str, error: type[BadInpu
     if not isinstance(content, dict):
         raise error(Fault("the file must hold keys and values at its top level", "not_a_mapping", "", file, 1))
     try:
-        return model.model_validate(content)
+        return model.model_validate(content), content, []
     except ValidationError as invalid:
         found = invalid.errors(include_url=False)[:MAX_FAULTS]
-        raise error([_fault(dict(item), model, node, file) for item in found]) from None
+        return None, content, [_fault(dict(item), model, node, file) for item in found]
 
 
 @lru_cache(maxsize=8)

@@ -1,0 +1,114 @@
+"""The table of a force-length test of a bare band (columns length_m, force_n), with the place of every fault."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from exogauge.devices.device import BenchTest
+from exogauge.errors import BadStudy, Fault
+from exogauge.studies.bundle import Bundle
+from exogauge.studies.yaml_file import suggestion
+
+LENGTH, FORCE = "length_m", "force_n"
+MAX_BYTES = 2_000_000
+MAX_FAULTS = 20
+LONGEST_M = 20.0  # a longer band is a table in millimetres
+PUSH_SHARE = 0.05  # of the largest force: a zero error of the force gauge; below, a sign
+TAUT_SHARE = 0.02  # of the largest force: below, the band counts as slack
+
+
+def read_bench(bundle: Bundle, file: str, is_truth: bool, *, named_in: str, column: str, row: int | None) -> BenchTest:
+    """named_in, column, row: where the table's name is written. Raises BadStudy with every fault of the table."""
+    data = bundle.read(file, limit=MAX_BYTES, named_in=named_in, column=column, row=row)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data[: problem.start].count(b"\n")
+        raise BadStudy(Fault("the file is not UTF-8 text", "not_utf8", "Save it as CSV, UTF-8.", file, line)) from None
+    lines = [line for line in text.splitlines() if line.strip()]
+    if not lines:
+        raise BadStudy(Fault("the table is empty", "empty_file", f"It needs columns {LENGTH}, {FORCE}.", file))
+    delimiter = next((mark for mark in (";", "\t") if mark in lines[0]), ",")
+    try:
+        cells = list(csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter, skipinitialspace=True))
+    except csv.Error as problem:
+        raise BadStudy(Fault(f"not readable as CSV: {problem}", "not_csv", "Save it as CSV.", file)) from None
+    lengths, forces = _columns(cells, delimiter, file)
+    faults = list(_physical_faults(lengths, forces, file))
+    if faults:
+        raise BadStudy(faults[:MAX_FAULTS])
+    return BenchTest(tuple(lengths), tuple(forces), is_truth)
+
+
+def slope(bench: BenchTest) -> float:
+    """[N/m] of the straight line through the test's taut points; NaN where they have one length only."""
+    length, force = np.array(bench.length), np.array(bench.force)
+    taut = force > TAUT_SHARE * force.max()
+    spread = length[taut] - length[taut].mean()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return float(np.divide(spread @ force[taut], spread @ spread))
+
+
+def _columns(cells: Sequence[Sequence[str]], delimiter: str, file: str) -> tuple[list[float], list[float]]:
+    header = [cell.strip() for cell in cells[0]]
+    missing = [
+        Fault("the table lacks a column", "missing_column", _column_advice(name, header), file, 0, name)
+        for name in (LENGTH, FORCE)
+        if header.count(name) != 1
+    ]
+    if missing:
+        raise BadStudy(missing)
+    values: dict[str, list[float]] = {}
+    faults = list[Fault]()
+    for name in (LENGTH, FORCE):
+        k = header.index(name)
+        values[name] = []
+        for row, line in enumerate(cells[1:], start=1):
+            cell = line[k].strip() if k < len(line) else ""
+            number = _number(cell, delimiter)
+            if not math.isfinite(number):
+                advice = "Correct the cell or remove the row."
+                if delimiter == "," and ("," in cell or len(line) > len(header)):
+                    advice = "Numbers with a decimal comma need ';' or tab between the columns."
+                detail = "the cell is not a finite number"
+                faults.append(Fault(detail, "not_a_number", advice, file, row, name, cell[:80]))
+            values[name].append(number)
+    if faults:
+        raise BadStudy(faults[:MAX_FAULTS])
+    return values[LENGTH], values[FORCE]
+
+
+def _column_advice(name: str, header: Sequence[str]) -> str:
+    meaning = "length of the band [m]" if name == LENGTH else "force it pulls with [N], positive"
+    return f"It holds the {meaning}. {suggestion(name, header).replace('Did you mean', 'Is it')}".strip()
+
+
+def _number(cell: str, delimiter: str) -> float:
+    try:
+        return float(cell.replace(",", ".") if delimiter != "," else cell)
+    except ValueError:
+        return math.nan
+
+
+def _physical_faults(lengths: Sequence[float], forces: Sequence[float], file: str) -> Iterator[Fault]:
+    largest = max(forces, default=0.0)
+    for row, (metres, force) in enumerate(zip(lengths, forces, strict=True), start=1):
+        if not 0.0 < metres <= LONGEST_M:
+            detail = "a band's length is above 0 and a few metres at most"
+            yield Fault(detail, "odd_length", "Lengths are in metres.", file, row, LENGTH, f"{metres:g}")
+        if force < -PUSH_SHARE * abs(largest):
+            detail = "a band cannot push"
+            yield Fault(detail, "negative_force", "Pull counts as positive [N].", file, row, FORCE, f"{force:g}")
+    if len(set(lengths)) < 2 or largest <= 0.0:
+        detail = "the table needs two different lengths or more, and a pull"
+        yield Fault(detail, "too_few_points", "Ten lengths from slack to the longest in use are good.", file)
+        return
+    length = np.array(lengths)
+    if (length - length.mean()) @ np.array(forces) <= 0.0:
+        detail, advice = "the force does not grow with the length", "Are the columns swapped?"
+        yield Fault(detail, "force_falls", advice, file, column=FORCE)
