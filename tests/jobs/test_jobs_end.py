@@ -26,10 +26,16 @@ def test_bad_input_fails_with_what_is_wrong_and_a_defect_with_its_trace(staffed)
     assert done.state == "failed"
     assert "logs/a.csv" in done.reason
     assert "Add it." in done.reason
+    assert done.failure["class"] == "BadStudy"
+    assert done.failure["faults"] == [
+        {"detail": "the log has no column", "rule": "missing_column", "advice": "Add it.", "file": "logs/a.csv",
+         "row": None, "column": "t", "value": None}
+    ]  # fmt: skip
     done = staffed.ended(defect)
     assert done.state == "failed"
     assert "ZeroDivisionError" in done.reason
     assert "nobody foresaw this" in done.log
+    assert done.failure is None
     assert staffed.words("bad") == ["start"]  # an answer, however bad, is not asked for again
 
 

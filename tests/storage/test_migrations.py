@@ -80,6 +80,24 @@ def test_the_migrated_schema_keeps_what_the_engine_relies_on(database_url: str) 
     engine.dispose()
 
 
+def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(database_url: str) -> None:
+    migrate.upgrade(database_url, "0001")
+    execute(database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+            "VALUES ('s', 'local', '2026-01-01', 'old', 'c', '{}')")  # fmt: skip
+    execute(database_url, "INSERT INTO jobs (id, lab_id, created_at, kind, study_id, request_hash, settings, "
+            "code_version, state, progress, message, attempts, cancel_requested, log, revision) VALUES "
+            "('j', 'local', '2026-01-01', 'evaluate', 's', 'h', '{}', '', 'failed', 0, '', 1, '0', '', 3)")  # fmt: skip
+    migrate.upgrade(database_url)
+    engine = make_engine(database_url)
+    with engine.connect() as connection:
+        assert connection.execute(sa.select(Job.revision, Job.failure)).all() == [(3, None)]
+    engine.dispose()
+    migrate.downgrade(database_url, "0001")
+    assert "devices" not in tables(database_url)
+    migrate.upgrade(database_url)
+    migrate.check(database_url)
+
+
 def tables(url: str) -> set[str]:
     engine = make_engine(url)
     names = set(sa.inspect(engine).get_table_names())

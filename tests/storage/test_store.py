@@ -1,4 +1,4 @@
-"""What the store promises of robots, logs, studies, jobs, results and keys."""
+"""What the store promises of robots, devices, logs, studies, jobs, results and keys."""
 
 from __future__ import annotations
 
@@ -43,6 +43,44 @@ def test_robots_added_at_once_all_get_their_own_version(storage: Storage) -> Non
     with storage.reading() as store:
         assert sorted(robot.version for robot in store.robots.page(None, 50).items) == [1, 2, 3, 4, 5]
         assert store.session.scalar(sa.select(sa.func.count()).select_from(RobotFile)) == 5
+
+
+def test_a_device_is_versioned_by_name_content_and_the_robot_it_was_checked_against(storage: Storage) -> None:
+    with storage.transaction() as store:
+        arm, leg = (store.robots.add(name, FILES, {})[0].id for name in ("arm", "leg"))
+        first, new = store.devices.add("suit", arm, FILES, {"groups": ["A"]})
+        other, _ = store.devices.add("suit", arm, OTHER, {})
+        elsewhere, elsewhere_new = store.devices.add("suit", leg, FILES, {})
+        again, again_new = store.devices.add("suit", arm, FILES, {})
+        glove, _ = store.devices.add("glove", arm, FILES, {})
+    assert (new, elsewhere_new, again_new, again.id) == (True, True, False, first.id)
+    assert [each.version for each in (first, other, elsewhere, glove)] == [1, 2, 3, 1]
+    with storage.reading() as store:
+        assert store.devices.files(other.id) == OTHER
+        assert store.devices.file(first.id, "robot.yaml") == FILES[1]
+        assert store.devices.get(first.id).summary == {"groups": ["A"]}
+        assert {each.id for each in store.devices.page(None, 9, name="suit").items} == {
+            first.id,
+            other.id,
+            elsewhere.id,
+        }
+        assert [each.id for each in store.devices.page(None, 9, robot_id=leg).items] == [elsewhere.id]
+        for path in ("robot.yml", "../robot.yaml", "", "\0"):
+            with pytest.raises(NotFound):
+                store.devices.file(first.id, path)
+
+
+def test_a_device_of_a_robot_that_another_lab_has_cannot_be_added(storage: Storage) -> None:
+    with storage.transaction() as store:
+        robot = store.robots.add("arm", FILES, {})[0].id
+        device = store.devices.add("suit", robot, FILES, {})[0].id
+    other = Storage(storage.engine, storage.blobs, "other")
+    with other.transaction() as store:
+        assert store.devices.page(None, 9).items == ()
+        with pytest.raises(NotFound):
+            store.devices.add("suit", robot, FILES, {})
+        with pytest.raises(NotFound):
+            store.devices.file(device, "robot.yaml")
 
 
 def test_the_same_study_added_at_once_is_one_study(storage: Storage) -> None:
@@ -105,7 +143,7 @@ def test_another_lab_sees_nothing(storage: Storage) -> None:
 
 def test_a_key_that_is_none_is_not_found(storage: Storage) -> None:
     with storage.reading() as store:
-        for noun in (store.robots, store.logs, store.studies, store.jobs):
+        for noun in (store.robots, store.devices, store.logs, store.studies, store.jobs):
             for key in ("", "x", "0" * 36, "'; DROP TABLE jobs; --", "\0", "\ud800"):
                 with pytest.raises(NotFound):
                     noun.get(key)

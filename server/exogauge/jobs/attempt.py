@@ -10,10 +10,10 @@ import math
 import shutil
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TypeVar, final
+from typing import Any, TypeVar, final
 
 from exogauge.errors import Cancelled, ExogaugeError, Unavailable
 from exogauge.jobs import claims
@@ -107,7 +107,7 @@ class Runner:
             self._cancelled(job)
         except ComputeFailed as error:
             reason = str(error) if error.expected else f"unexpected error ({error.kind}): {error}"
-            self._fail(job, reason, error.trace or "")
+            self._fail(job, reason, error.trace or "", error.failure)
         except ExogaugeError as error:
             self._fail(job, str(error))
         except Exception as error:
@@ -165,13 +165,13 @@ class Runner:
             if not claims.succeed(store.session, job, self._worker, self._storage.lab_id, files):
                 raise NotMineAnyMore(job.id)
 
-    def _fail(self, job: JobRecord, reason: str, trace: str = "") -> None:
+    def _fail(self, job: JobRecord, reason: str, trace: str = "", failure: Mapping[str, Any] | None = None) -> None:
         log.info("job %s failed: %s", job.id, reason)
         self._note(job, f"{reason}\n{trace}")
 
         def write() -> None:
             with self._storage.transaction() as store:
-                claims.fail(store.session, job.id, self._worker, reason)
+                claims.fail(store.session, job.id, self._worker, reason, failure)
 
         until_it_works(write)
 

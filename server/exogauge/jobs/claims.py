@@ -25,6 +25,7 @@ from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
 
 MAX_ATTEMPTS = 4
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
+MOST_FAULTS = 100  # kept of a failed job
 RESULTS = "results.json"
 MEDIA_TYPES = {
     ".parquet": "application/vnd.apache.parquet",
@@ -92,9 +93,14 @@ def cancel_wanted(session: Session, job_id: str, worker: str) -> bool | None:
     return session.scalar(sa.select(Job.cancel_requested).where(held_by(job_id, worker)))
 
 
-def fail(session: Session, job_id: str, worker: str, reason: str) -> bool:
-    """End the job with the reason why."""
+def fail(session: Session, job_id: str, worker: str, reason: str, failure: Mapping[str, Any] | None = None) -> bool:
+    """End the job with the reason why; failure: {class, faults} where what was handed in is to blame."""
     ended = {"state": "failed", "reason": printable(reason), "finished_at": database_now(session)}
+    if failure is not None:
+        ended["failure"] = {
+            "class": failure["class"],
+            "faults": [kept(fault) for fault in failure["faults"][:MOST_FAULTS]],
+        }
     return change(session, held_by(job_id, worker), ended) == 1
 
 
@@ -136,6 +142,11 @@ def unattended(session: Session) -> list[str]:
 def media_type(name: str) -> str:
     suffix = name[name.rfind(".") :].lower() if "." in name else ""
     return MEDIA_TYPES.get(suffix, "application/octet-stream")
+
+
+def kept(fault: Mapping[str, Any]) -> dict[str, Any]:
+    """A fault as a row can hold it."""
+    return {key: printable(value)[:4000] if isinstance(value, str) else value for key, value in fault.items()}
 
 
 def printable(text: str) -> str:

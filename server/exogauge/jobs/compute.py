@@ -48,6 +48,11 @@ class ComputeFailed(ExogaugeError):
     def expected(self) -> bool:
         return self.trace is None
 
+    @property
+    def failure(self) -> dict[str, Any] | None:
+        """What was wrong with what was handed in, as the job's row keeps it; None for a defect."""
+        return {"class": self.kind, "faults": self.faults} if self.expected else None
+
 
 @final
 class ComputeChild:

@@ -32,6 +32,20 @@ class RobotRecord:
 
 @final
 @dataclass(frozen=True)
+class DeviceRecord:
+    """robot_id: the robot it was checked against."""
+
+    id: str
+    created_at: datetime
+    name: str
+    version: int
+    robot_id: str
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
 class LogRecord:
     id: str
     created_at: datetime
@@ -56,7 +70,8 @@ class StudyRecord:
 @final
 @dataclass(frozen=True)
 class JobRecord:
-    """progress: 0..1. reason: why it failed. log: the last lines of what the worker said."""
+    """progress: 0..1. reason: why it failed. failure: {class, faults} where what was handed in is to blame.
+    log: the last lines of what the worker said."""
 
     id: str
     created_at: datetime
@@ -69,6 +84,7 @@ class JobRecord:
     progress: float
     message: str
     reason: str | None
+    failure: Mapping[str, Any] | None
     attempts: int
     cancel_requested: bool
     started_at: datetime | None

@@ -24,6 +24,7 @@ from sqlalchemy.orm import Session
 from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
+from exogauge.storage.devices import Devices
 from exogauge.storage.jobs import Jobs
 from exogauge.storage.keys import Keys
 from exogauge.storage.logs import Logs
@@ -44,6 +45,7 @@ class Store:
         self.blobs = blobs
         self.lab_id = lab_id
         self.robots = Robots(lab)
+        self.devices = Devices(lab)
         self.logs = Logs(lab)
         self.studies = Studies(lab, blobs)
         self.jobs = Jobs(lab)

@@ -77,6 +77,38 @@ class RobotFile(Owned, Base):
 
 
 @final
+class Device(Owned, Base):
+    """One version of a device bundle, checked against one robot. content_hash: over the paths and hashes of its files.
+
+    The same files checked against another robot are another version: what the check found belongs to both.
+    """
+
+    __tablename__ = "devices"
+    __table_args__ = (
+        sa.UniqueConstraint("lab_id", "name", "version"),
+        sa.UniqueConstraint("lab_id", "name", "robot_id", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    name: Mapped[str] = mapped_column(NAME)
+    version: Mapped[int]
+    robot_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("robots.id"), index=True)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+
+
+@final
+class DeviceFile(Owned, Base):
+    """One file of a device bundle: device.yaml, bench tests."""
+
+    __tablename__ = "device_files"
+    __table_args__ = (sa.UniqueConstraint("device_id", "path"),)
+    device_id: Mapped[str] = owned_by("devices")
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
 class Log(Owned, Base):
     """An uploaded log, byte for byte, with what its reading said of it. mapping_sha256: the mapping it is read with."""
 
@@ -125,6 +157,7 @@ class Job(Owned, Base):
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
+    failure: {class, faults} of the error that ended it, where what was handed in is to blame.
     """
 
     __tablename__ = "jobs"
@@ -151,6 +184,7 @@ class Job(Owned, Base):
     progress: Mapped[float] = mapped_column(FiniteFloat, default=0.0)
     message: Mapped[str] = mapped_column(sa.Text, default="")
     reason: Mapped[str | None] = mapped_column(sa.Text)
+    failure: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
     attempts: Mapped[int] = mapped_column(default=0)
     cancel_requested: Mapped[bool] = mapped_column(default=False)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
