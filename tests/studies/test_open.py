@@ -13,6 +13,7 @@ import pytest
 from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy
 from exogauge.studies.open import needed_channels, open_study, read_recordings, read_worn
 from exogauge.studies.robot_file import load_robot, motor_from_joint, read_robot
+from exogauge.support.settings import SupportSettings
 
 Rewrite = Callable[[str, str, str], Path]
 SUIT = """version: 1
@@ -132,8 +133,8 @@ def test_recordings_are_fitted_or_held_out_by_role(worn: Path) -> None:
 def test_logs_with_a_device_know_it_and_their_motion(worn: Path) -> None:
     with open_study(worn) as study:
         first, second = read_worn(study)
-        assert (first.name, first.motion, first.device_file, first.device.name) == ("worn", "bend", "suit.yaml", "Suit")
-        assert (second.name, second.motion, second.device.name) == ("other", "other", "Thin")
+        assert (first.log.name, first.motion, first.device) == ("worn", "bend", study.devices["suit.yaml"])
+        assert (second.log.name, second.motion, second.device.name) == ("other", "other", "Thin")
         assert first.log.samples == 400
         assert list(study.devices) == ["suit.yaml", "thin.yaml"]
         assert study.log_devices == (None, None, None, "suit.yaml", "thin.yaml")
@@ -193,7 +194,7 @@ def test_two_devices_of_one_name_are_refused(worn: Path, rewrite: Rewrite) -> No
 def test_limits_on_motions_are_no_setting_of_the_identification(rewrite: Rewrite) -> None:
     root = rewrite("study.yaml", "settings: {", "settings: {motion_doubtful: 0.2, ")
     with open_study(root, {"motion_different": 0.7}) as study:
-        assert study.motion_limits == {"doubtful": 0.2, "different": 0.7}
+        assert study.support_settings == SupportSettings(doubtful=0.2, different=0.7)
 
 
 def test_one_file_is_split_into_fitted_and_held_out_rows(rewrite: Rewrite) -> None:
@@ -249,7 +250,7 @@ def test_the_callers_settings_go_on_top(folder: Path) -> None:
         ("settings:", "device: device.yaml\nsettings:", "no such file"),
         ("role: validation", "role: with_device", "no device file is named"),
         ("role: validation", "role: validation, device: device.yaml", "wears no device"),
-        ("settings: {", "settings: {motion_doubtful: 0.6, motion_different: 0.5, ", "cannot be above"),
+        ("settings: {", "settings: {motion_doubtful: 0.6, ", "motion_doubtful below motion_different"),
     ],
 )
 def test_a_study_that_cannot_be_done_says_why(rewrite: Rewrite, old: str, new: str, words: str) -> None:

@@ -91,13 +91,6 @@ class SettingsEntry(_Part):
     motion_doubtful: Positive | None = None
     motion_different: Positive | None = None
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        doubtful, different = self.motion_doubtful, self.motion_different
-        if doubtful is not None and different is not None and doubtful > different:
-            raise ValueError("motion_doubtful cannot be above motion_different")
-        return self
-
 
 class StudyFile(_Part):
     """study.yaml"""

@@ -8,8 +8,8 @@ from typing import Any
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Expectation, JointLimits, examine
 from exogauge.robots.description import Robot
-from exogauge.studies.open import WornLog
 from exogauge.studies.results import finite
+from exogauge.support.settings import WornLog
 
 STANDARD_GRAVITY = 9.80665
 

@@ -22,9 +22,10 @@ from exogauge.studies.read_log import read_entry
 from exogauge.studies.robot_file import motor_from_joint, read_robot
 from exogauge.studies.worn_devices import read_devices
 from exogauge.studies.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
+from exogauge.support.settings import SupportSettings, WornLog
 
 NOT_IN_THIS_VERSION = "not part of this version"
-MOTION_LIMITS = {"motion_doubtful": "doubtful", "motion_different": "different"}  # key in settings -> in the study
+MOTION_LIMITS = {"motion_doubtful": "doubtful", "motion_different": "different"}  # key in settings -> of the support's
 
 
 @final
@@ -47,24 +48,11 @@ class LogMotion:
 
 @final
 @dataclass(frozen=True)
-class WornLog:
-    """A log with a device on. device_file: key of `Study.devices`. motion: the log's own name where none is given."""
-
-    log: Log
-    device: Device
-    device_file: str
-    motion: str
-    name: str
-
-
-@final
-@dataclass(frozen=True)
 class Study:
     """An opened study; a context manager, because a zip's unpacked copy goes when it ends.
 
     log_names: of `file.logs`, one each, unique: names of logs, channels' tables and series files.
-    urdf: bytes of the robot's URDF. settings: those of study.yaml with the caller's on top; motion_limits: those of
-    them about the equality of motions, `doubtful` and `different`, as far as given.
+    urdf: bytes of the robot's URDF. settings, support_settings: those of study.yaml with the caller's on top.
     devices: by file, in the order in which they are named. log_devices: the device file of each log, None where it
     wears none. device_warnings: what looks like a slip in them.
     """
@@ -77,7 +65,7 @@ class Study:
     settings: Settings
     log_names: tuple[str, ...]
     steps: tuple[Step, ...]
-    motion_limits: Mapping[str, float]
+    support_settings: SupportSettings
     devices: Mapping[str, Device]
     log_devices: tuple[str | None, ...]
     device_warnings: tuple[str, ...]
@@ -115,7 +103,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
     name = bundle.study_file
     data = bundle.read(name, limit=MAX_BYTES)
     file = load_yaml(data, StudyFile, file=name)
-    settings, motion_limits = choose_settings(file.settings, overrides, name, data)
+    settings, support_settings = choose_settings(file.settings, overrides, name, data)
     for k, entry in enumerate(file.logs):
         for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
             bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
@@ -132,7 +120,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         settings=settings,
         log_names=names,
         steps=steps,
-        motion_limits=motion_limits,
+        support_settings=support_settings,
         devices=worn.devices,
         log_devices=worn.of_log,
         device_warnings=worn.warnings,
@@ -141,8 +129,8 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
 
 def choose_settings(
     entry: SettingsEntry, overrides: Mapping[str, Any], file: str, data: bytes
-) -> tuple[Settings, dict[str, float]]:
-    """Defaults, then study.yaml, then the caller's; beside them the limits on motions (`Study.motion_limits`)."""
+) -> tuple[Settings, SupportSettings]:
+    """Defaults, then study.yaml, then the caller's: those of the identification, and those of the support."""
     try:
         above = SettingsEntry.model_validate(dict(overrides))
     except ValidationError as invalid:
@@ -160,7 +148,14 @@ def choose_settings(
             ]
         ) from None
     chosen = {**entry.model_dump(exclude_none=True), **above.model_dump(exclude_none=True)}
-    motion_limits = {word: chosen.pop(key) for key, word in MOTION_LIMITS.items() if key in chosen}
+    limits = {word: chosen.pop(key) for key, word in MOTION_LIMITS.items() if key in chosen}
+    support = replace(SupportSettings(), **limits)
+    if support.doubtful > support.different:
+        detail = (
+            f"motions count as different from {support.different:g} on, as doubtful only from {support.doubtful:g} on"
+        )
+        advice, row = "Give motion_doubtful below motion_different.", place(data, ("settings",))
+        raise BadStudy(Fault(detail, "limits_crossed", advice, file, row, "settings"))
     if "effects" in chosen:
         known = sorted(all_effects())
         for k, effect in enumerate(chosen["effects"]):
@@ -171,7 +166,7 @@ def choose_settings(
                     Fault("no such effect", "unknown_effect", advice, file, row, f"settings.effects.{k}", effect)
                 )
         chosen["effects"] = tuple(chosen["effects"])
-    return replace(Settings(), **chosen), motion_limits
+    return replace(Settings(), **chosen), support
 
 
 def log_names(file: StudyFile, name: str, data: bytes) -> tuple[str, ...]:
@@ -224,11 +219,11 @@ def read_recordings(study: Study) -> list[Recording]:
 
 
 def read_worn(study: Study) -> list[WornLog]:
-    """The logs with a device on."""
+    """The logs with a device on; a motion without a name takes the log's own."""
     worn = [(k, file) for k, file in enumerate(study.log_devices) if file is not None]
     logs = _read(study, [k for k, _ in worn])
     return [
-        WornLog(log, study.devices[file], file, study.file.logs[k].motion or log.name, log.name)
+        WornLog(log, study.file.logs[k].motion or log.name, study.devices[file])
         for log, (k, file) in zip(logs, worn, strict=True)
     ]
 
