@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from itertools import pairwise
 from typing import Any, TypeVar, final
@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
+from exogauge.devices.laws import law_faults
 from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
 from exogauge.robots.tree import RigidTree
@@ -67,7 +68,7 @@ def read_device(
     faults += _name_faults(drafts, page)
     faults += _group_faults(drafts, content, page)
     for draft in drafts:
-        faults += law_faults(draft.values, page, draft.at())
+        faults += _law_faults(draft, page)
     faults += _place_faults(drafts, robot.tree, page)
     benches, bench_faults = _benches(drafts, bundle, page)
     faults += bench_faults
@@ -169,15 +170,11 @@ def _group_faults(drafts: Sequence[_Draft], content: dict[Any, Any], page: Devic
                     yield page.fault(detail, "group_differs", draft.at(key), advice, value)
 
 
-def law_faults(band: contract.Band, page: DevicePage, at: Pointer) -> Iterator[Fault]:
-    """An unknown law, and values that the law does not know or cannot be without."""
-    if band.law != "linear":
-        advice = suggestion(band.law, ["linear"])
-        yield page.fault("no such law", "unknown_law", (*at, "law"), advice, band.law)
-    else:
-        for name in band.law_values:
-            detail = "the law `linear` has no other parameters"
-            yield page.fault(detail, "unknown_law_value", (*at, "law_values", name), "Leave it out.", name)
+def _law_faults(draft: _Draft, page: DevicePage) -> Iterator[Fault]:
+    """An unknown law; values that it does not know, lacks, or cannot take."""
+    for fault in law_faults(draft.values.law, draft.values.law_values):
+        pointer = draft.at(*(fault.column or "law").split(".", 1))
+        yield replace(fault, file=page.file, row=place(page.data, pointer), column=dotted(pointer))
 
 
 def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -> list[Fault]:
