@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.devices.device import Band, Device
+from exogauge.devices.routing import Routing
 from exogauge.errors import Fault
 from exogauge.robots.description import Robot
 from exogauge.studies.bench_table import slope
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.device_file import SAME_PLACE_M, DevicePage
-from exogauge.studies.via_positions import Postures, drawn_postures, locate
+from exogauge.studies.postures import drawn_postures
 from exogauge.studies.yaml_file import MAX_BYTES, Pointer
+
+Array = NDArray[np.float64]
 
 FAR_M = 2.0  # of a via point from its link's origin: more is millimetres
 LENGTH_RATIO = 1.5  # natural length against the length at zero posture, either way
@@ -25,33 +29,33 @@ def device_doubts(bundle: Bundle, file: str, robot: Robot, device: Device) -> tu
     """device: as read from `file` for this robot, without a fault."""
     page = DevicePage(file, bundle.read(file, limit=MAX_BYTES))
     postures = drawn_postures(robot.tree)
-    lengths = {}
+    zero: dict[str, float] = {}
     found = list[Fault]()
     for k, band in enumerate(device.bands):
-        points = [locate(robot.tree, point.link, point.xyz) for point in band.via_points]
-        lengths[band.name] = postures.lengths(points)
-        found += _point_doubts(band, postures, page, ("bands", k))
-        found += _length_doubts(band, lengths[band.name], page, ("bands", k))
+        segments = Routing(robot.tree, [band], fast=False).segments(postures, 0).length
+        length = segments.sum(axis=1)
+        zero[band.name] = float(length[0])
+        found += _point_doubts(band, segments[0], page, ("bands", k))
+        found += _length_doubts(band, length, page, ("bands", k))
         found += _value_doubts(band, page, ("bands", k))
-    found += _uneven_groups(device, {name: float(length[0]) for name, length in lengths.items()}, page)
+    found += _uneven_groups(device, zero, page)
     return tuple(sorted(found, key=lambda fault: fault.row or 0))
 
 
-def _point_doubts(band: Band, postures: Postures, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+def _point_doubts(band: Band, segments: Array, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+    """segments: (S,) [m] their lengths at zero posture."""
     for j, point in enumerate(band.via_points):
         away = float(np.linalg.norm(point.xyz))
         if away > FAR_M:
             detail = f"the via point is {away:.4g} m away from the origin of {point.link!r}"
             yield page.fault(detail, "far_away", (*at, "via_points", j, "xyz"), "xyz is in metres.")
-    placed = postures.place([locate(postures.tree, point.link, point.xyz) for point in band.via_points])
-    segments = np.linalg.norm(np.diff(placed[0], axis=0), axis=1)
-    for k in np.flatnonzero(segments < SAME_PLACE_M):
+    for s in np.flatnonzero(segments < SAME_PLACE_M):
         detail = "with all joints at zero this via point is at the same place as the one before it"
         advice = "The band has no direction there, and no moment arm."
-        yield page.fault(detail, "no_segment_at_zero", (*at, "via_points", int(k) + 1), advice)
+        yield page.fault(detail, "no_segment_at_zero", (*at, "via_points", int(s) + 1), advice)
 
 
-def _length_doubts(band: Band, length: np.ndarray, page: DevicePage, at: Pointer) -> Iterator[Fault]:
+def _length_doubts(band: Band, length: Array, page: DevicePage, at: Pointer) -> Iterator[Fault]:
     """length: (T,) [m], the first at zero posture."""
     l_0, zero, longest = band.natural_length, float(length[0]), float(length.max())
     if l_0 is None:

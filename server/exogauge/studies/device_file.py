@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from itertools import pairwise
 from typing import Any, TypeVar, final
 
 import numpy as np
@@ -13,13 +12,14 @@ from pydantic import BaseModel, ValidationError
 
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.laws import law_faults
+from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
 from exogauge.robots.tree import RigidTree
 from exogauge.studies import contract
 from exogauge.studies.bench_table import read_bench
 from exogauge.studies.bundle import Bundle
-from exogauge.studies.via_positions import Point, drawn_postures, locate
+from exogauge.studies.postures import drawn_postures
 from exogauge.studies.yaml_file import MAX_BYTES, Pointer, dotted, place, read_yaml, suggestion
 
 Part = TypeVar("Part", bound=BaseModel)
@@ -44,11 +44,15 @@ class DevicePage:
 @final
 @dataclass(frozen=True)
 class _Draft:
-    """Band `index` as far as it can be read. values: without the keys that are broken; points: (index, via point)."""
+    """Band `index` as far as it can be read.
+
+    values: without the keys that are broken. points: (index, via point), of as many as are written.
+    """
 
     index: int
     values: contract.Band
     points: tuple[tuple[int, contract.ViaPoint], ...]
+    written: int
 
     def at(self, *deeper: str | int) -> Pointer:
         return ("bands", self.index, *deeper)
@@ -112,7 +116,7 @@ def _drafts(content: dict[Any, Any]) -> list[_Draft]:
         points = tuple((j, point) for j, each in listed if (point := _read(contract.ViaPoint, each)) is not None)
         values = _readable(band, k)
         if values is not None:
-            drafts.append(_Draft(k, values, points))
+            drafts.append(_Draft(k, values, points, len(listed)))
     return drafts
 
 
@@ -177,35 +181,34 @@ def _law_faults(draft: _Draft, page: DevicePage) -> Iterator[Fault]:
         yield replace(fault, file=page.file, row=place(page.data, pointer), column=dotted(pointer))
 
 
-def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -> list[Fault]:
+def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -> Iterator[Fault]:
     """Links that the robot lacks, segments without length, bands that act on no joint."""
-    faults = list[Fault]()
     postures = drawn_postures(tree, 2)
     for draft in drafts:
-        located: list[tuple[int, Point]] = []
         for j, point in draft.points:
             if point.link not in tree.frames:
-                faults.append(_unknown_link(point.link, tree, page, draft.at("via_points", j, "link")))
-            else:
-                located.append((j, locate(tree, point.link, point.xyz)))
-        for (j, here), (k, there) in pairwise(located):
-            apart = np.linalg.norm(np.diff(postures.place([here, there]), axis=1), axis=2)
-            if k == j + 1 and apart.max() < SAME_PLACE_M:
-                detail = f"this via point is at the same place as the one before it ({_on(here, tree)})"
+                yield _unknown_link(point.link, tree, page, draft.at("via_points", j, "link"))
+        known = [(j, point) for j, point in draft.points if point.link in tree.frames]
+        if len(known) < 2:
+            continue
+        on = [tree.frames[point.link][0] for _, point in known]
+        band = Band(draft.values.name, "", tuple(ViaPoint(point.link, point.xyz) for _, point in known))
+        longest = Routing(tree, [band], fast=False).segments(postures, 0).length.max(axis=0)
+        for s in np.flatnonzero(longest < SAME_PLACE_M):
+            if known[s + 1][0] == known[s][0] + 1:
+                detail = f"this via point is at the same place as the one before it, {_where(on[s], tree)}"
                 advice = "Leave one of them out; it may be one point in the frames of two links."
-                faults.append(page.fault(detail, "no_segment", draft.at("via_points", k), advice))
-        bodies = {body for _, (body, _) in located}
-        if len(bodies) == 1 and len(located) == len(draft.points) >= 2:
-            detail = f"all its via points are on one rigid body ({_on(located[0][1], tree)}): it acts on no joint"
+                yield page.fault(detail, "no_segment", draft.at("via_points", known[s + 1][0]), advice)
+        if len(set(on)) == 1 and len(known) == draft.written:
+            detail = f"all its via points are on one rigid body, {_where(on[0], tree)}: it acts on no joint"
             advice = "A band must cross a joint. Check the links' names."
             if tree.locked:
                 advice += f" Joints that robot.yaml does not list count as fixed: {_listed(tree.locked)}."
-            faults.append(page.fault(detail, "acts_on_no_joint", draft.at("via_points"), advice))
-    return faults
+            yield page.fault(detail, "acts_on_no_joint", draft.at("via_points"), advice)
 
 
-def _on(point: Point, tree: RigidTree) -> str:
-    return "the fixed base" if point[0] < 0 else f"of link {tree.bodies[point[0]]!r}"
+def _where(body: int, tree: RigidTree) -> str:
+    return "the fixed base" if body < 0 else f"that of link {tree.bodies[body]!r}"
 
 
 def _unknown_link(link: str, tree: RigidTree, page: DevicePage, pointer: Pointer) -> Fault:
