@@ -36,14 +36,13 @@ class TorqueSamples:
     """N samples of all logs, D joints, W bands.
 
     torque: (N, D) [N·m] estimated support. weight: (N, D) 1/variance, 0 where a sample is not used.
-    length: (N, W) [m]. jacobian: (N, W, D) [m/rad] ∂l/∂θ. block: (N,) which samples share their errors.
+    length: (N, W) [m]. jacobian: (N, W, D) [m/rad] ∂l/∂θ.
     """
 
     torque: Array
     weight: Array
     length: Array
     jacobian: Array
-    block: IntArray
 
 
 @final
@@ -120,7 +119,7 @@ class BandFit:
     reduced: Reduced
 
     def scores(self, block: IntArray) -> Array:
-        """(blocks, P) sums of G^T w e over each block of samples."""
+        """(blocks, P) sums of G^T w e over each block of samples. block: (N,) which samples share their errors."""
         residual = self.reduced.v + (self.reduced.M @ self.tension[:, :, None])[:, :, 0]
         each = -np.einsum("nwp,nw->np", self.pull, residual)
         total = np.zeros((int(block.max()) + 1, each.shape[1]))

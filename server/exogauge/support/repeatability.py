@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
@@ -94,7 +95,7 @@ def repeatability(plains: Sequence[Plain], settings: SupportSettings) -> Repeata
     moving = np.concatenate([~plain.balance.at_rest for plain in plains])
     pairs = [
         difference(this.balance, other.balance, match(this.posture, other.posture, settings))
-        for this, other in zip(plains, plains[1:], strict=False)
+        for this, other in itertools.pairwise(plains)
         if this.motion is not None and this.motion == other.motion
     ]
     runs = None
@@ -112,15 +113,13 @@ def repeatability(plains: Sequence[Plain], settings: SupportSettings) -> Repeata
     )
 
 
-def held_friction(model: RobotModel, balances: Sequence[Balance]) -> Array:
+def held_friction(model: RobotModel, own: Balance) -> Array:
     """(D,) [N·m] the largest torque that friction was seen to hold at rest, at least the identified τ_s and τ_c."""
     names = {effect.name: k for k, effect in enumerate(model.equations.effects)}
-    xi, C = model.identified.xi, np.abs(model.robot.axes_from_joints[:, balances[0].joints])
-    known = [xi[:, names[name]] for name in ("static_friction", "coulomb") if name in names]
-    most = np.max(known, axis=0) @ C if known else np.zeros(C.shape[1])
-    for each in balances:
-        most = np.maximum(most, np.max(np.abs(np.where(each.at_rest, each.torque, 0.0)), axis=0, initial=0.0))
-    return np.asarray(most)
+    xi, C = model.identified.xi, np.abs(model.robot.axes_from_joints[:, own.joints])
+    known = [xi[:, names[name]] @ C for name in ("static_friction", "coulomb") if name in names]
+    seen = np.max(np.abs(np.where(own.at_rest, own.torque, 0.0)), axis=0, initial=0.0)
+    return np.asarray(np.max([*known, seen], axis=0))
 
 
 def _rms(values: Array, chosen: BoolArray) -> Array:

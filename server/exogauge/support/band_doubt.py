@@ -1,0 +1,88 @@
+"""How far identified bands can be believed: coloured residuals, the robot's parameters, and what is not modelled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.band_fit import BandFit, Belief, tension_and_pull
+from exogauge.devices.result import Approach
+from exogauge.identification.model import RobotModel
+from exogauge.support.band_samples import BandSamples, counted
+from exogauge.support.evidence import Evidence
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class NullLog:
+    """A log without the device, n samples: where the bands would be, and the torque that B and the prior find there.
+
+    length: (n, W). jacobian: (n, W, D). b, a_priori: (n, D) [N·m]. steady: (n, D). share: how many logs with the
+    device, each as long as this one, it stands for.
+    """
+
+    length: Array
+    jacobian: Array
+    b: Array
+    a_priori: Array
+    steady: NDArray[np.bool_]
+    share: float
+
+
+def covariance(
+    model: RobotModel,
+    approach: Approach,
+    fit: BandFit,
+    samples: BandSamples,
+    sigma: Array,
+    evidences: Sequence[Evidence],
+    null_logs: Sequence[NullLog],
+    beliefs: Sequence[Belief],
+) -> Array:
+    """(P, P) of the estimate about the truth, inf on the diagonal where the data hold nothing.
+
+    H^-1 (S + G C G^T + n n^T) H^-1 with H the curvature; S from sums over blocks of residuals (they are coloured);
+    C the covariance of the robot's parameters and G how the score moves with them; n the score that the approach finds
+    on logs without the device, where it ought to be zero: what the model lacks there it lacks with the device too.
+    """
+    scores = fit.scores(samples.blocks(fit))
+    meat = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
+    for belief in beliefs:
+        meat[belief.index, belief.index] += belief.std**-2
+    G = sum(_moved(fit, approach, each, sigma) for each in evidences)
+    C = model.a_priori_covariance if approach == "prior" else model.covariance
+    meat += G @ C @ np.transpose(G)
+    if approach != "A":
+        n = sum((_null_score(fit, approach, each, sigma) for each in null_logs), start=np.zeros(len(fit.theta)))
+        meat += np.outer(n, n)
+    scale = fit.layout.scale
+    H = fit.hessian * np.outer(scale, scale)
+    inverse = np.linalg.pinv(H, rcond=1e-9, hermitian=True)
+    return np.asarray(inverse @ (meat * np.outer(scale, scale)) @ inverse * np.outer(scale, scale))
+
+
+def _moved(fit: BandFit, approach: Approach, evidence: Evidence, sigma: Array) -> Array:
+    """(P, X) change of the score Σ G^T w τ with the robot's X parameters, from the samples at which slopes are kept."""
+    at = evidence.sloped
+    slope = evidence.slope_a if approach == "A" else evidence.slope_b
+    assert slope is not None
+    pull = tension_and_pull(fit.layout, evidence.length[at], fit.theta)[1]
+    weight = counted(evidence, approach)[at] / sigma**2
+    g = -np.einsum("nwp,nwd->ndp", pull, evidence.jacobian[at]) * weight[:, :, None]
+    every = len(evidence.kept) / len(at)
+    flat = g.reshape(-1, g.shape[2]).astype(np.float32)
+    return every * np.asarray(flat.T @ slope.reshape(-1, slope.shape[2]), dtype=np.float64)
+
+
+def _null_score(fit: BandFit, approach: Approach, log: NullLog, sigma: Array) -> Array:
+    """(P,) Σ G^T w τ on a log where τ ought to be zero."""
+    pull = tension_and_pull(fit.layout, log.length, fit.theta)[1]
+    torque = (log.b if approach == "B" else log.a_priori) * log.steady / sigma**2
+    score: Array = np.einsum("nwp,nwd,nd->p", pull, log.jacobian, torque, optimize=True)
+    return -log.share * score

@@ -1,0 +1,253 @@
+"""From logs with and without the device to supporting torque and bands, motion by motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.device import Band, Device
+from exogauge.devices.result import Approach, StiffnessResult
+from exogauge.devices.routing import Routing
+from exogauge.devices.torque import band_torque
+from exogauge.identification.model import RobotModel
+from exogauge.identification.settings import Progress
+from exogauge.support.balance import balance
+from exogauge.support.band_doubt import NullLog
+from exogauge.support.evidence import Background, Evidence, gather, on_joints
+from exogauge.support.motions import Pair, acted_joints, doubts, pairs
+from exogauge.support.phases import phase_names
+from exogauge.support.repeatability import Plain, held_friction, repeatability
+from exogauge.support.result import JointSupport, SupportResult, Trial
+from exogauge.support.same_motion import Posture
+from exogauge.support.settings import PlainLog, SupportSettings, WornLog
+from exogauge.support.stiffness import identify_bands
+from exogauge.support.summary import summarise_joint
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
+
+DEFAULTS = SupportSettings()
+LEAST_SIGMA = 1e-3  # [N·m] of a joint on which nothing was found where there is nothing
+
+
+@final
+@dataclass(frozen=True)
+class Nothing:
+    """A log without the device, at its kept samples: (n, J) posture, (n, D) torques that ought to be zero."""
+
+    motion: str
+    posture: Array
+    b: Array
+    a_priori: Array
+    steady: BoolArray
+
+
+def evaluate_support(
+    model: RobotModel,
+    plain: Sequence[PlainLog],
+    worn: Sequence[WornLog],
+    settings: SupportSettings = DEFAULTS,
+    progress: Progress = lambda _fraction, _phrase: None,
+) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
+    """[Evaluator] sections 5.3 and 5.4: supporting torque by A, B and the maker's values, then the bands from each."""
+    joints = acted_joints(model.robot, worn)
+    evidences: list[Evidence] = []
+    backgrounds: dict[str, Background] = {}
+    nothings: list[Nothing] = []
+    held = _held_friction(model, plain, joints, progress)
+    for motion in dict.fromkeys(each.motion for each in worn):
+        plains = _plains(model, _of_motion(plain, motion), joints)
+        background = Background(joints, plains, repeatability(plains, settings), held, None)
+        for pair in pairs(worn, plain):
+            if pair.worn.motion == motion:
+                progress(0.2 + 0.6 * len(evidences) / len(worn), f"comparing {pair.worn.log.name}")
+                evidences.append(_evidence(model, pair, plain, background, settings))
+        nothings += [_nothing(each, motion) for each in plains]
+        backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
+    progress(0.8, "identifying the bands")
+    names = [model.robot.joints[j].name for j in joints]
+    devices = {each.device.name: each.device for each in worn}
+    stiffness = [
+        result
+        for device in devices.values()
+        for result in _bands(model, device, evidences, backgrounds, nothings, names)
+    ]
+    progress(0.95, "comparing with the band model")
+    return _result(model, evidences, backgrounds, stiffness, names, settings), tuple(stiffness)
+
+
+def _of_motion(plain: Sequence[PlainLog], motion: str) -> Sequence[PlainLog]:
+    """Logs of this motion; for want of those, all that were not fitted; for want of those, all."""
+    same = [each for each in plain if each.motion == motion]
+    return same or [each for each in plain if each.held_out] or plain
+
+
+def _plains(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray) -> list[Plain]:
+    names = [model.robot.joints[j].name for j in joints]
+    return [
+        Plain(balance(model, model.prepare(each.log), joints), Posture(each.log, names), each.motion) for each in plain
+    ]
+
+
+def _held_friction(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray, progress: Progress) -> Array:
+    """(D,) over all logs without the device that were not fitted (or over all, where none is held out)."""
+    chosen = [each for each in plain if each.held_out] or plain
+    most = np.zeros(len(joints))
+    for done, each in enumerate(chosen):
+        progress(0.2 * done / len(chosen), f"friction at rest in {each.log.name}")
+        most = np.maximum(most, held_friction(model, balance(model, model.prepare(each.log), joints)))
+    return most
+
+
+def _evidence(
+    model: RobotModel, pair: Pair, plain: Sequence[PlainLog], background: Background, settings: SupportSettings
+) -> Evidence:
+    reference = None
+    if pair.reference is not None:
+        name = plain[pair.reference].log.name
+        reference = next(k for k, each in enumerate(background.plains) if each.name == name)
+    routing = Routing(model.robot.tree, pair.worn.device.bands)
+    return gather(model, pair.worn, routing, replace(background, reference=reference), settings)
+
+
+def _nothing(plain: Plain, motion: str) -> Nothing:
+    own, kept = plain.balance, plain.balance.prepared.kept
+    return Nothing(motion, own.prepared.motion.q[kept], own.torque[kept], own.torque_a_priori[kept], own.steady[kept])
+
+
+def _bands(
+    model: RobotModel,
+    device: Device,
+    evidences: Sequence[Evidence],
+    backgrounds: Mapping[str, Background],
+    nothings: Sequence[Nothing],
+    names: Sequence[str],
+) -> Iterator[StiffnessResult]:
+    """By A where there is a log to compare with, by B, and by B with the maker's values."""
+    own = [each for each in evidences if each.worn.device.name == device.name]
+    repeats = [backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
+    approaches: tuple[Approach, ...] = ("A", "B", "prior")
+    for approach in approaches:
+        used = [each for each in own if approach != "A" or each.a is not None]
+        if not used:
+            continue
+        runs = [each.between_runs_steady for each in repeats if each.between_runs_steady is not None]
+        found = runs if approach == "A" and runs else [each.by_model_steady for each in repeats]
+        sigma = np.maximum(np.sqrt(np.mean(np.square(found), axis=0)), LEAST_SIGMA)
+        null_logs = [] if approach == "A" else _null_logs(model, device, used, backgrounds, nothings)
+        yield identify_bands(model, device, approach, used, sigma, null_logs, names)
+
+
+def _null_logs(
+    model: RobotModel,
+    device: Device,
+    evidences: Sequence[Evidence],
+    backgrounds: Mapping[str, Background],
+    nothings: Sequence[Nothing],
+) -> list[NullLog]:
+    """The device's bands where they would be in the logs without it."""
+    routing = Routing(model.robot.tree, device.bands)
+    result = []
+    for each in nothings:
+        geometry = routing.geometry(each.posture)
+        worn = sum(one.worn.motion == each.motion for one in evidences)
+        without = sum(other.motion == each.motion for other in nothings)
+        jacobian = on_joints(geometry.jacobian, routing, backgrounds[each.motion].joints)
+        result.append(NullLog(geometry.length, jacobian, each.b, each.a_priori, each.steady, worn / without))
+    return result
+
+
+def _result(
+    model: RobotModel,
+    evidences: Sequence[Evidence],
+    backgrounds: Mapping[str, Background],
+    stiffness: Sequence[StiffnessResult],
+    names: Sequence[str],
+    settings: SupportSettings,
+) -> SupportResult:
+    """Trials with their band model, and the summary of each joint."""
+    trials: list[Trial] = []
+    origin: dict[str, str] = {}
+    filled: dict[str, Device | None] = {}
+    for each in evidences:
+        device = each.worn.device
+        if device.name not in filled:
+            filled[device.name], origin[device.name] = with_values(device, stiffness)
+        trials.append(_trial(model, each, filled[device.name], names))
+    joints: list[JointSupport] = []
+    for device_name, motion in dict.fromkeys((each.device, each.motion) for each in trials):
+        chosen = [k for k, one in enumerate(trials) if (one.device, one.motion) == (device_name, motion)]
+        joints += [
+            summarise_joint(
+                model, [trials[k] for k in chosen], [evidences[k] for k in chosen], backgrounds[motion], joint
+            )
+            for joint in range(len(names))
+        ]
+    equality = {each.log: (each.reference, each.equality) for each in trials if each.reference is not None}
+    return SupportResult(tuple(trials), tuple(joints), origin, tuple(doubts(equality, settings)))
+
+
+def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: Sequence[str]) -> Trial:
+    worn, routing = evidence.worn, Routing(model.robot.tree, evidence.worn.device.bands)
+    bands = [band.name for band in worn.device.bands]
+    band_model, tension = None, np.full(evidence.length.shape, np.nan)
+    if device is not None:
+        pulled = band_torque(routing, device.bands, evidence.posture, evidence.time)
+        columns = [model.robot.tree.joints.index(name) for name in names]
+        band_model, tension = on_joints(pulled.torque, routing, np.array(columns)), pulled.tension
+    return Trial(
+        log=worn.log.name,
+        device=worn.device.name,
+        motion=worn.motion,
+        reference=evidence.reference,
+        lag_s=evidence.found.lag_s if evidence.found else 0.0,
+        time=evidence.time,
+        joints=tuple(names),
+        q=evidence.q,
+        support_a=evidence.a,
+        support_a_std=evidence.std_a,
+        support_b=evidence.b,
+        support_b_std=evidence.std_b,
+        support_prior=evidence.a_priori,
+        band_model=band_model,
+        half_width_a=evidence.half_a,
+        half_width_b=evidence.half_b,
+        compared=evidence.compared,
+        steady=evidence.steady,
+        rest=evidence.rest,
+        equality=evidence.found.equality if evidence.found else (),
+        phase=evidence.phase,
+        phase_names=phase_names(model.robot.tree, names[evidence.main]),
+        length=dict(zip(bands, evidence.length.T, strict=True)),
+        tension=dict(zip(bands, tension.T, strict=True)),
+        prediction=evidence.prediction,
+    )
+
+
+def with_values(device: Device, stiffness: Sequence[StiffnessResult]) -> tuple[Device | None, str]:
+    """The device with a stiffness and natural length for every band, and where they come from."""
+    if all(band.stiffness is not None and band.natural_length is not None for band in device.bands):
+        return device, "stiffness and natural length of the device file"
+    results = [each for each in stiffness if each.device == device.name and each.approach != "prior"]
+    if not results:
+        return None, "none: the device file gives no stiffness or natural length"
+    found = {each.band: each for each in results[0].bands}
+    bands = [
+        _filled(band, found[band.name].stiffness.value, found[band.name].natural_length.value) for band in device.bands
+    ]
+    return replace(device, bands=tuple(bands)), (
+        f"the device file, and what it does not say as identified by approach {results[0].approach}"
+    )
+
+
+def _filled(band: Band, stiffness: float, natural_length: float) -> Band:
+    return replace(
+        band,
+        stiffness=stiffness if band.stiffness is None else band.stiffness,
+        natural_length=natural_length if band.natural_length is None else band.natural_length,
+    )
