@@ -14,7 +14,7 @@ from exogauge.devices.wire_layout import REST, WireLayout
 
 Array = NDArray[np.float64]
 
-SLICE = 60_000  # joints, points and segments times samples at once: what they hold stays in the cache
+SLICE = 90_000  # joints, points and segments times samples at once: what they hold stays in the cache
 TINY = 1e-150  # [m] stands in for the length of a segment that has none: its direction is then 0, not NaN
 
 

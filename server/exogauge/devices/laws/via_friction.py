@@ -1,0 +1,126 @@
+"""A spring that rubs where it is led round: its tension changes from segment to segment against the way it slides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, final
+
+import numpy as np
+
+from exogauge.devices.laws.law import Array, Quantity, WireMotion
+
+SHORTEST = 1e-9  # [m] a segment without length counts as one this long
+
+
+@final
+class ViaFriction:
+    """Capstan: T_{j+1} = T_j e^{±μ φ_j} while the band slides over via point j, |ln(T_{j+1} / T_j)| ≤ μ φ_j while not.
+
+    Segment j of length L_j holds n_j of the unstretched band, Σ n_j = l_0, and T_j = k l_0 (L_j / n_j - 1). From one
+    sample to the next, what friction cannot hold slides towards the greater tension. At the first sample, and when the
+    band has been slack, the tension is the same all along.
+    """
+
+    name = "via_friction"
+    sentence = "The band rubs at its via points, so that its tension differs along its way."
+    values = (Quantity("friction", "1", "Coefficient of friction between the band and its via points.", 0.2),)
+    per_segment = True
+
+    def tension(
+        self, motion: WireMotion, stiffness: float, natural_length: float, values: Mapping[str, float]
+    ) -> Array:
+        if motion.segment_length is None or motion.wrap is None:
+            raise ValueError("friction at via points needs segment lengths and wrap angles")
+        lengths = np.ascontiguousarray(np.maximum(motion.segment_length, SHORTEST))
+        ratios = np.ascontiguousarray(np.exp(values["friction"] * motion.wrap))
+        strain = np.zeros_like(lengths)
+        _strains(lengths, ratios, natural_length, strain)
+        return stiffness * natural_length * strain
+
+
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """njit where numba is installed; without it a log takes a hundred times as long."""
+    try:
+        from numba import njit
+    except ImportError:
+        return function
+    compiled: Callable[..., Any] = njit(cache=True, nogil=True)(function)
+    return compiled
+
+
+@_compiled
+def _march(w: float, first: int, L: Array, ratio: Array, held: Array, strain: Array, slip: Array) -> float:
+    """Strains from segment `first` on if that has w; slip: how much slides from each to the next, the last must be 0.
+
+    It grows with w, and jumps where the direction of a slip changes: there the band sticks. held: (S,) n_j so far.
+    """
+    moved = 0.0
+    for j in range(first, L.shape[0]):
+        strain[j] = w
+        moved += held[j] - L[j] / (1.0 + w)
+        slip[j] = moved
+        if j < ratio.shape[0]:
+            if moved > 0.0:
+                w *= ratio[j]
+            elif moved < 0.0:
+                w /= ratio[j]
+    return moved
+
+
+@_compiled
+def _slide(low: float, high: float, L: Array, ratio: Array, held: Array, strain: Array, work: Array) -> None:
+    """(S,) the strains after a step in which something slides. low, high: they hold that of the first segment.
+
+    Bisection for the first segment; where that ends in a jump at a via point, the band sticks there and all beyond is
+    again a band of its own, whose first strain lies within what friction holds.
+    """
+    low_strain, high_strain, low_slip, high_slip = work
+    first, last = 0, L.shape[0] - 1
+    while True:
+        while True:
+            w = 0.5 * (low + high)
+            if not low < w < high:
+                break
+            if _march(w, first, L, ratio, held, low_strain, low_slip) > 0.0:
+                high = w
+            else:
+                low = w
+        _march(low, first, L, ratio, held, low_strain, low_slip)
+        _march(high, first, L, ratio, held, high_strain, high_slip)
+        j = first
+        strain[j] = low
+        while j < last and (low_slip[j] > 0.0) == (high_slip[j] > 0.0):
+            j += 1
+            strain[j] = low_strain[j]
+        if j == last:
+            return
+        low, high, first = low_strain[j + 1], high_strain[j + 1], j + 1
+
+
+@_compiled
+def _strains(lengths: Array, ratios: Array, l_0: float, strains: Array) -> None:
+    """Fills strains (T, S) with L/n - 1, 0 where slack. lengths: (T, S) [m]. ratios: (T, S-1) e^{μφ}."""
+    samples, segments = lengths.shape
+    n, work = np.empty(segments), np.empty((4, segments))
+    taut = False
+    for t in range(samples):
+        L, ratio, w = lengths[t], ratios[t], strains[t]
+        even = np.sum(L) / l_0 - 1.0
+        if even <= 0.0:
+            taut = False
+            continue
+        if not taut:
+            taut = True
+            n[:] = L / (1.0 + even)
+        w[:] = L / n - 1.0
+        holds = np.all(w > 0.0)
+        for j in range(segments - 1):
+            holds = holds and w[j + 1] <= ratio[j] * w[j] and w[j] <= ratio[j] * w[j + 1]
+        if not holds:
+            most = np.prod(ratio)
+            _slide(even / most, even * most, L, ratio, n, w, work)
+            n[:] = L / (1.0 + w)
+            n *= l_0 / np.sum(n)
+
+
+LAW = ViaFriction()
