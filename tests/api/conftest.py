@@ -91,6 +91,7 @@ def unchecked(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(checking, "check_study", lambda folder: {"name": "Arm", "logs": []})
     monkeypatch.setattr(checking, "check_robot", lambda folder, file="robot.yaml": {"name": "One-joint arm"})
+    monkeypatch.setattr(checking, "check_device", lambda folder, robot_folder: {"name": "Elbow strap"})
     monkeypatch.setattr(checking, "check_log", lambda folder, file, mapping=None, robot=None: {"samples": 3})
 
 

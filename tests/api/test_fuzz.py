@@ -25,10 +25,12 @@ UNSAYABLE = [checks.positive_data_acceptance, checks.negative_data_rejection]
 
 @pytest.fixture
 def schema(tmp_path: Path, unchecked: None) -> Iterator[Any]:
-    """The document of an app that holds one study and one ended job."""
+    """The document of an app that holds one robot, one device, one study and one ended job."""
     app = create_app(Settings(data_dir=tmp_path, workers=0, max_upload_bytes=2_000_000))
     storage: Storage = app.state.storage
     with storage.transaction() as store:
+        robot, _ = store.robots.add("r", [], {})
+        store.devices.add("d", robot.id, [], {})
         study, _ = store.studies.add("s", [], {})
         store.session.add(Job(kind="evaluate", study_id=study.id, request_hash="h", state="failed"))
     yield schemathesis.openapi.from_asgi("/api/v1/openapi.json", app)

@@ -70,6 +70,67 @@ def test_what_cannot_be_run_is_refused_by_name(client, study):
     assert client.post(f"/api/v1/jobs/{uuid4()}/cancel").status_code == 404
 
 
+@pytest.mark.parametrize("kind", ["support", "stiffness"])
+def test_what_needs_a_worn_device_is_refused_where_the_summary_shows_none(client, app, study, kind):
+    logs = [{"name": "id_1", "role": "identification"}, {"name": "val_1", "role": "validation"}]
+    with app.state.storage.transaction() as store:
+        plain = store.studies.add("plain", [PinnedFile("study.yaml", "1" * 64, 1)], {"logs": logs})[0].id
+        worn = [*logs, {"name": "bend", "role": "with_device"}]
+        full = store.studies.add("worn", [PinnedFile("study.yaml", "2" * 64, 1)], {"logs": worn})[0].id
+    refused = ask(client, plain, kind=kind)
+    assert refused.status_code == 422
+    assert refused.json()["type"] == "urn:exogauge:problem:bad-study"
+    (error,) = refused.json()["errors"]
+    assert (error["code"], error["file"], error["value"]) == ("no_worn_log", "study.yaml", "identification, validation")
+    assert "`evaluate`" in error["advice"]
+    assert client.get("/api/v1/jobs").json()["items"] == []
+    assert ask(client, full, kind=kind).status_code == 202
+    assert ask(client, study, kind=kind).status_code == 202  # its summary tells nothing: the computation will
+    assert ask(client, plain, kind="evaluate").status_code == 202
+
+
+DIFFER = {
+    "detail": "the motions of 'worn' and 'plain' differ",
+    "rule": "motions_differ",
+    "advice": "Record the same motion with and without the device.",
+    "file": "logs/worn.csv",
+    "row": None,
+    "column": "q.elbow",
+    "value": "31 % of the joint's own velocity",
+}
+
+
+@pytest.mark.parametrize(
+    ("failure", "status", "slug"),
+    [
+        ({"class": "BadStudy", "faults": [DIFFER]}, 422, "bad-study"),
+        ({"class": "NotIdentifiable", "faults": []}, 422, "not-identifiable"),
+        ({"class": "SomethingNewer", "faults": []}, None, None),
+        (None, None, None),
+    ],
+)
+def test_a_failed_job_says_what_was_wrong_as_a_refused_upload_would(client, app, study, failure, status, slug):
+    storage = app.state.storage
+    job = ask(client, study).json()["id"]
+    Lease(storage.engine, "w", 60.0).take()
+    with storage.transaction() as store:
+        claims.claim(store.session, job, "w")
+        assert claims.fail(store.session, job, "w", "they differ \0", failure)
+    shown = client.get(f"/api/v1/jobs/{job}").json()
+    assert shown["state"] == "failed"
+    assert client.get(f"/api/v1/studies/{study}").json()["latest_job"]["problem"] == shown["problem"]
+    if status is None:
+        assert shown["problem"] is None
+        return
+    assert (shown["problem"]["status"], shown["problem"]["type"]) == (status, f"urn:exogauge:problem:{slug}")
+    if failure["faults"]:
+        (error,) = shown["problem"]["errors"]
+        expected = {key: value for key, value in DIFFER.items() if key != "rule"}
+        assert error == {**expected, "code": "motions_differ", "pointer": None}
+    else:
+        assert "they differ" in shown["problem"]["detail"]
+
+
 def test_a_cancelled_job_stays_cancelled_and_can_be_tried_again_as_a_new_one(client, study):
     job = ask(client, study).json()["id"]
     refused = client.post(f"/api/v1/jobs/{job}/retry")

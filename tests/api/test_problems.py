@@ -47,6 +47,7 @@ def problem(answer: Any, status: int) -> dict[str, Any]:
         ("GET", f"{V1}/studies/not-an-id", 422),
         ("GET", f"{V1}/studies/%00", 422),
         ("GET", f"{V1}/robots/{NOBODY}", 404),
+        ("GET", f"{V1}/devices/{NOBODY}", 404),
         ("GET", f"{V1}/logs/{NOBODY}", 404),
         ("GET", f"{V1}/studies/{NOBODY}/results", 404),
         ("GET", f"{V1}/jobs/{NOBODY}/results", 404),

@@ -114,6 +114,7 @@ def test_every_operation_has_a_name_a_problem_and_where_it_posts_a_key(client: T
     ]
     names = [operation["operationId"] for _, operation in operations]
     assert {"createRobot", "listRobots", "getRobot", "createLog", "createStudy", "getStudyResults"} <= set(names)
+    assert {"createDevice", "listDevices", "getDevice", "getDeviceFile"} <= set(names)
     assert {"listArtifacts", "getArtifact", "getHealth", "submitJob", "getJob", "cancelJob"} <= set(names)
     assert len(names) == len(set(names))
     for method, operation in operations:

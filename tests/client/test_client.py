@@ -48,6 +48,66 @@ def test_a_zip_a_robot_and_logs_are_accepted_too(client, study, study_folder, tm
     assert client.study(put_together).name == "From parts"
 
 
+DEVICE = """version: 1
+name: Elbow strap
+bands:
+  - name: front
+    via_points: [{link: base, xyz: [0.05, 0, 0]}, {link: arm, xyz: [0.05, 0, 0.1]}]
+    stiffness_n_per_m: 200
+    bench: {file: bench/front.csv}
+"""
+
+
+def test_a_device_is_handed_in_with_what_it_names_and_nothing_else(client, study, study_folder):
+    suit = study_folder / "strap.yaml"  # under any name
+    suit.write_text(DEVICE)
+    (study_folder / "bench").mkdir()
+    (study_folder / "bench" / "front.csv").write_text("length_m,force_n\n0.25,0\n0.35,20\n")
+    robot = client.upload_robot(study_folder / "robot.yaml")
+    device = client.upload_device(suit, robot)
+    assert (device.name, device.version, device.robot_id) == ("Elbow strap", 1, robot.id)
+    assert device.summary["reads"] == ["bench/front.csv", "device.yaml"]
+    assert client.device(device) == client.device(device.id) == device
+    suit.write_text(DEVICE.replace("200", "190"))
+    newer = client.upload_device(suit, robot.id)
+    assert [(each.id, each.version) for each in client.devices(name="Elbow strap")] == [(newer.id, 2), (device.id, 1)]
+    assert list(client.devices(robot=study.id)) == []
+    plain, worn = (client.upload_log(study_folder / "logs" / name).id for name in ("id.csv", "val.csv"))
+    logs = [{"log_id": plain, "role": "identification"}, {"log_id": worn, "role": "with_device", "motion": "lift"}]
+    put_together = client.create_study("Strap", robot, logs, device=device)
+    assert put_together.summary["devices"][0]["name"] == "Elbow strap"
+    suit.write_text(DEVICE.replace("arm", "amr").replace("200", "-200"))
+    with pytest.raises(ClientProblem) as problem:
+        client.upload_device(suit, robot)
+    assert "row 5" in str(problem.value)
+    assert "Did you mean 'arm'" in str(problem.value)
+    assert {error["value"] for error in problem.value.errors} == {"amr", "-200"}
+    suit.write_text("name: [")
+    with pytest.raises(ClientProblem, match="not readable as YAML"):
+        client.upload_device(suit, robot)
+
+
+def test_a_study_without_a_worn_device_has_no_supporting_torque(client, study):
+    for kind in ("support", "stiffness"):
+        with pytest.raises(ClientProblem, match="recorded with a device on") as problem:
+            client.submit(study, kind)
+        assert problem.value.errors[0]["code"] == "no_worn_log"
+
+
+def test_motions_that_differ_are_told_joint_by_joint(client, study, tmp_path):
+    job = client.submit(study, "burn", {"ledger": str(tmp_path / "ledger"), "mode": "differ"})
+    with pytest.raises(ClientProblem, match="the job failed") as problem:
+        client.wait(job, progress=False)
+    assert [(error["column"], error["value"]) for error in problem.value.errors] == [
+        ("dq.elbow", "31 %"),
+        ("dq.knee", "44 %"),
+    ]
+    for error in problem.value.errors:
+        assert (error["code"], error["file"]) == ("motions_differ", "worn.csv")
+    assert "worn.csv, column 'dq.knee': the motions differ (value: 44 %). Record the same motion" in str(problem.value)
+    assert client.job(job).problem["title"] == "The study breaks a rule"
+
+
 def test_a_problem_reads_like_advice(client, study_folder):
     (study_folder / "logs" / "id.csv").write_text("t,q.elbow,tau.elbow\n0.0,0.1,zero\n")
     with pytest.raises(ClientProblem) as problem:

@@ -34,6 +34,10 @@ def burn(folder: Path, out: Path, progress, settings) -> None:
     mode = settings.get("mode", "ok")
     if mode == "bad":
         raise BadStudy(Fault("the log has no column", "missing_column", "Add it.", "logs/a.csv", column="t"))
+    if mode == "differ":
+        same = "Record the same motion with and without the device."
+        told = [("dq.elbow", "31 %"), ("dq.knee", "44 %")]
+        raise BadStudy([Fault("the motions differ", "motions_differ", same, "worn.csv", None, *each) for each in told])
     if mode == "defect":
         raise ZeroDivisionError("nobody foresaw this")
     if mode == "segfault" or (mode == "segfault_once" and starts(ledger) == 1):

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
 from fastapi import HTTPException, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import ValidationError
-from starlette.datastructures import UploadFile
+from starlette.datastructures import FormData, UploadFile
 
 from exogauge.api.dependencies import get_settings
 from exogauge.api.shapes import StudyFromParts
@@ -20,10 +20,12 @@ FORM = "multipart/form-data"
 @final
 @dataclass(frozen=True)
 class BundleUpload:
-    """files: as they came, spooled, unopened. name: the form's `name`, where given."""
+    """files: as they came, spooled, unopened. name: the form's `name`, where given. robot: its `robot`, an id; only
+    devices ask for one."""
 
     files: tuple[UploadFile, ...]
     name: str | None
+    robot: str | None = None
 
 
 async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
@@ -34,8 +36,15 @@ async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
         files = tuple(value for _, value in form.multi_items() if isinstance(value, UploadFile))
         if not files:
             raise refused(("body", "files"), "missing", "the form holds no file")
-        name = form.get("name")
-        yield BundleUpload(files, name.strip()[:200] or None if isinstance(name, str) else None)
+        yield BundleUpload(files, text_of(form, "name"), text_of(form, "robot"))
+
+
+async def device_body(request: Request) -> AsyncIterator[BundleUpload]:
+    """The files of a device, and the robot whose links they name."""
+    async for upload in bundle_body(request):
+        if upload.robot is None:
+            raise refused(("body", "robot"), "missing", "name the robot that wears the device, by its id")
+        yield upload
 
 
 async def study_body(request: Request) -> AsyncIterator[BundleUpload | StudyFromParts]:
@@ -56,6 +65,12 @@ def parts(body: bytes) -> StudyFromParts:
         ) from error
 
 
+def text_of(form: FormData, field: str) -> str | None:
+    """A field of the form, None where it is absent or blank."""
+    value = form.get(field)
+    return value.strip()[:200] or None if isinstance(value, str) else None
+
+
 def media_type(request: Request) -> str:
     return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
@@ -64,15 +79,19 @@ def refused(place: tuple[str, ...], kind: str, message: str) -> RequestValidatio
     return RequestValidationError([{"type": kind, "loc": place, "msg": message}])
 
 
-def bundle_schema(description: str, json_model: type[StudyFromParts] | None = None) -> dict[str, Any]:
-    """The OpenAPI of such a body."""
+def bundle_schema(
+    description: str, json_model: type[StudyFromParts] | None = None, needed: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """The OpenAPI of such a body. needed: further fields of the form that must be there, name -> schema."""
+    needed = needed or {}
     form = {
         "type": "object",
-        "required": ["files"],
+        "required": ["files", *needed],
         "properties": {
             "files": {"type": "array", "minItems": 1, "items": {"type": "string", "format": "binary"},
                       "description": description},
             "name": {"type": "string", "maxLength": 200},
+            **needed,
         },
     }  # fmt: skip
     content: dict[str, Any] = {FORM: {"schema": form}}

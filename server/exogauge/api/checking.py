@@ -22,6 +22,11 @@ def check_robot(folder: Path, file: str = "robot.yaml") -> dict[str, Any]:
     return _ask("robot", folder, BadRobot, file=file)
 
 
+def check_device(folder: Path, robot_folder: Path, file: str = "device.yaml") -> dict[str, Any]:
+    """What the device in `folder` is on the robot whose robot.yaml is in `robot_folder`, which was checked before."""
+    return _ask("device", folder, BadStudy, file=file, robot_folder=str(robot_folder))
+
+
 def check_log(folder: Path, file: str, mapping: str | None = None, robot: str | None = None) -> dict[str, Any]:
     return _ask("log", folder, BadLog, file=file, mapping=mapping, robot=robot)
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
+from exogauge.api.problems import Problem, of_failure
 from exogauge.api.shapes import Answer, ListOf, State
 from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
@@ -45,7 +46,8 @@ class JobRequest(BaseModel):
 @final
 class JobOut(Answer):
     """progress: 0..1. message: what it does now. place: where in the queue it is, in words. reason: why it did not
-    succeed. revision: grows with every change and is the id of its events."""
+    succeed; problem: the same with file, row, column, value and advice, where what was handed in is to blame.
+    revision: grows with every change and is the id of its events."""
 
     id: str
     study_id: str
@@ -56,6 +58,7 @@ class JobOut(Answer):
     message: str
     place: str | None = None
     reason: str | None
+    problem: Problem | None = None
     attempts: int
     cancel_requested: bool
     code_version: str
@@ -69,6 +72,7 @@ class JobOut(Answer):
     def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
         answer = cls.model_validate({**vars(job), "log": job.log if with_log else None})
         answer.place = requests.place_in_words(session, job)
+        answer.problem = of_failure(job.failure, job.reason)
         return answer
 
 

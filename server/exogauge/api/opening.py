@@ -1,4 +1,5 @@
-"""The child process that opens an uploaded bundle: study, robot or log. Its one answer is a summary or the faults.
+"""The child process that opens an uploaded bundle: study, robot, device or log. Its one answer is a summary or the
+faults.
 
 Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder of its own.
 """
@@ -22,20 +23,22 @@ def study(folder: str) -> dict[str, Any]:
     with open_study(Path(folder)) as opened:
         logs, faults = [], list[Fault]()
         gears = motor_from_joint(opened.robot_file)
-        for entry, name in zip(opened.file.logs, opened.log_names, strict=True):
+        for entry, name, worn in zip(opened.file.logs, opened.log_names, opened.log_devices, strict=True):
             try:
                 read = read_entry(opened.bundle, entry, name, opened.robot_file, gears)
             except BadInput as bad:
                 faults += bad.faults
                 continue
             faults += missing_columns(read, opened.robot, entry.file[0])
-            said = {"name": name, "file": list(entry.file), "role": entry.role, "motion": entry.motion}
+            said = {"name": name, "file": list(entry.file), "role": entry.role, "motion": entry.motion, "device": worn}
             logs.append(said | span(read))
         if faults:
             raise BadLog(faults)
         return {
             "name": opened.name,
             "robot": {"file": opened.file.robot, **about(opened.robot)},
+            "devices": [{"file": file, **worn_by(opened.robot, each)} for file, each in opened.devices.items()],
+            "warnings": list(opened.device_warnings),
             "logs": logs,
             "steps": [vars(step) for step in opened.steps],
         }
@@ -47,6 +50,25 @@ def robot(folder: str, file: str) -> dict[str, Any]:
 
     described, entry, _ = read_robot(Bundle(Path(folder), file), file)
     return {"urdf": entry.urdf, **about(described)}
+
+
+def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:
+    """The device `file`, whose via points are on links of the robot that `robot_folder` holds."""
+    from exogauge.studies.bundle import Bundle
+    from exogauge.studies.device_doubts import device_doubts
+    from exogauge.studies.device_file import read_device
+    from exogauge.studies.robot_file import load_robot
+
+    wearer = load_robot(Path(robot_folder))
+    bundle = Bundle(Path(folder), file)
+    read = read_device(bundle, file, wearer)
+    doubts = device_doubts(bundle, file, wearer, read)
+    return {
+        **worn_by(wearer, read),
+        "robot": wearer.name,
+        "warnings": [vars(doubt) for doubt in doubts],
+        "reads": [each.file for each in bundle.inputs],
+    }
 
 
 def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[str, Any]:
@@ -96,10 +118,41 @@ def about(described: Any) -> dict[str, Any]:
     }
 
 
+def worn_by(wearer: Any, worn: Any) -> dict[str, Any]:
+    """A `Device` on a `Robot`, in words a list can show. length_at_zero_m: with every joint at zero; arms_at_zero_m: by
+    how much a radian (or metre) of a joint shortens the band there, joints it passes."""
+    import numpy as np
+
+    from exogauge.devices.routing import Routing
+
+    zero = np.zeros((1, len(wearer.tree.joints)))
+    bands, joints = [], list[str]()
+    for band in worn.bands:
+        routing = Routing(wearer.tree, [band], fast=False)
+        there = routing.geometry(zero)
+        joints += routing.joints
+        bands.append(
+            {
+                "name": band.name,
+                "group": band.group,
+                "links": [point.link for point in band.via_points],
+                "length_at_zero_m": float(there.length[0, 0]),
+                "arms_at_zero_m": dict(zip(routing.joints, (-there.jacobian[0, 0]).tolist(), strict=True)),
+                "stiffness_n_per_m": band.stiffness,
+                "natural_length_m": band.natural_length,
+                "ground_truth": band.ground_truth,
+                "law": band.law,
+                "bench": None if band.bench is None else len(band.bench.length),
+            }
+        )
+    order = [name for name in wearer.tree.joints if name in joints]
+    return {"name": worn.name, "groups": list(worn.groups), "joints": order, "bands": bands}
+
+
 def span(read: Any) -> dict[str, Any]:
     duration_s = float(read.time[-1] - read.time[0])
     return {"samples": int(read.samples), "rate_hz": float(read.rate_hz), "duration_s": duration_s}
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"study": study, "robot": robot, "log": log}))
+    sys.exit(serve({"study": study, "robot": robot, "device": device, "log": log}))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any, final
 
@@ -86,7 +86,14 @@ def problem_response(
     errors: Sequence[ProblemError] = (),
     headers: dict[str, str] | None = None,
 ) -> JSONResponse:
-    document = Problem(
+    document = new_problem(status, slug, title, detail, instance, errors)
+    return JSONResponse(document.model_dump(mode="json"), status, headers, MEDIA_TYPE)
+
+
+def new_problem(
+    status: int, slug: str, title: str, detail: str, instance: str | None, errors: Sequence[ProblemError]
+) -> Problem:
+    return Problem(
         type=f"urn:exogauge:problem:{slug}",
         title=title,
         status=status,
@@ -94,23 +101,37 @@ def problem_response(
         instance=instance,
         errors=list(errors[:MOST_ERRORS]),
     )
-    return JSONResponse(document.model_dump(mode="json"), status, headers, MEDIA_TYPE)
 
 
 def of_error(error: ExogaugeError, instance: str | None = None) -> JSONResponse:
     """The problem of anything exogauge raises on purpose."""
+    headers = {"Retry-After": "2"} if isinstance(error, Unavailable) else None
+    document = problem_of(error, instance)
+    return JSONResponse(document.model_dump(mode="json"), document.status, headers, MEDIA_TYPE)
+
+
+def problem_of(error: ExogaugeError, instance: str | None = None) -> Problem:
     found = (entry for kind, entry in STATUS.items() if isinstance(error, kind))
     status, slug, title = next(found, (500, "internal", "Internal error"))
-    headers = None
-    if isinstance(error, Unavailable):
-        headers = {"Retry-After": "2"}
-        if disk_is_full(error):
-            status, slug, title = 507, "disk-full", "The disk is full"
+    if isinstance(error, Unavailable) and disk_is_full(error):
+        status, slug, title = 507, "disk-full", "The disk is full"
     errors = [of_fault(fault) for fault in error.faults] if isinstance(error, BadInput) else []
     detail = str(error)
     if len(errors) > 1:
         detail = f"{len(errors)} rules are broken; the first: {error.faults[0]}" if isinstance(error, BadInput) else ""
-    return problem_response(status, slug, title, detail, instance=instance, errors=errors, headers=headers)
+    return new_problem(status, slug, title, detail, instance, errors)
+
+
+def of_failure(failure: Mapping[str, Any] | None, reason: str | None) -> Problem | None:
+    """The problem that ended a job: what an upload with the same fault would be answered. None where there was none.
+
+    failure: {class, faults} as the job's row keeps it, of an error raised on purpose.
+    """
+    kind = next((kind for kind in STATUS if failure is not None and kind.__name__ == failure["class"]), None)
+    if failure is None or kind is None:
+        return None
+    faults = [Fault(**fault) for fault in failure["faults"]]
+    return problem_of(kind(faults) if issubclass(kind, BadInput) else kind(reason or ""))
 
 
 def of_fault(fault: Fault) -> ProblemError:

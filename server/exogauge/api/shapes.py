@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Any, Literal, Self, final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from exogauge.api.problems import Problem, of_failure
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, JobRecord, RobotRecord, StudyRecord
+from exogauge.storage.records import ArtifactRecord, DeviceRecord, JobRecord, RobotRecord, StudyRecord
 
 State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 Role = Literal["identification", "validation", "without_device", "with_device"]
@@ -48,6 +49,27 @@ class RobotOut(Answer):
 
 
 @final
+class DeviceOut(Answer):
+    """One version of a device, as checked against one robot. summary: bands with their lengths when all joints are at
+    zero, groups, joints that the bands act on, warnings; files are given when one device is asked for."""
+
+    id: str
+    name: str
+    version: int
+    robot_id: str
+    created_at: datetime
+    content_hash: str
+    summary: dict[str, Any]
+    files: list[FileOut] | None = None
+
+    @classmethod
+    def of(cls, device: DeviceRecord, files: Sequence[PinnedFile] | None = None) -> Self:
+        answer = cls.model_validate(device)
+        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        return answer
+
+
+@final
 class LogOut(Answer):
     """A stored log. sha256: of its bytes as uploaded; summary: what its reading found."""
 
@@ -62,7 +84,7 @@ class LogOut(Answer):
 
 @final
 class LatestJob(Answer):
-    """A study's newest job, in short. progress: 0..1; reason: why it failed."""
+    """A study's newest job, in short. progress: 0..1; reason: why it failed; problem: place by place."""
 
     id: str
     kind: str
@@ -70,9 +92,16 @@ class LatestJob(Answer):
     progress: float
     message: str
     reason: str | None
+    problem: Problem | None = None
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
+
+    @classmethod
+    def of(cls, job: JobRecord) -> Self:
+        answer = cls.model_validate(job)
+        answer.problem = of_failure(job.failure, job.reason)
+        return answer
 
 
 @final
@@ -90,7 +119,7 @@ class StudyOut(Answer):
     @classmethod
     def of(cls, study: StudyRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
         answer = cls.model_validate(study)
-        answer.latest_job = None if job is None else LatestJob.model_validate(job)
+        answer.latest_job = None if job is None else LatestJob.of(job)
         answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
         return answer
 
@@ -120,6 +149,11 @@ class ListOf(Answer):
 @final
 class RobotList(ListOf):
     items: list[RobotOut]
+
+
+@final
+class DeviceList(ListOf):
+    items: list[DeviceOut]
 
 
 @final
@@ -155,31 +189,54 @@ class Part(BaseModel):
 
 @final
 class LogPart(Part):
-    """One uploaded log and its role. rows: [start, stop], data rows from 0, stop not included."""
+    """One uploaded log and its role. rows: [start, stop], data rows from 0, stop not included.
+
+    motion: logs of one motion are compared. device_id: what was worn, where it is not the study's device.
+    """
 
     log_id: str = Field(min_length=1, max_length=64)
     role: Role
     motion: str | None = Field(default=None, max_length=200)
+    device_id: str | None = Field(default=None, min_length=1, max_length=64)
     rows: tuple[int, int] | None = None
     name: str | None = Field(default=None, max_length=100)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.device_id is not None and self.role != "with_device":
+            raise ValueError(f"a log with role {self.role} wears no device: leave device_id out, or say with_device")
+        return self
 
 
 @final
 class StudyFromParts(Part):
-    """A study made of a robot and logs that were uploaded before; the service writes its study.yaml."""
+    """A study made of a robot, devices and logs that were uploaded before; the service writes its study.yaml.
+
+    device_id: what the logs with role with_device were recorded with, unless they say otherwise.
+    """
 
     name: str = Field(min_length=1, max_length=200)
     robot_id: str = Field(min_length=1, max_length=64)
+    device_id: str | None = Field(default=None, min_length=1, max_length=64)
     logs: list[LogPart] = Field(min_length=1, max_length=1000)
     steps: list[str] | None = Field(default=None, max_length=20)
     settings: dict[str, Any] | None = None
 
-    def study_yaml(self, log_files: Sequence[Mapping[str, str]]) -> dict[str, Any]:
-        """The content of study.yaml; log_files: `file` (and `mapping`) of each log in the bundle."""
-        logs = [
-            {**files, **part.model_dump(exclude_none=True, exclude={"log_id"}, mode="json")}
-            for part, files in zip(self.logs, log_files, strict=True)
-        ]
+    @property
+    def device_ids(self) -> tuple[str, ...]:
+        """Every device that is named, once."""
+        named = (self.device_id, *(part.device_id for part in self.logs))
+        return tuple(dict.fromkeys(key for key in named if key is not None))
+
+    def study_yaml(self, log_files: Sequence[Mapping[str, str]], device_files: Mapping[str, str]) -> dict[str, Any]:
+        """The content of study.yaml. log_files: `file` (and `mapping`) of each log in the bundle; device_files: device
+        id -> its file there."""
+        logs = []
+        for part, files in zip(self.logs, log_files, strict=True):
+            said = part.model_dump(exclude_none=True, exclude={"log_id", "device_id"}, mode="json")
+            worn = {} if part.device_id is None else {"device": device_files[part.device_id]}
+            logs.append({**files, **said, **worn})
         content: dict[str, Any] = {"version": 1, "name": self.name, "robot": "robot.yaml", "logs": logs}
-        optional = {"steps": self.steps, "settings": self.settings}
+        device = None if self.device_id is None else device_files[self.device_id]
+        optional = {"device": device, "steps": self.steps, "settings": self.settings}
         return content | {key: value for key, value in optional.items() if value is not None}

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends, Response
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.shapes import StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
@@ -71,8 +72,10 @@ def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
 def put_together(parts: StudyFromParts, storage: Storage, folder: Path) -> None:
     """Lay out a study's folder from what was uploaded before, and write its study.yaml."""
     lay_out_robot(parts.robot_id, storage, folder)
+    devices = {key: lay_out_device(key, k, storage, folder) for k, key in enumerate(parts.device_ids)}
     if (folder / LOGS).exists():
-        raise BadStudy(Fault(f"the robot's bundle holds {LOGS!r}, where the logs go", "path_clash", "Rename it."))
+        detail = f"the bundle of the robot or a device holds {LOGS!r}, where the logs go"
+        raise BadStudy(Fault(detail, "path_clash", "Rename it."))
     with storage.reading() as store:
         logs = [store.logs.get(part.log_id) for part in parts.logs]
     names = []
@@ -83,4 +86,4 @@ def put_together(parts: StudyFromParts, storage: Storage, folder: Path) -> None:
             files["mapping"] = f"{LOGS}/{k}/mapping.yaml"
             copy_out(storage.blobs, log.mapping_sha256, folder / files["mapping"])
         names.append(files)
-    (folder / STUDY).write_text(yaml.safe_dump(parts.study_yaml(names), allow_unicode=True, sort_keys=False))
+    (folder / STUDY).write_text(yaml.safe_dump(parts.study_yaml(names, devices), allow_unicode=True, sort_keys=False))

@@ -12,16 +12,17 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.bundle import zipped, zipped_robot
-from exogauge.client.problem import ClientProblem
-from exogauge.client.things import Artifact, Job, Log, Robot, Study, thing
+from exogauge.client.bundle import zipped, zipped_description
+from exogauge.client.problem import ClientProblem, problem_of_job
+from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, thing
 from exogauge.client.transport import Transport
 from exogauge.terminal import bar
 
 Thing = TypeVar("Thing")
 
 POLL_S = 0.2
-STUDY, ROBOT = "study.yaml", "robot.yaml"
+STUDY, ROBOT, DEVICE = "study.yaml", "robot.yaml", "device.yaml"
+YAML = (".yaml", ".yml")
 
 
 @final
@@ -49,12 +50,14 @@ class Client:
 
     def upload_robot(self, path: str | Path) -> Robot:
         """A robot.yaml (with the URDF it names), a folder that holds nothing but the robot, or a zip."""
-        source = Path(path)
-        if source.name != ROBOT:
-            return thing(Robot, self._upload_bundle("robots", source, ROBOT))
-        with tempfile.TemporaryDirectory() as temporary:
-            bundle = zipped_robot(source, Path(temporary) / "robot.zip")
-            return thing(Robot, self._http.post("robots", files={"files": bundle}))
+        return thing(Robot, self._upload_described("robots", Path(path), ROBOT))
+
+    def upload_device(self, path: str | Path, robot: Robot | str) -> Device:
+        """A device.yaml (with the bench tests it names), a folder that holds nothing but the device, or a zip.
+
+        robot: who wears it; its links are what the via points name.
+        """
+        return thing(Device, self._upload_described("devices", Path(path), DEVICE, {"robot": id_of(robot)}))
 
     def upload_log(self, path: str | Path, mapping: str | Path | None = None, robot: Robot | str | None = None) -> Log:
         """One log. mapping: a mapping.yaml that names its columns; robot: whose gears the mapping needs."""
@@ -63,11 +66,21 @@ class Client:
         return thing(Log, self._http.post("logs", files=parts, form=form))
 
     def create_study(
-        self, name: str, robot: Robot | str, logs: list[dict[str, Any]], settings: Mapping[str, Any] | None = None
+        self,
+        name: str,
+        robot: Robot | str,
+        logs: list[dict[str, Any]],
+        settings: Mapping[str, Any] | None = None,
+        device: Device | str | None = None,
     ) -> Study:
-        """A study of a robot and logs uploaded before. logs: [{"log_id", "role", "motion"?, "rows"?, "name"?}]."""
+        """A study of a robot and logs uploaded before, and of what was worn.
+
+        logs: [{"log_id", "role", "motion"?, "rows"?, "name"?, "device_id"?}]. device: for logs with role with_device
+        that name none.
+        """
         body = {"name": name, "robot_id": id_of(robot), "logs": logs, "settings": settings and dict(settings)}
-        return thing(Study, self._http.post("studies", body))
+        worn = {} if device is None else {"device_id": id_of(device)}
+        return thing(Study, self._http.post("studies", body | worn))
 
     def studies(self) -> Iterator[Study]:
         """All studies, newest first."""
@@ -75,6 +88,14 @@ class Client:
 
     def robots(self) -> Iterator[Robot]:
         return self._all("robots", Robot)
+
+    def devices(self, name: str | None = None, robot: Robot | str | None = None) -> Iterator[Device]:
+        """All devices, newest first; the versions of one name, or those of one robot, where given."""
+        asked = {"name": name, "robot_id": None if robot is None else id_of(robot)}
+        return self._all("devices", Device, {key: value for key, value in asked.items() if value is not None})
+
+    def device(self, device: Device | str) -> Device:
+        return thing(Device, self._http.get(f"devices/{id_of(device)}"))
 
     def jobs(self, study: Study | str | None = None) -> Iterator[Job]:
         """All jobs, newest first; of one study where given."""
@@ -88,7 +109,10 @@ class Client:
         return thing(Job, self._http.get(f"jobs/{id_of(job)}"))
 
     def submit(self, study: Study | str, kind: str = "evaluate", settings: Mapping[str, Any] | None = None) -> Job:
-        """Ask for a job. An equal request that is queued, running or succeeded is the same job."""
+        """Ask for a job. An equal request that is queued, running or succeeded is the same job.
+
+        kind: evaluate (identify the robot), support (and the torque that a device adds), stiffness (and its bands).
+        """
         body = {"study_id": id_of(study), "kind": kind, "settings": dict(settings or {})}
         return thing(Job, self._http.post("jobs", body))
 
@@ -112,7 +136,7 @@ class Client:
                     raise ClientProblem(0, f"job {now.id} is still {now.state} after {timeout_s:.0f} s", now.message)
                 time.sleep(POLL_S)
         if now.state != "succeeded":
-            raise ClientProblem(0, f"the job {now.state}", now.reason or "")
+            raise problem_of_job(now)
         return now
 
     def results(self, job: Job | str) -> dict[str, Any]:
@@ -133,13 +157,21 @@ class Client:
                 written.append(self._http.download(quote(artifact.href), target))
         return written
 
-    def _upload_bundle(self, path: str, source: Path, main: str) -> Any:
+    def _upload_bundle(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
         source = source.parent if source.name == main else source
         if not source.is_dir():
-            return self._http.post(path, files={"files": source})
+            return self._http.post(path, files={"files": source}, form=form)
         with tempfile.TemporaryDirectory() as temporary:
             packed = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
-            return self._http.post(path, files={"files": packed})
+            return self._http.post(path, files={"files": packed}, form=form)
+
+    def _upload_described(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
+        """A description under any name, with the files it names; or what else makes a bundle."""
+        if source.suffix not in YAML or not source.is_file():
+            return self._upload_bundle(path, source, main, form)
+        with tempfile.TemporaryDirectory() as temporary:
+            packed = zipped_description(source, main, Path(temporary) / f"{source.stem}.zip")
+            return self._http.post(path, files={"files": packed}, form=form)
 
     def _all(self, path: str, kind: type[Thing], params: Mapping[str, Any] | None = None) -> Iterator[Thing]:
         cursor: str | None = None
@@ -159,7 +191,7 @@ class Client:
         self.close()
 
 
-def id_of(thing: Robot | Study | Job | str) -> str:
+def id_of(thing: Robot | Device | Study | Job | str) -> str:
     """Records and plain ids are both accepted."""
     return thing if isinstance(thing, str) else thing.id
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import httpx
 
+from exogauge.client.things import Job
 from exogauge.errors import ExogaugeError
 
 
@@ -19,6 +20,13 @@ class ClientProblem(ExogaugeError):
             lines[0] += f": {detail}"
         told = [readable(error) for error in self.errors]
         super().__init__("\n".join(lines + [f"  - {text}" for text in told if text != detail]))
+
+
+def problem_of_job(job: Job) -> ClientProblem:
+    """Why a job that has ended did not succeed."""
+    told = job.problem or {}
+    detail = str(told.get("detail") or job.reason or "")
+    return ClientProblem(0, f"the job {job.state}", detail, list(told.get("errors") or []))
 
 
 def readable(error: dict[str, Any]) -> str:

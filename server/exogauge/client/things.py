@@ -23,6 +23,19 @@ class Robot:
 
 @final
 @dataclass(frozen=True)
+class Device:
+    """One version of a device, checked against robot_id. summary: its bands, groups, joints, and warnings."""
+
+    id: str
+    name: str
+    version: int
+    robot_id: str
+    content_hash: str
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
 class Log:
     """An uploaded log. summary: what its reading found."""
 
@@ -47,7 +60,11 @@ class Study:
 @final
 @dataclass(frozen=True)
 class Job:
-    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words."""
+    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words.
+
+    reason: why it did not succeed; problem: the same with `errors` (file, row, column, value, advice), where what was
+    handed in is to blame.
+    """
 
     id: str
     study_id: str
@@ -57,6 +74,7 @@ class Job:
     message: str
     place: str | None = None
     reason: str | None = None
+    problem: Mapping[str, Any] | None = field(default=None, repr=False)
     attempts: int = 0
     revision: int = 0
     settings: Mapping[str, Any] = field(default_factory=dict, repr=False)

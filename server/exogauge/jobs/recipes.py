@@ -7,25 +7,29 @@ The computation knows neither database nor blob store.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
 from pydantic import BaseModel, ValidationError
 
-from exogauge.errors import BadInput, Fault
+from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.studies.contract import SettingsEntry
 
 
 @final
 @dataclass(frozen=True)
 class Recipe:
-    """compute: `package.module:function`. settings: what a request may set; None takes anything."""
+    """compute: `package.module:function`. settings: what a request may set; None takes anything.
+
+    lacking: what a study's stored summary says to be missing for this kind; None asks for nothing.
+    """
 
     kind: str
     compute: str
     timeout_s: float
     settings: type[BaseModel] | None = None
+    lacking: Callable[[Mapping[str, Any]], Sequence[Fault]] | None = None
 
     def checked(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         """The settings as they are kept, or BadInput that names each wrong one."""
@@ -36,13 +40,33 @@ class Recipe:
         except ValidationError as error:
             raise BadInput([as_fault(entry["loc"], entry["msg"], entry["type"]) for entry in error.errors()]) from error
 
+    def refuse_unsuited(self, summary: Mapping[str, Any]) -> None:
+        """BadStudy with what the study lacks, where its summary tells; what it does not tell, the computation finds."""
+        faults = self.lacking(summary) if self.lacking else ()
+        if faults:
+            raise BadStudy(faults)
+
 
 def as_fault(place: tuple[int | str, ...], text: str, rule: str) -> Fault:
     return Fault(text, rule, column=".".join(["settings", *map(str, place)]))
 
 
-EVALUATE = Recipe("evaluate", "exogauge.studies.evaluate:evaluate", timeout_s=6 * 3600.0, settings=SettingsEntry)
-RECIPES: dict[str, Recipe] = {EVALUATE.kind: EVALUATE}
+def a_worn_log(summary: Mapping[str, Any]) -> list[Fault]:
+    """What says that nothing was worn; a worn log without a device that it names is refused with its study."""
+    logs = summary.get("logs")
+    if not logs or any(log.get("role") == "with_device" for log in logs):
+        return []
+    found = ", ".join(dict.fromkeys(str(log.get("role")) for log in logs))
+    advice = "Hand in a study with a device and a log recorded with it on, or ask for `evaluate`."
+    detail = "no log of this study was recorded with a device on"
+    return [Fault(detail, "no_worn_log", advice, "study.yaml", column="logs", value=found)]
+
+
+SIX_HOURS_S, EVALUATING = 6 * 3600.0, "exogauge.studies.evaluate"
+EVALUATE = Recipe("evaluate", f"{EVALUATING}:evaluate", SIX_HOURS_S, SettingsEntry)
+SUPPORT = Recipe("support", f"{EVALUATING}:evaluate_support", SIX_HOURS_S, SettingsEntry, a_worn_log)
+STIFFNESS = Recipe("stiffness", f"{EVALUATING}:evaluate_stiffness", SIX_HOURS_S, SettingsEntry, a_worn_log)
+RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in (EVALUATE, SUPPORT, STIFFNESS)}
 
 
 def recipe_for(kind: str) -> Recipe:

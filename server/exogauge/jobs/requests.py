@@ -31,12 +31,15 @@ def request_hash(study_hash: str, kind: str, settings: Mapping[str, Any], code_v
 def submit(
     store: Store, queue: JobQueue, study_id: str, kind: str, settings: Mapping[str, Any]
 ) -> tuple[JobRecord, bool]:
-    """The job of this request, and whether it is new; a failed or cancelled one does not count.
+    """The job of this request, and whether it is new; a failed or cancelled one does not count. BadStudy when the
+    study's summary already says that this kind has nothing to compute.
 
     The row and its entry in the queue are written in the transaction of `store`: both or neither.
     """
-    wanted = recipe_for(kind).checked(settings)
+    recipe = recipe_for(kind)
+    wanted = recipe.checked(settings)
     study = store.studies.get(study_id)
+    recipe.refuse_unsuited(study.summary)
     asked = request_hash(study.content_hash, kind, wanted, code_version())
     lab = Lab(store.session, store.lab_id)
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))

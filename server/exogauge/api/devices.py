@@ -1,0 +1,112 @@
+"""Devices: device.yaml and its bench tests, handed in as files or as a zip, and checked against a robot."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Path as InPath
+
+from exogauge.api import checking
+from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.logs import lay_out_robot
+from exogauge.api.results import ANY_FILE, file_response
+from exogauge.api.shapes import DeviceList, DeviceOut
+from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.errors import BadStudy, Fault
+from exogauge.storage.blobs import copy_out
+from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.store import Storage
+
+router = APIRouter(tags=["devices"])
+DEVICE = "device.yaml"
+ROBOT = {"type": "string", "maxLength": 64, "description": "id of the robot whose links the via points name"}
+FORM = bundle_schema(
+    "device.yaml and the bench tests it names, under their relative paths, or one zip of them", needed={"robot": ROBOT}
+)
+
+
+@router.post(
+    "/devices",
+    operation_id="createDevice",
+    status_code=201,
+    responses={200: {"model": DeviceOut, "description": "The same files were checked against this robot before"}},
+    openapi_extra=FORM,
+)
+def create_device(
+    upload: Annotated[BundleUpload, Depends(device_body)],
+    storage: StorageDep,
+    settings: SettingsDep,
+    response: Response,
+) -> DeviceOut:
+    """Check and store a device. Other files under the same name, or another robot, make its next version."""
+    robot_id = upload.robot or ""
+    with scratch_folder(settings) as scratch:
+        lay_out_robot(robot_id, storage, scratch / "robot")
+        lay_out(upload.files, scratch / "device", settings)
+        root = root_of(scratch / "device", DEVICE)
+        summary = checking.check_device(root, scratch / "robot")
+        files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        device, new = store.devices.add(upload.name or summary["name"], robot_id, files, summary)
+    response.status_code = 201 if new else 200
+    return DeviceOut.of(device, files)
+
+
+@router.get("/devices", operation_id="listDevices")
+def list_devices(
+    store: ReaderDep,
+    cursor: Cursor,
+    limit: Limit = 50,
+    name: Annotated[str | None, Query(max_length=200, description="only this device: its versions")] = None,
+    robot_id: Annotated[str | None, Query(max_length=64, description="only devices of this robot")] = None,
+) -> DeviceList:
+    page = store.devices.page(cursor, limit, name=name, robot_id=robot_id)
+    items = [DeviceOut.of(device) for device in page.items]
+    return DeviceList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/devices/{device_id}", operation_id="getDevice")
+def get_device(device_id: Id, store: ReaderDep) -> DeviceOut:
+    return DeviceOut.of(store.devices.get(str(device_id)), store.devices.files(str(device_id)))
+
+
+@router.get("/devices/{device_id}/files/{path:path}", operation_id="getDeviceFile", responses=ANY_FILE)
+def get_device_file(
+    device_id: Id,
+    path: Annotated[str, InPath(max_length=500, pattern=r"^[^\x00]*$")],
+    store: ReaderDep,
+    request: Request,
+) -> Response:
+    """One file as it was handed in; ranges and If-None-Match are honoured."""
+    file = store.devices.file(str(device_id), path)
+    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+
+
+def lay_out_device(device_id: str, number: int, storage: Storage, folder: Path) -> str:
+    """Write what a stored device's check read below `folder`; returns the path of its description there.
+
+    Bench tests keep their paths, because device.yaml names them by their path from the study's folder.
+    """
+    with storage.reading() as store:
+        device = store.devices.get(device_id)
+        files = store.devices.files(device_id)
+    read, description = device.summary.get("reads"), f"device_{number}.yaml"
+    for file in files:
+        if read is not None and file.path not in read:
+            continue
+        place = description if file.path == DEVICE else file.path
+        refuse_clash(folder / place, file, device.name)
+        copy_out(storage.blobs, file.sha256, folder / place)
+    return description
+
+
+def refuse_clash(there: Path, file: PinnedFile, device: str) -> None:
+    """Two parts of a study may share one file, but no path may lead to two."""
+    other = there.is_file() and hashlib.sha256(there.read_bytes()).hexdigest() != file.sha256
+    if other or there.is_dir() or any(folder.is_file() for folder in there.parents):
+        detail = f"another part of the study has something else where the device {device!r} has this file"
+        raise BadStudy(Fault(detail, "path_clash", "Rename it in one of them.", file=file.path))
