@@ -19,6 +19,7 @@ from pathlib import Path
 from exogauge import synthetic
 from exogauge.client import Client
 from exogauge.errors import Unavailable
+from exogauge.published import published
 from exogauge.result_text import result_text
 from exogauge.settings import Settings
 from exogauge.terminal import bar
@@ -45,6 +46,8 @@ def demo(settings: Settings) -> None:
         result = client.results(job)
         files = [artifact.name for artifact in client.artifacts(job)]
     print(f"\n{result_text(result)}")
+    if result.get("support"):
+        print(f"\n{published()}")
     series = sum(name.startswith("series/") for name in files)
     others = ", ".join(name for name in files if not name.startswith("series/"))
     page = f"http://{settings.host}:{settings.port}{settings.root_path}"

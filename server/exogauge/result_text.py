@@ -9,6 +9,7 @@ from typing import Any
 
 from exogauge.studies.notices import notice
 from exogauge.studies.rounding import significant, with_std
+from exogauge.support_text import stiffness_text, support_text
 from exogauge.terminal import text_table
 
 MOMENTS = ("base.mx", "base.my", "base.mz")
@@ -30,8 +31,10 @@ SORTS = {"single": "inertial parameters of single links", "base": "combinations 
 def result_text(result: Mapping[str, Any]) -> str:
     """The whole of it, in parts with a heading each."""
     found = result["identification"]
-    parts = [errors(found), joints(found), unknown(found), *(["\n".join(notes(result))] if result["warnings"] else [])]
-    return "\n\n".join(parts)
+    parts = [errors(found), joints(found), unknown(found), support_text(result), stiffness_text(result)]
+    if result["warnings"]:
+        parts.append("\n".join(notes(result)))
+    return "\n\n".join(part for part in parts if part)
 
 
 def errors(found: Mapping[str, Any]) -> str:

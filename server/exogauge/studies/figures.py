@@ -30,8 +30,10 @@ COLOURS = {  # drawn with the sentinel, shown with the variable of the page's st
     "--measured": "#040404",
     "--identified": "#050505",
     "--prior": "#060606",
+    "--soft": "#070707",
 }
-_STYLE = {
+LINE = {"--measured": (3.2, "-"), "--prior": (1.1, (0, (1.2, 1.4))), "--identified": (1.1, "-")}  # width [pt], dashes
+STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "exogauge",
     "font.family": "sans-serif",
@@ -54,22 +56,22 @@ _STYLE = {
 
 def draw_series(prediction: Prediction, channels: Sequence[str], notes: Mapping[str, str], key: str) -> str:
     """One panel per channel over time. notes: text at a panel's upper right. key: prefix that makes ids unique."""
-    with matplotlib.rc_context({**_STYLE, "text.parse_math": False}):  # names are text, even with a $ in them
-        figure = _sheet(9.0, 1.15, len(channels))
+    with matplotlib.rc_context({**STYLE, "text.parse_math": False}):  # names are text, even with a $ in them
+        figure = sheet(9.0, 1.15, len(channels))
         axes = figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, channel in zip(axes, channels, strict=True):
             _panel(axis, prediction, channel)
             axis.set_title(label(channel), loc="left", fontsize=9.5, fontweight="bold", color=COLOURS["--ink"], pad=4)
             axis.set_title(notes.get(channel, ""), loc="right", fontsize=8.5, color=COLOURS["--muted"], pad=4)
         axes[-1].set_xlabel("time [s]")
-        return _svg(figure, key)
+        return svg_text(figure, key)
 
 
 def draw_curve(points: Sequence[tuple[float, float]], chosen: float, key: str) -> str:
     """Score on held-out blocks against the factor on the prior's weight; the chosen factor is marked."""
     ordered = sorted((factor, score) for factor, score in points if factor > 0 and np.isfinite(score))
-    with matplotlib.rc_context(_STYLE):
-        figure = _sheet(5.2, 1.8, 1)
+    with matplotlib.rc_context(STYLE):
+        figure = sheet(5.2, 1.8, 1)
         axis = figure.subplots()
         axis.set_xscale("log")
         axis.grid(axis="y")
@@ -80,12 +82,12 @@ def draw_curve(points: Sequence[tuple[float, float]], chosen: float, key: str) -
         axis.set_xlabel("factor on the prior's weight")
         axis.set_ylabel("held-out error, weighted")
         axis.yaxis.set_major_locator(MaxNLocator(4))
-        return _svg(figure, key)
+        return svg_text(figure, key)
 
 
-def _sheet(width: float, panel: float, panels: int) -> Figure:
+def sheet(width: float, panel: float, panels: int, top: float = 0.25) -> Figure:
     """Margins are fixed: fitting them to the text would take half of the drawing's time. Lengths in inches."""
-    left, right, top, bottom, gap = 0.68, 0.06, 0.25, 0.45, 0.4
+    left, right, bottom, gap = 0.68, 0.06, 0.45, 0.4
     height = top + panels * panel + (panels - 1) * gap + bottom
     figure = Figure(figsize=(width, height))
     figure.subplots_adjust(left / width, bottom / height, 1 - right / width, 1 - top / height, 0.0, gap / panel)
@@ -93,19 +95,26 @@ def _sheet(width: float, panel: float, panels: int) -> Figure:
 
 
 def _panel(axis: Any, prediction: Prediction, channel: str) -> None:
-    lines: tuple[tuple[Mapping[str, Array], str, float, Any], ...] = (
-        (prediction.measured, "--measured", 3.2, "-"),
-        (prediction.predicted_prior, "--prior", 1.1, (0, (1.2, 1.4))),
-        (prediction.predicted, "--identified", 1.1, "-"),
+    lines: tuple[tuple[Mapping[str, Array], str], ...] = (
+        (prediction.measured, "--measured"),
+        (prediction.predicted_prior, "--prior"),
+        (prediction.predicted, "--identified"),
     )
     axis.grid(axis="y")
-    for values, colour, width, style in lines:
+    for values, colour in lines:
         if channel in values:
-            time, drawn = thin_out(prediction.time, values[channel])
-            axis.plot(time, drawn, color=COLOURS[colour], linewidth=width, linestyle=style, solid_joinstyle="round")
+            draw_line(axis, prediction.time, values[channel], colour)
     axis.set_ylabel(f"[{prediction.units.get(channel, '')}]")
     axis.yaxis.set_major_locator(MaxNLocator(4))
     axis.margins(x=0.0)
+
+
+def draw_line(axis: Any, time: Array, values: Array, colour: str) -> None:
+    """A line in the look that belongs to its colour."""
+    width, dashes = LINE[colour]
+    axis.plot(
+        *thin_out(time, values), color=COLOURS[colour], linewidth=width, linestyle=dashes, solid_joinstyle="round"
+    )
 
 
 def thin_out(time: Array, values: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
@@ -131,7 +140,7 @@ def label(channel: str) -> str:
     return rest if kind == "tau" else channel
 
 
-def _svg(figure: Figure, key: str) -> str:
+def svg_text(figure: Figure, key: str) -> str:
     """Bare <svg> for embedding: no fixed size, no metadata, no style sheet of its own, ids prefixed with `key`,
     the page's font, and variables in place of the sentinel colours."""
     FigureCanvasSVG(figure)
@@ -146,6 +155,7 @@ def _svg(figure: Figure, key: str) -> str:
     body = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", body, flags=re.S)
     body = re.sub(r'(\bid="|url\(#)', rf"\g<1>{key}-", body)
     body = body.replace('xlink:href="#', f'href="#{key}-')
+    body = re.sub(r"(\d\.\d\d)\d+", r"\1", body)  # a hundredth of a point is finer than any screen
     body = re.sub(r"font: (?:(\d+) )?([\d.]+)px [^;\"]*", _page_font, body)
     for variable, sentinel in COLOURS.items():
         body = body.replace(sentinel, f"var({variable})")

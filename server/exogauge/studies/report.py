@@ -12,6 +12,7 @@ from markupsafe import Markup
 from exogauge.identification.result import Identification, Prediction
 from exogauge.studies.figures import draw_curve, draw_series, label
 from exogauge.studies.notices import by_sort, notice
+from exogauge.studies.report_head import device_lead, kicker, lead, tiles
 from exogauge.studies.report_tables import (
     base_table,
     figure_channels,
@@ -22,6 +23,8 @@ from exogauge.studies.report_tables import (
 )
 from exogauge.studies.results import Evaluation, Summary, results, summaries
 from exogauge.studies.rounding import significant
+from exogauge.studies.stiffness_section import device_views
+from exogauge.studies.support_section import motion_views
 
 MAX_DRAWN_LOGS = 4
 
@@ -32,7 +35,6 @@ _ENVIRONMENT = jinja2.Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-_KIND_WORDS = {"base_moment": "Base moment", "trunk_torque": "Trunk torque", "joint_torque": "Joint torque"}
 
 
 @final
@@ -44,21 +46,6 @@ class Drawing:
     words: str
     log: str
     held_out: bool
-
-
-@final
-@dataclass(frozen=True)
-class Tile:
-    """One headline number: RMSE with the maker's values, with the identified ones, and the noise floor."""
-
-    title: str
-    prior: str
-    identified: str
-    floor: str
-    unit: str
-    percent: float
-    floor_percent: float
-    note: str
 
 
 def render_report(evaluation: Evaluation) -> str:
@@ -73,8 +60,12 @@ def render_report(evaluation: Evaluation) -> str:
         found=found,
         content=content,
         synthetic="synthetic" in evaluation.name.lower(),
+        kicker=kicker(evaluation),
         lead=lead(evaluation, pooled),
-        tiles=[_tile(each) for each in pooled],
+        device_lead=device_lead(evaluation),
+        support_views=motion_views(evaluation.support) if evaluation.support else [],
+        stiffness_views=device_views(evaluation.stiffness),
+        tile_rows=tiles(evaluation, pooled),
         held_out=held_out,
         notices=[notice(each) for each in content["warnings"]],
         findings=by_sort(content["doctor"]),
@@ -90,53 +81,6 @@ def render_report(evaluation: Evaluation) -> str:
         unknowns=unknowns(found),
         curve=_curve(found),
         sig=significant,
-    )
-
-
-def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
-    """What was identified, from what, and how well it predicts: the report's first sentences."""
-    found = evaluation.identification
-    logs = {prediction.log: prediction.held_out for prediction in found.predictions}
-    fitted = sum(not held_out for held_out in logs.values())
-    joints, links = len(evaluation.robot.joints), len(evaluation.robot.tree.bodies)
-    seconds = sum(float(each.time[-1] - each.time[0]) for each in found.predictions if not each.held_out)
-    text = (
-        f"{_count(joints, 'joint')} and {_count(links, 'moving link')} of {evaluation.robot.name} were identified from "
-        f"{_count(fitted, 'log')}: {significant(seconds)} s, {_count(found.samples, 'sample')} kept after filtering. "
-    )
-    sentences = []
-    for each in (item for item in pooled if item.kind != "joint_torque" or len(pooled) == 1):
-        words = "falls" if each.rmse_identified < each.rmse_prior else "rises"
-        sentences.append(
-            f"the {_KIND_WORDS[each.kind].lower()} error {words} from {significant(each.rmse_prior)} to "
-            f"{significant(each.rmse_identified)} {each.unit} RMSE (noise floor {significant(each.noise_floor, 2)})"
-        )
-    if sentences:
-        held_out = pooled[0].held_out
-        where = f"On {_count(len(pooled[0].logs), 'held-out log')}" if held_out else "On the fitted logs themselves"
-        text += f"{where}, {'; '.join(sentences)}."
-        if not held_out:
-            text += " No log was held out, so this says how well the model fits, not how well it predicts."
-    return text
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", "\u202f")
-
-
-def _tile(each: Summary) -> Tile:
-    longest = max(each.rmse_prior, each.rmse_identified, 1e-300)
-    names = [label(channel) for channel in each.channels]
-    shown = ", ".join(names) if len(names) <= 3 else f"{len(names)} channels"
-    return Tile(
-        _KIND_WORDS[each.kind],
-        significant(each.rmse_prior),
-        significant(each.rmse_identified),
-        significant(each.noise_floor, 2),
-        each.unit,
-        100 * each.rmse_identified / longest,
-        100 * each.noise_floor / longest,
-        shown,
     )
 
 

@@ -1,0 +1,173 @@
+"""The report shows supporting torque and bands as the results say them, and says nothing where there is none."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exogauge.devices.result import StiffnessResult
+from exogauge.identification.result import Identification
+from exogauge.studies.open import open_study
+from exogauge.studies.report import render_report
+from exogauge.studies.results import Evaluation
+from exogauge.studies.stiffness_section import device_views, stiffness_sentence
+from exogauge.studies.support_figures import draw_support, outline, runs
+from exogauge.studies.support_section import motion_views, strongest, support_sentence
+from exogauge.support.result import SupportResult
+
+Render = Callable[..., str]
+
+
+@pytest.fixture(scope="module")
+def render(pristine: Path, identification: Identification) -> Render:
+    """render(support, stiffness): the report of the small robot's study."""
+
+    def made(support: SupportResult | None, stiffness: tuple[StiffnessResult, ...] = ()) -> str:
+        with open_study(pristine) as study:
+            return render_report(
+                Evaluation(
+                    study.name, study.robot, study.settings, study.steps, study.bundle.inputs, [], identification,
+                    [], {}, support, stiffness,
+                )
+            )  # fmt: skip
+
+    return made
+
+
+@pytest.fixture(scope="module")
+def report(render: Render, support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> str:
+    return render(support, stiffness)
+
+
+def words(html: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", re.sub(r"<style>.*?</style>", "", html, flags=re.S)))
+
+
+def test_the_first_sentence_is_the_main_result(support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> None:
+    joint = strongest(support, "Normal suit")
+    assert joint is not None
+    assert re.fullmatch(
+        r"Normal suit, bend: up to 5\.\d+ ± 0\.22 N·m of support at torso_pitch by approach A \(band model 5\.00\)\.",
+        support_sentence(joint),
+    )
+    assert stiffness_sentence(stiffness, "Modified suit") == (
+        "Stiffness of band group A 389.7 ± 2.9 N/m by approach A (truth 395.6)."
+    )
+
+
+def test_the_report_opens_with_it_and_keeps_the_synthetic_label(report: str) -> None:
+    header = words(report[report.index("<header>") : report.index("</header>")])
+    assert header.index("Synthetic data") < header.index("Normal suit, bend: up to") < header.index("were identified")
+    assert "evaluation of Normal suit and Modified suit on small" in header
+    assert "truth 197.8 N/m, error −1.5 %" in header
+
+
+def test_every_number_of_the_captions_is_that_of_the_results(report: str, support: SupportResult) -> None:
+    for view in motion_views(support):
+        for row in view.errors:
+            for value in (*row.rmse, *row.steady):
+                assert value in words(report)
+    assert "RMSE A 0.300 · B 0.410 · maker’s values 2.00 N·m" in report
+
+
+def test_one_figure_per_motion_with_a_panel_per_device(report: str) -> None:
+    section = report[report.index('id="support"') : report.index('id="stiffness"')]
+    assert section.count("<svg") == 2
+    assert section.count("angle of torso_pitch") == 1
+    assert section.count("angle of torso_yaw") == 1
+    assert "log bend_normal_1 (Normal suit), bend_modified_1 (Modified suit)" in section
+    for phase in ("lowering", "holding", "raising"):
+        assert phase in section
+
+
+def test_ids_stay_unique_and_nothing_is_asked_of_the_world(report: str) -> None:
+    ids = re.findall(r'\bid="([^"]*)"', report)
+    assert len(ids) == len(set(ids))
+    assert not re.search(r"<script|<img|<link|url\((?!#)|(?:src|href)=\"(?!#)", report)
+    assert report.count("<caption>") == len(re.findall(r"<table\b", report))
+    assert set(re.findall(r'href="#([^"]*)"', report)) <= set(ids)
+
+
+def test_without_a_device_there_are_no_such_sections(render: Render) -> None:
+    html = render(None)
+    assert 'id="support"' not in html
+    assert 'id="stiffness"' not in html
+    assert "identification of small" in html
+
+
+def test_without_reference_or_band_values_the_report_says_b_alone(render: Render, support: SupportResult) -> None:
+    alone = dataclasses.replace(
+        support,
+        trials=tuple(
+            dataclasses.replace(
+                each, reference=None, support_a=None, support_a_std=None, band_model=None, equality=(), tension={}
+            )
+            for each in support.trials
+        ),
+        joints=tuple(
+            dataclasses.replace(each, by={"b": each.by["b"]}, rmse={}, rmse_steady={}, null={}, spread={}, equality=())
+            for each in support.joints
+        ),
+        band_model={},
+    )
+    text = words(render(alone))
+    assert "N·m of support at torso_pitch by approach B." in text
+    assert "no run without it" in text
+
+
+def test_what_the_data_do_not_decide_is_marked_and_said(report: str, stiffness: tuple[StiffnessResult, ...]) -> None:
+    view = device_views(stiffness)[0]
+    assert [row.group for row in view.groups] == ["A", "B"]
+    assert all(cell is not None and cell.kept for cell in view.groups[1].cells)
+    assert "slack in every log" in report
+    assert "stiffness[A] and natural_length[A_left] trade against each other (correlation 0.97)" in report
+    assert "no bounds" in report
+
+
+def test_markup_in_names_stays_text(render: Render, support: SupportResult) -> None:
+    odd = dataclasses.replace(
+        support,
+        trials=tuple(dataclasses.replace(each, device="<i>$x_1$&") for each in support.trials),
+        joints=tuple(dataclasses.replace(each, device="<i>$x_1$&") for each in support.joints),
+        band_model={"<i>$x_1$&": "<b>bench</b>"},
+    )
+    html = render(odd)
+    assert "<i>$" not in html
+    assert "<b>bench" not in html
+    assert "&lt;i&gt;$x_1$&amp;" in html
+
+
+def test_drawings_do_not_grow_with_the_log(support: SupportResult) -> None:
+    trial = support.trials[0]
+    long = {
+        name: np.repeat(getattr(trial, name), 20, axis=0)
+        for name in (
+            "q", "support_a", "support_a_std", "support_b", "support_b_std", "support_prior", "band_model",
+            "half_width_a", "half_width_b", "compared", "steady", "rest", "phase",
+        )
+    }  # fmt: skip
+    longer = dataclasses.replace(trial, time=np.arange(20 * trial.time.size) / 200.0, **long)
+    assert len(draw_support([longer], "torso_pitch", {}, "k")) < 100_000
+
+
+def test_a_band_is_thinned_to_what_holds_all_of_it() -> None:
+    time = np.arange(10_000.0)
+    low, high = np.sin(time / 900.0) - 1.0, np.sin(time / 900.0) + 1.0
+    high[4321] = 7.0
+    low[4000:4200] = high[4000:4200] = np.nan
+    at, below, above = outline(time, low, high, buckets=100)
+    assert at.size == 100
+    assert np.nanmax(above) == 7.0
+    assert np.isnan(below[40:42]).all()
+    assert np.isfinite(below[[39, 42]]).all()
+
+
+def test_runs_are_stretches_of_one_value() -> None:
+    assert list(runs(np.array([0, 0, 1, 1, 1, 0]))) == [(0, 2), (2, 5), (5, 6)]
+    assert list(runs(np.array([False, True, True, False, True]))) == [(1, 3), (4, 5)]
+    assert list(runs(np.array([], dtype=bool))) == []
