@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def scored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sample")
-    write_sample(folder / "study", 1)
+    write_sample(folder / "study", 1, suit="none")
     evaluate(folder / "study" / "study.yaml", folder / "out", lambda _fraction, _phrase: None)
     results = json.loads((folder / "out" / "results.json").read_text())["identification"]
     return results, json.loads((folder / "study" / "truth.json").read_text())["parameters"]

@@ -50,9 +50,14 @@ def parser() -> argparse.ArgumentParser:
     sample.add_argument("out", type=Path, metavar="OUT")
     sample.add_argument("--seed", type=int, required=True, metavar="N")
     sample.add_argument(
-        "--hidden", action="append", default=[], metavar="EFFECT@PLACE", help="an effect the a-priori model lacks"
-    )
-    sample.add_argument("--suit", choices=("none", "normal", "modified"), default="none")
+        "--hidden", action="append", metavar="EFFECT@PLACE",
+        help="an effect the a-priori model lacks, once for each; with a suit the default is stribeck@torso_pitch; "
+        "`none` hides nothing",
+    )  # fmt: skip
+    sample.add_argument(
+        "--suit", choices=("none", "normal", "modified", "both"), default="both",
+        help="what is worn in the logs with a device; none: logs to identify and validate only (default: both)",
+    )  # fmt: skip
     sample.set_defaults(command=write_sample)
 
     serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
@@ -112,7 +117,9 @@ def write_sample(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
 
     with bar("sample") as progress:
-        synthetic.write_sample(options.out, options.seed, options.hidden, options.suit, progress)
+        synthetic.write_sample(
+            options.out, options.seed, options.hidden, options.suit, progress, processes=synthetic.processors()
+        )
     print(options.out / "study.yaml")
     return 0
 

@@ -9,9 +9,12 @@ import pytest
 
 from exogauge.synthetic import motion
 from exogauge.synthetic.hidden import parse_hidden
+from exogauge.synthetic.log_plans import LogPlan
+from exogauge.synthetic.log_runs import Bench
 from exogauge.synthetic.mjcf import mujoco_model
 from exogauge.synthetic.simulation import Recording, simulate
-from exogauge.synthetic.study import LogPlan, write_study
+from exogauge.synthetic.study import write_study
+from exogauge.synthetic.suit import fitted_suit
 from exogauge.synthetic.true_robot import TrueRobot, a_priori_robot, draw_robot
 
 SHORT = (LogPlan("id_1", "identification", "excitation", 12.0), LogPlan("bend_plain", "validation", "bend", 7.0))
@@ -39,8 +42,26 @@ def run(planner: mujoco.MjModel) -> Run:
 
 
 @pytest.fixture(scope="session")
+def bench(planner: mujoco.MjModel) -> Bench:
+    """A drawn robot and both suits on it."""
+    suits = {kind: fitted_suit(kind, planner, np.random.default_rng(12)) for kind in ("normal", "modified")}
+    return Bench(3, draw_robot(np.random.default_rng(11)), suits)
+
+
+@pytest.fixture(scope="session")
+def worn(bench: Bench, planner: mujoco.MjModel) -> dict[tuple[str, str], Run]:
+    """Seven seconds each of a bend in either suit and a twist in the normal one, by motion and kind of suit."""
+    runs = {}
+    for name, kind in (("bend", "normal"), ("bend", "modified"), ("twist", "normal")):
+        plan = {"bend": motion.bend, "twist": motion.twist}[name](np.random.default_rng(5), 7.0, planner)
+        model = mujoco_model(bench.robot, bench.suits[kind])
+        runs[name, kind] = Run(bench.robot, plan, simulate(model, bench.robot, plan, lambda seconds: None))
+    return runs
+
+
+@pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study of two short logs."""
     out = tmp_path_factory.mktemp("sample")
-    write_study(out, 3, logs=SHORT)
+    write_study(out, 3, suit="none", logs=SHORT)
     return out

@@ -66,8 +66,13 @@ def test_a_stribeck_peak_acts_at_low_speed_only(run) -> None:
     assert np.abs(friction).max() > truth.tau_c + 0.5 * truth.tau_b
 
 
-def test_true_parameters_explain_the_motion_through_another_dynamics_library(run) -> None:
-    """Base: Y φ = Σ Kᵀ F. Joints: Y φ − F_j + k_d θ̇ + friction + J_r θ̈ = k_T i + tau_o, to solver accuracy."""
+@pytest.mark.parametrize("suit", [None, "normal", "modified"])
+def test_true_parameters_explain_the_motion_through_another_dynamics_library(run, worn, suit: str | None) -> None:
+    """Base: Y φ = Σ Kᵀ F. Joints: Y φ − F_j + k_d θ̇ + friction + J_r θ̈ = k_T i + tau_o + bands, to solver accuracy.
+
+    A suit without mass is an internal force: the base's rows are the same with it.
+    """
+    run = worn["bend", suit] if suit else run
     recording, truth = run.recording, truth_record(run.robot, [])["parameters"]
     model = pin.buildModelFromXML(robot_urdf(), pin.JointModelFreeFlyer())
     assert tuple(sorted(model.names[2:])) == tuple(sorted(JOINT_NAMES))
@@ -91,7 +96,7 @@ def test_true_parameters_explain_the_motion_through_another_dynamics_library(run
         base, joints = (Y @ phi - F)[:6], (Y @ phi - F)[6:]
         resistance = kinds["k_d"] * (dq + ddq * TIME_STEP / 2) + recording.friction[t, order] + kinds["J_r"] * ddq
         np.testing.assert_allclose(base, 0.0, atol=1e-3)
-        drive = kinds["k_T"] * recording.current[t, order] + kinds["tau_o"]
+        drive = kinds["k_T"] * recording.current[t, order] + kinds["tau_o"] + recording.band_torque[t, order]
         np.testing.assert_allclose(joints + resistance, drive, atol=1e-3)
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,24 @@ import yaml
 
 from exogauge.errors import BadInput
 from exogauge.synthetic import sensors, write_sample
+from exogauge.synthetic.log_plans import LogPlan, log_plans
 from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
-from exogauge.synthetic.study import LogPlan, write_study
+from exogauge.synthetic.study import write_study
 
 ONE_SHORT_LOG = (LogPlan("id_1", "identification", "excitation", 7.0),)
+BENDS = tuple(
+    replace(plan, duration_s=7.0)
+    for plan in log_plans("both")
+    if plan.name in ("bend_plain_1", "bend_plain_2", "bend_normal_1", "bend_modified_1")
+)
+
+
+@pytest.fixture(scope="module")
+def complete(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study with both suits, of short bends only."""
+    out = tmp_path_factory.mktemp("suits")
+    write_study(out, 3, logs=BENDS)
+    return out
 
 
 def test_a_sample_is_a_whole_study_that_says_it_is_synthetic(folder: Path) -> None:
@@ -59,16 +74,87 @@ def test_truth_names_every_body_and_joint(folder: Path) -> None:
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(tmp_path: Path) -> None:
     for name, seed in (("a", 4), ("b", 4), ("c", 5)):
         write_study(tmp_path / name, seed, logs=ONE_SHORT_LOG)
-    files = ["study.yaml", "robot.yaml", "robot.urdf", "truth.json", "logs/id_1.parquet"]
+    files = ["robot.yaml", "robot.urdf", "study.yaml", "device.yaml", "truth.json", "logs/id_1.parquet"]
     a, b, c = ([(tmp_path / name / file).read_bytes() for file in files] for name in "abc")
     assert a == b
-    assert a[3] != c[3]
-    assert a[4] != c[4]
-    assert a[1:3] == c[1:3], "what is told a priori does not depend on the seed"
+    assert a[:2] == c[:2], "what is told of the robot a priori does not depend on the seed"
+    for mine, other in zip(a[2:], c[2:], strict=True):
+        assert mine != other
+
+
+def test_two_processes_write_the_same_bytes_as_one(tmp_path: Path, complete: Path) -> None:
+    shares: list[float] = []
+    write_study(tmp_path, 3, logs=BENDS, progress=lambda share, what: shares.append(share), processes=2)
+    for file in ("study.yaml", "truth.json", "device.yaml", *(f"logs/{plan.name}.parquet" for plan in BENDS)):
+        assert (tmp_path / file).read_bytes() == (complete / file).read_bytes(), file
+    assert len(shares) > len(BENDS)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_every_log_names_the_device_that_it_was_made_with(complete: Path) -> None:
+    study = yaml.safe_load((complete / "study.yaml").read_text(encoding="utf-8"))
+    truth = json.loads((complete / "truth.json").read_text(encoding="utf-8"))
+    by_name = {Path(entry["file"]).stem: entry for entry in study["logs"]}
+    assert {entry["motion"] for entry in study["logs"]} == {"bend"}
+    assert by_name["bend_plain_1"]["role"] == "without_device"
+    assert by_name["bend_normal_1"]["role"] == by_name["bend_modified_1"]["role"] == "with_device"
+    assert study["device"] == "device.yaml"
+    assert {name: entry.get("device") for name, entry in by_name.items() if "device" in entry} == {
+        "bend_modified_1": "device_modified.yaml"
+    }
+    for file, times in (("device.yaml", 1.0), ("device_modified.yaml", 2.0)):
+        device = yaml.safe_load((complete / file).read_text(encoding="utf-8"))
+        told = {
+            band["name"]: {key: band[key] for key in ("stiffness_n_per_m", "natural_length_m")}
+            for band in device["bands"]
+        }
+        assert truth["devices"][device["name"]] == told
+        assert {b["stiffness_n_per_m"] for b in device["bands"] if b["group"] == "A"} == {197.8 * times}
+        assert {b["name"] for b in device["bands"] if b.get("ground_truth")} == {"A_left", "A_right"}
+        if times == 1.0:
+            assert truth["bands"] == told
+
+
+def test_repetitions_share_the_motion_and_nothing_else(complete: Path) -> None:
+    """Another beginning of the log, another arrival, other noise; the same motion once they are aligned."""
+    first, second = (pq.read_table(complete / f"logs/bend_plain_{n}.parquet") for n in (1, 2))
+    t, early, late = first["t"].to_numpy(), first["q.torso_pitch"].to_numpy(), second["q.torso_pitch"].to_numpy()
+    inner, shifts = (t > 0.2) & (t < 6.5), np.arange(-0.08, 0.0801, 0.001)
+    gap = [np.abs(np.interp(t[inner] + s, second["t"].to_numpy(), late) - early[inner]).max() for s in shifts]
+    assert min(gap) < 2e-4
+    assert gap[len(shifts) // 2] > 10 * min(gap), "they need aligning"
+    assert not np.array_equal(first["gyro.x"].to_numpy()[:1000], second["gyro.x"].to_numpy()[:1000])
+
+
+def test_a_complete_study_repeats_each_motion_five_times_in_each_suit() -> None:
+    plans = [plan for plan in log_plans("both") if plan.repeats]
+    counts = {}
+    for plan in plans:
+        counts[plan.motion, plan.suit] = counts.get((plan.motion, plan.suit), 0) + 1
+    assert counts == {(motion, suit): 5 for motion in ("bend", "twist") for suit in (None, "normal", "modified")}
+    assert len({plan.name for plan in log_plans("both")}) == len(log_plans("both"))
+
+
+@pytest.mark.parametrize(
+    ("suit", "hidden", "effects"),
+    [
+        ("both", None, ["stribeck"]),
+        ("both", ["none"], []),
+        ("both", ["payload@head"], ["payload"]),
+        ("none", None, []),
+    ],
+)
+def test_what_is_hidden_by_default_depends_on_the_suit(
+    tmp_path: Path, suit: str, hidden: list[str] | None, effects: list[str]
+) -> None:
+    write_study(tmp_path, 3, hidden, suit, logs=())
+    truth = json.loads((tmp_path / "truth.json").read_text(encoding="utf-8"))
+    assert [effect["effect"] for effect in truth["effects"]] == effects
 
 
 def test_hiding_an_effect_changes_nothing_else_of_the_robot(tmp_path: Path, folder: Path) -> None:
-    write_study(tmp_path, 3, hidden=["stribeck@torso_pitch"], logs=ONE_SHORT_LOG)
+    write_study(tmp_path, 3, hidden=["stribeck@torso_pitch"], suit="none", logs=())
     hidden = json.loads((tmp_path / "truth.json").read_text(encoding="utf-8"))
     plain = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     assert hidden["parameters"] == plain["parameters"]
@@ -77,7 +163,7 @@ def test_hiding_an_effect_changes_nothing_else_of_the_robot(tmp_path: Path, fold
 
 def test_progress_only_rises_and_ends_at_one(tmp_path: Path) -> None:
     shares: list[float] = []
-    write_study(tmp_path, 0, logs=ONE_SHORT_LOG, progress=lambda share, what: shares.append(share))
+    write_study(tmp_path, 0, suit="none", logs=ONE_SHORT_LOG, progress=lambda share, what: shares.append(share))
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
 
@@ -85,7 +171,8 @@ def test_progress_only_rises_and_ends_at_one(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "rule"),
     [
-        ({"seed": 1, "suit": "normal"}, "unknown_suit"),
+        ({"seed": 1, "suit": "heavy"}, "unknown_suit"),
+        ({"seed": 1, "hidden": ["none", "stribeck@torso_pitch"]}, "hidden_contradicts"),
         ({"seed": -1}, "seed_negative"),
         ({"seed": 1, "hidden": ["gremlin@head"]}, "unknown_effect"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,13 +13,19 @@ from exogauge.errors import Unavailable
 def write_sample(
     out: Path,
     seed: int,
-    hidden: Sequence[str] = (),
-    suit: str = "none",
+    hidden: Sequence[str] | None = None,
+    suit: str = "both",
     progress: Callable[[float, str], None] | None = None,
+    processes: int = 1,
 ) -> None:
     """Write a whole synthetic study folder into `out`, truth.json included; see `study.write_study`."""
     if find_spec("mujoco") is None:
         raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
     from exogauge.synthetic.study import write_study
 
-    write_study(out, seed, hidden, suit, progress)
+    write_study(out, seed, hidden, suit, progress, processes=processes)
+
+
+def processors() -> int:
+    """How many processors this process may use: a good number of `processes`."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

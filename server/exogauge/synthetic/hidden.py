@@ -12,6 +12,8 @@ from exogauge.errors import BadInput, Fault
 from exogauge.synthetic.robot_facts import JOINTS, LINKS, Joint
 
 KNOWN = {"stribeck": "joint", "payload": "link"}
+NOTHING = "none"  # asked for by name, where something is hidden by default
+WITH_SUIT = ("stribeck@torso_pitch",)  # by default: it blurs the supporting torque where the suit supports
 _LINK_NAMES = [link.name for link in LINKS if link.mass > 0.0]
 
 
@@ -27,6 +29,16 @@ class Hidden:
     @property
     def where(self) -> dict[str, str]:
         return {KNOWN[self.effect]: self.place}
+
+
+def specs_to_hide(asked: Sequence[str] | None, suit: str) -> tuple[str, ...]:
+    """What was asked for; `WITH_SUIT` where nothing was and there is a suit. BadInput for `none` beside an effect."""
+    if asked is None:
+        return () if suit == "none" else WITH_SUIT
+    specs = tuple(asked)
+    if NOTHING in specs and len(set(specs)) > 1:
+        raise _refusal("either nothing is hidden or something is", "hidden_contradicts", ", ".join(specs))
+    return tuple(spec for spec in specs if spec != NOTHING)
 
 
 def parse_hidden(specs: Sequence[str], rng: np.random.Generator) -> list[Hidden]:

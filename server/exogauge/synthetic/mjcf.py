@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from exogauge.synthetic.inertia import Mass
 from exogauge.synthetic.robot_facts import AXES, BASE, FEET, IMU_FRAME, LINKS, SOLE_CENTRE, SOLE_SIZE, Link
+from exogauge.synthetic.suit import Suit
 from exogauge.synthetic.true_robot import TrueRobot
 
 Array = NDArray[np.float64]
@@ -16,8 +17,8 @@ TIME_STEP = 0.001
 _CONTACT_BALL = 0.01  # radius of the balls at the corners of the soles [m]
 
 
-def mujoco_model(robot: TrueRobot) -> mujoco.MjModel:
-    """The robot standing on a plane, compiled.
+def mujoco_model(robot: TrueRobot, suit: Suit | None = None) -> mujoco.MjModel:
+    """The robot standing on a plane, compiled; a suit's bands are tendons in their own order, without mass or damping.
 
     Semi-implicit Euler without implicit damping: the accelerations that the sensors see are those that are integrated.
     Positions live at t, velocities at t - h/2; k_d h/2 more rotor inertia makes the damping act on the velocity at t.
@@ -51,6 +52,8 @@ def mujoco_model(robot: TrueRobot) -> mujoco.MjModel:
             joint.solimp_friction = [0.9999, 0.9999, 0.001, 0.5, 2.0]
     _add_soles(spec)
     _add_imu(spec)
+    if suit is not None:
+        _add_bands(spec, suit)
     return spec.compile()
 
 
@@ -93,6 +96,18 @@ def _add_imu(spec: mujoco.MjSpec) -> None:
     spec.body(BASE).add_site(name=IMU_FRAME, pos=frame.origin, quat=_quaternion(*frame.rpy))
     for kind in (mujoco.mjtSensor.mjSENS_ACCELEROMETER, mujoco.mjtSensor.mjSENS_GYRO):
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=IMU_FRAME)
+
+
+def _add_bands(spec: mujoco.MjSpec, suit: Suit) -> None:
+    """Springs that pull and never push, straight from one via point to the next."""
+    for band in suit.bands:
+        tendon = spec.add_tendon(name=band.facts.name)
+        tendon.stiffness = np.array([band.stiffness, 0.0, 0.0])
+        tendon.springlength = np.array([0.0, band.natural_length])
+        for k, point in enumerate(band.facts.via_points):
+            site = f"{band.facts.name}_{k}"
+            spec.body(point.link).add_site(name=site, pos=point.xyz)
+            tendon.wrap_site(site)
 
 
 def _quaternion(roll: float, pitch: float, yaw: float) -> Array:

@@ -30,6 +30,7 @@ _COM_SWAY = (0.025, 0.045)  # largest forward, sideways [m]
 _SQUAT = 0.08  # [m]
 LEAD_S = 1.6  # before the log begins: the end of the motion that brought the robot here
 _ARRIVAL = 0.12  # how far away it began, joints and base [rad]; half as far down [m]
+_ARRIVAL_VARIES = 0.05  # relative, from one repetition to the next
 
 
 @final
@@ -47,8 +48,19 @@ class Plan:
     R_base: Array
 
 
-def excitation(rng: np.random.Generator, duration: float, planner: mujoco.MjModel) -> Plan:
-    """Every joint on its own random sum of sines, squats, sway and tilts of the base; slow parts and pauses between."""
+def standing(planner: mujoco.MjModel) -> Plan:
+    """One knot: the posture in which bends and twists begin and end."""
+    com = np.array([[_COM_FORWARD, 0.0]])
+    return _balanced(_standing(1), np.zeros((1, 3)), com, np.full(1, _STANCE_HEIGHT), planner)
+
+
+def excitation(
+    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+) -> Plan:
+    """Every joint on its own random sum of sines, squats, sway and tilts of the base; slow parts and pauses between.
+
+    rng: of the motion. again, here and below: of one of its repetitions, which arrives a little differently.
+    """
     phase, grown = _with_lead(_phase(rng, duration)), _with_lead(_envelope(duration))
     angles = _standing(len(phase))
     for j, name in enumerate(JOINT_NAMES):
@@ -62,26 +74,39 @@ def excitation(rng: np.random.Generator, duration: float, planner: mujoco.MjMode
     sway = np.column_stack([grown * size * _sines(rng, phase) for size in _COM_SWAY])
     com = sway + np.array([_COM_FORWARD, 0.0])
     height = _STANCE_HEIGHT - _SQUAT * grown * (0.5 + 0.5 * _sines(rng, phase))
-    return _balanced(rng, angles, rpy, com, height, planner)
+    angles, rpy, height = _arriving(rng, again, angles, rpy, height)
+    return _balanced(angles, rpy, com, height, planner)
 
 
-def bend(rng: np.random.Generator, duration: float, planner: mujoco.MjModel) -> Plan:
+def bend(
+    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+) -> Plan:
     """Forward bends of the torso, held and raised again; the hips follow a little."""
     angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.75), alternate=False))
-    return _torso_motion(rng, "torso_pitch", angle, np.outer(angle, [0.0, 0.2, 0.0]), planner)
+    return _torso_motion(rng, again, "torso_pitch", angle, np.outer(angle, [0.0, 0.2, 0.0]), planner)
 
 
-def twist(rng: np.random.Generator, duration: float, planner: mujoco.MjModel) -> Plan:
+def twist(
+    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+) -> Plan:
     """Twists of the torso to either side, held and turned back."""
     angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.8), alternate=True))
-    return _torso_motion(rng, "torso_yaw", angle, np.outer(angle, [0.0, 0.0, 0.15]), planner)
+    return _torso_motion(rng, again, "torso_yaw", angle, np.outer(angle, [0.0, 0.0, 0.15]), planner)
 
 
-def _torso_motion(rng: np.random.Generator, joint: str, angle: Array, rpy: Array, planner: mujoco.MjModel) -> Plan:
+def _torso_motion(
+    rng: np.random.Generator,
+    again: np.random.Generator | None,
+    joint: str,
+    angle: Array,
+    rpy: Array,
+    planner: mujoco.MjModel,
+) -> Plan:
     angles = _standing(len(angle))
     angles[:, JOINT_NAMES.index(joint)] = angle
+    angles, rpy, height = _arriving(rng, again, angles, rpy, np.full(len(angle), _STANCE_HEIGHT))
     com = np.tile([_COM_FORWARD, 0.0], (len(angle), 1))
-    return _balanced(rng, angles, rpy, com, np.full(len(angle), _STANCE_HEIGHT), planner)
+    return _balanced(angles, rpy, com, height, planner)
 
 
 def _with_lead(profile: Array) -> Array:
@@ -146,14 +171,22 @@ def _smooth_step(x: Array) -> Array:
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
 
 
-def _balanced(
-    rng: np.random.Generator, angles: Array, rpy: Array, com: Array, height: Array, planner: mujoco.MjModel
-) -> Plan:
+def _arriving(
+    rng: np.random.Generator, again: np.random.Generator | None, angles: Array, rpy: Array, height: Array
+) -> tuple[Array, Array, Array]:
+    """The same plan, begun `_ARRIVAL` away on a random side of every joint, and reached before the log begins."""
+    joints = angles.shape[1]
+    size = np.ones(joints + 4) if again is None else 1.0 + _ARRIVAL_VARIES * again.uniform(-1.0, 1.0, joints + 4)
+    away = _ARRIVAL * (1.0 - _smooth_step(np.arange(len(angles)) / (0.8 * LEAD_S * KNOT_RATE_HZ)))[:, None] * size
+    angles = angles + away[:, :joints] * rng.choice([-1.0, 1.0], joints)
+    rpy = rpy + away[:, joints:-1] * rng.choice([-1.0, 1.0], 3) * [0.5, 0.5, 1.0]
+    return angles, rpy, height - 0.5 * away[:, -1]
+
+
+def _balanced(angles: Array, rpy: Array, com: Array, height: Array, planner: mujoco.MjModel) -> Plan:
     """Legs by inverse kinematics, base shifted until the planner's centre of mass lies where it shall."""
-    away = _ARRIVAL * (1.0 - _smooth_step(np.arange(len(angles)) / (0.8 * LEAD_S * KNOT_RATE_HZ)))[:, None]
-    angles = angles + away * rng.choice([-1.0, 1.0], angles.shape[1])
-    R = rotations(rpy + away * rng.choice([-1.0, 1.0], 3) * [0.5, 0.5, 1.0])
-    base = np.column_stack([com, height - 0.5 * away[:, 0]])
+    R = rotations(rpy)
+    base = np.column_stack([com, height])
     for _ in range(4):
         _set_legs(angles, base, R)
         base[:, :2] += com - _centres_of_mass(planner, base, R, angles)

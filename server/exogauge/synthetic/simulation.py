@@ -28,11 +28,13 @@ _STATIC_SPEED = 0.002  # below it friction rises from tau_c to tau_s [rad/s]
 @final
 @dataclass(frozen=True)
 class Recording:
-    """T samples at `LOG_RATE_HZ`, J joints, without noise.
+    """T samples at `LOG_RATE_HZ`, J joints, W bands, without noise.
 
     time: (T,) [s]; q, dq, ddq: (T, J); current: (T, J) [A]; friction: (T, J) [N·m] Coulomb or static, against motion;
     gyro_dot: (T, 3) [rad/s²] of the base, in its frame (no sensor has it); acc, gyro: (T, 3) in the IMU frame;
     wrench: (T, 2, 6) world on robot, force then moment, in the sensors' frames.
+    What no log holds: band_torque (T, J) [N·m] of all bands on the joints, positive along the axis (a bend forward is
+    supported by a negative one); band_length (T, W) [m], band_tension (T, W) [N]. Without a suit zeros, and W = 0.
     """
 
     time: Array
@@ -45,20 +47,25 @@ class Recording:
     acc: Array
     gyro: Array
     wrench: Array
+    band_torque: Array
+    band_length: Array
+    band_tension: Array
 
 
 class FellOver(RuntimeError):
     """The plan was too wild for this robot: a fault of the generator."""
 
 
-def simulate(model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable[[float], None]) -> Recording:
+def simulate(
+    model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable[[float], None], late_steps: int = 0
+) -> Recording:
     """Follow the plan at 1 kHz, record every fifth step; tick(seconds of it simulated) now and then.
 
-    model: `mujoco_model(robot)`; its friction is changed at every step.
+    model: a new `mujoco_model(robot)`; its friction is changed at every step. late_steps: how many the log begins late.
     """
     angle_goal, rate_goal = _goals(plan)
     steps, every = len(angle_goal), round(1.0 / (LOG_RATE_HZ * TIME_STEP))
-    settle, first = round(_SETTLE_S / TIME_STEP), round(LEAD_S / TIME_STEP)
+    settle, first = round(_SETTLE_S / TIME_STEP), round(LEAD_S / TIME_STEP) + late_steps
     data, drives = mujoco.MjData(model), [robot.joints[joint.name] for joint in JOINTS]
     _stand(model, data, plan)
     servo = _Servo(angle_goal[0])
@@ -73,13 +80,13 @@ def simulate(model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable
         before = (data.qpos[7:].copy(), data.qvel[6:].copy())
         mujoco.mj_step(model, data)
         if step >= first and (step - first) % every == 0:
-            hold = _friction_force(data)
-            log.append(np.concatenate([*before, data.qacc[6:], current, hold, data.qacc[3:6], data.sensordata]))
+            joints = (*before, data.qacc[6:], current, _friction_force(data), data.qfrc_spring[6:])
+            log.append(np.concatenate([*joints, data.qacc[3:6], data.sensordata, data.ten_length]))
         if step % 1000 == 0:
             if data.xpos[1, 2] < 0.5 or not np.isfinite(data.qpos[2]):
                 raise FellOver(f"the simulated robot fell after {step * TIME_STEP:.1f} s")
             tick(max(step - first, 0) * TIME_STEP)
-    return _recording(np.array(log), len(JOINTS))
+    return _recording(np.array(log), model)
 
 
 @final
@@ -141,9 +148,13 @@ def _stand(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan) -> None:
     mujoco.mj_forward(model, data)
 
 
-def _recording(rows: Array, joints: int) -> Recording:
-    q, dq, ddq, current, friction, rest = np.split(rows, joints * np.arange(1, 6), axis=1)
-    gyro_dot, sensors = rest[:, :3], rest[:, 3:]
+def _recording(rows: Array, model: mujoco.MjModel) -> Recording:
+    q, dq, ddq, current, friction, band_torque, rest = np.split(rows, len(JOINTS) * np.arange(1, 7), axis=1)
+    gyro_dot, sensors, length = np.split(rest, [3, 3 + model.nsensordata], axis=1)
     wrench = -sensors[:, :12].reshape(-1, 2, 6)  # MuJoCo gives that of the foot on the sole
     time = np.arange(len(rows)) / LOG_RATE_HZ
-    return Recording(time, q, dq, ddq, current, friction, gyro_dot, sensors[:, 12:15], sensors[:, 15:18], wrench)
+    stretch = np.maximum(length - model.tendon_lengthspring[:, 1], 0.0)
+    bands = (band_torque, length, model.tendon_stiffness * stretch)
+    return Recording(
+        time, q, dq, ddq, current, friction, gyro_dot, sensors[:, 12:15], sensors[:, 15:18], wrench, *bands
+    )

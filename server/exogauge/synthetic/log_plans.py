@@ -1,0 +1,54 @@
+"""Which logs a sample holds: excitations to identify and to validate, and motions repeated without and with a suit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+SUITS = {"none": (), "normal": ("normal",), "modified": ("modified",), "both": ("normal", "modified")}
+MOTIONS = ("bend", "twist")
+REPETITIONS = 5
+REPETITION_S = 14.0  # two bends, or a twist to either side
+
+
+@final
+@dataclass(frozen=True)
+class LogPlan:
+    """One log to make. motion: `excitation`, `bend` or `twist`; role, name: as in study.yaml; suit: the one worn.
+
+    repeats: one of several logs of the same planned motion, otherwise the motion is drawn for this log.
+    """
+
+    name: str
+    role: str
+    motion: str
+    duration_s: float
+    suit: str | None = None
+    repeats: bool = False
+
+
+_EXCITATIONS = (
+    LogPlan("id_1", "identification", "excitation", 50.0),
+    LogPlan("id_2", "identification", "excitation", 50.0),
+    LogPlan("id_3", "identification", "excitation", 50.0),
+    LogPlan("id_4", "identification", "excitation", 50.0),
+    LogPlan("val_1", "validation", "excitation", 25.0),
+    LogPlan("val_2", "validation", "excitation", 25.0),
+)
+_WITHOUT_SUIT = (
+    LogPlan("bend_plain", "validation", "bend", 25.0),
+    LogPlan("twist_plain", "validation", "twist", 25.0),
+)
+
+
+def log_plans(suit: str) -> tuple[LogPlan, ...]:
+    """suit: a key of `SUITS`."""
+    if suit == "none":
+        return _EXCITATIONS + _WITHOUT_SUIT
+    return _EXCITATIONS + tuple(
+        LogPlan(f"{motion}_{worn or 'plain'}_{n}", "with_device" if worn else "without_device", motion, REPETITION_S,
+                worn, repeats=True)
+        for worn in (None, *SUITS[suit])
+        for motion in MOTIONS
+        for n in range(1, REPETITIONS + 1)
+    )  # fmt: skip

@@ -1,0 +1,110 @@
+"""All logs of a study: each is one run of the simulation, alone or in a pool of processes, with the same bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.queues import SimpleQueue
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from exogauge.synthetic import motion
+from exogauge.synthetic.log_file import write_log
+from exogauge.synthetic.log_plans import LogPlan
+from exogauge.synthetic.mjcf import TIME_STEP, mujoco_model
+from exogauge.synthetic.random_streams import stream
+from exogauge.synthetic.simulation import Recording, simulate
+from exogauge.synthetic.suit import Suit
+from exogauge.synthetic.true_robot import TrueRobot, a_priori_robot
+
+Progress = Callable[[float, str], None]
+Tell = Callable[[str, float], None]  # log, seconds of it simulated
+
+LATEST_START_S = 0.08  # of a repetition's log, after the motion's own beginning
+_ASK_EVERY_S = 0.1
+_MOTIONS = {"excitation": motion.excitation, "bend": motion.bend, "twist": motion.twist}
+
+
+@final
+@dataclass(frozen=True)
+class Bench:
+    """What all runs of a study share. suits: by kind, as worn by this robot."""
+
+    seed: int
+    robot: TrueRobot
+    suits: Mapping[str, Suit]
+
+
+def write_logs(folder: Path, bench: Bench, plans: Sequence[LogPlan], progress: Progress, processes: int) -> None:
+    """`folder/<name>.parquet` of every plan; progress(share done, what is being done) comes from this process."""
+    whole, simulated = sum(plan.duration_s for plan in plans), dict.fromkeys((plan.name for plan in plans), 0.0)
+
+    def tell(name: str, seconds: float) -> None:
+        simulated[name] = max(seconds, simulated[name])
+        progress(min(sum(simulated.values()) / whole, 1.0), f"simulating {name}")
+
+    if min(processes, len(plans)) < 2:
+        for plan in plans:
+            _make(folder, bench, plan, tell)
+    else:
+        _make_in_pool(folder, bench, plans, tell, min(processes, len(plans)))
+    progress(1.0, "simulated")
+
+
+def run_log(
+    bench: Bench, plan: LogPlan, rng: np.random.Generator, tick: Callable[[float], None] = lambda seconds: None
+) -> Recording:
+    """The true robot's run of one log, before any sensor; rng: of this log.
+
+    A repetition follows the same plan as the others of its motion; its log begins up to `LATEST_START_S` later, by
+    whole steps of the simulation, and it arrives at the first posture a little differently.
+    """
+    planner, late_steps = mujoco_model(a_priori_robot()), 0
+    if plan.repeats:
+        path = _MOTIONS[plan.motion](stream(bench.seed, plan.motion), plan.duration_s, planner, rng)
+        late_steps = int(rng.integers(round(LATEST_START_S / TIME_STEP) + 1))
+    else:
+        path = _MOTIONS[plan.motion](rng, plan.duration_s, planner)
+    model = mujoco_model(bench.robot, bench.suits[plan.suit] if plan.suit else None)
+    return simulate(model, bench.robot, path, tick, late_steps)
+
+
+def _make(folder: Path, bench: Bench, plan: LogPlan, tell: Tell) -> None:
+    rng = stream(bench.seed, plan.name)
+    recording = run_log(bench, plan, rng, lambda seconds: tell(plan.name, seconds))
+    write_log(folder / f"{plan.name}.parquet", recording, rng, bench.seed)
+    tell(plan.name, plan.duration_s)
+
+
+def _make_in_pool(folder: Path, bench: Bench, plans: Sequence[LogPlan], tell: Tell, processes: int) -> None:
+    """Processes that are started anew, so that no thread or lock of this one comes along."""
+    context = get_context("spawn")
+    told: SimpleQueue[tuple[str, float]] = context.SimpleQueue()
+    with ProcessPoolExecutor(processes, context, initializer=_speak_into, initargs=(told,)) as pool:
+        running = {pool.submit(_make_and_tell, folder, bench, plan) for plan in plans}
+        try:
+            while running:
+                done, running = wait(running, timeout=_ASK_EVERY_S, return_when=FIRST_COMPLETED)
+                while not told.empty():
+                    tell(*told.get())
+                for each in done:
+                    each.result()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+_told: SimpleQueue[tuple[str, float]]  # of a process in the pool: queues are handed over at its start only
+
+
+def _speak_into(told: SimpleQueue[tuple[str, float]]) -> None:
+    global _told
+    _told = told
+
+
+def _make_and_tell(folder: Path, bench: Bench, plan: LogPlan) -> None:
+    _make(folder, bench, plan, lambda name, seconds: _told.put((name, seconds)))
