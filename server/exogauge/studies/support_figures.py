@@ -55,8 +55,8 @@ def _torque(axis: Any, trial: Trial, joint: str) -> None:
         axis.axvspan(time[start], time[stop - 1], color=COLOURS["--soft"], linewidth=0)
     axis.grid(axis="y")
     axis.axhline(0.0, color=COLOURS["--muted"], linewidth=0.6)
-    b, doubt = trial.support_b[:, k], trial.half_width_b[:, k] + DOUBT * trial.support_b_std[:, k]
-    _band(axis, time, b - doubt, b + doubt, "--measured", FAINT)
+    b, doubt = trial.support_b[:, k], DOUBT * trial.support_b_std[:, k]
+    _band(axis, time, trial.low_b[:, k] - doubt, trial.high_b[:, k] + doubt, "--measured", FAINT)
     draw_line(axis, time, b, "--measured")
     draw_line(axis, time, trial.support_prior[:, k], "--prior")
     if trial.band_model is not None:
@@ -64,7 +64,7 @@ def _torque(axis: Any, trial: Trial, joint: str) -> None:
         axis.plot(*drawn, color=COLOURS["--ink"], linewidth=2.0, linestyle=(0, (3.0, 1.6)))
     if trial.support_a is not None and trial.support_a_std is not None:
         a = np.where(trial.compared[:, k], trial.support_a[:, k], np.nan)
-        doubt = trial.half_width_a[:, k] + DOUBT * trial.support_a_std[:, k]
+        doubt = DOUBT * trial.support_a_std[:, k]
         _band(axis, time, a - doubt, a + doubt, "--identified", FAINT / 2)
         draw_line(axis, time, a, "--identified")
     axis.set_ylabel("[N·m]")

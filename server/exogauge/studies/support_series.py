@@ -15,11 +15,14 @@ def add_support(columns: Columns, trial: Trial) -> None:
     where it stands still.
     """
     for k, joint in enumerate(trial.joints):
+        a, b = f"support_a.{joint}", f"support_b.{joint}"
         if trial.support_a is not None and trial.support_a_std is not None:
-            _add_approach(
-                columns, "a", joint, trial.support_a[:, k], trial.support_a_std[:, k], trial.half_width_a[:, k]
-            )
-        _add_approach(columns, "b", joint, trial.support_b[:, k], trial.support_b_std[:, k], trial.half_width_b[:, k])
+            assert trial.low_a is not None
+            assert trial.high_a is not None
+            columns.add(a, trial.support_a[:, k], TORQUE)
+            _add_doubt(columns, a, trial.support_a_std[:, k], trial.low_a[:, k], trial.high_a[:, k])
+        columns.add(b, trial.support_b[:, k], TORQUE)
+        _add_doubt(columns, b, trial.support_b_std[:, k], trial.low_b[:, k], trial.high_b[:, k])
         columns.add(f"support_prior.{joint}", trial.support_prior[:, k], TORQUE)
         if trial.band_model is not None:
             columns.add(f"support_band_model.{joint}", trial.band_model[:, k], TORQUE)
@@ -29,11 +32,11 @@ def add_support(columns: Columns, trial: Trial) -> None:
         columns.add_truth(f"support_rest.{joint}", trial.rest[:, k])
 
 
-def _add_approach(columns: Columns, approach: str, joint: str, value: Array, std: Array, half_width: Array) -> None:
-    columns.add(f"support_{approach}.{joint}", value, TORQUE)
-    columns.add(f"support_{approach}_std.{joint}", std, TORQUE)
-    columns.add(f"support_{approach}_low.{joint}", value - half_width, TORQUE)
-    columns.add(f"support_{approach}_high.{joint}", value + half_width, TORQUE)
+def _add_doubt(columns: Columns, name: str, std: Array, low: Array, high: Array) -> None:
+    approach, joint = name.split(".", 1)
+    columns.add(f"{approach}_std.{joint}", std, TORQUE)
+    columns.add(f"{approach}_low.{joint}", low, TORQUE)
+    columns.add(f"{approach}_high.{joint}", high, TORQUE)
 
 
 def add_phases(columns: Columns, trial: Trial) -> None:

@@ -15,6 +15,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Prediction
 from exogauge.identification.validate import predict_log
 from exogauge.logs.derivatives import differentiate
+from exogauge.support.at_rest import bridged, scatter_at_rest
 from exogauge.support.balance import Balance, balance, slopes
 from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability, difference
@@ -56,6 +57,7 @@ class Evidence:
     std_b: Array
     half_a: Array
     half_b: Array
+    low_b: Array
     compared: BoolArray
     steady: BoolArray
     rest: BoolArray
@@ -98,6 +100,7 @@ def gather(
     slope_b = _slopes(model, prepared, sloped, joints)
     std_b = _spread(model.covariance, slope_b, sloped, own, repeats.by_model_steady, repeats.by_model_other)
     half_b = own.rest * background.held
+    std_b = _with_rest(std_b, own.torque, own.steady, half_b, on_line=True)
     a = std_a = slope_a = found = reference = None
     half_a, compared = np.zeros_like(half_b), np.zeros_like(own.steady)
     if background.reference is not None:
@@ -108,6 +111,7 @@ def gather(
         slope_a = slope_b - _slopes(model, plain.balance.prepared, apart.nearest[sloped], joints)
         steady, other = _between_runs(repeats)
         std_a = _spread(model.covariance, slope_a, sloped, own, steady, other)
+        std_a = _with_rest(std_a, apart.torque, apart.compared, half_a)
     main = main_joint(q)
     return Evidence(
         worn=worn,
@@ -119,8 +123,9 @@ def gather(
         phase=find_phases(worn.log.time, q, differentiate(q, worn.log.rate_hz), main),
         main=main,
         a=a,
-        b=own.torque,
-        a_priori=own.torque_a_priori,
+        b=bridged(own.torque, own.steady, half_b),
+        a_priori=bridged(own.torque_a_priori, own.steady, half_b),
+        low_b=own.torque - half_b,
         std_a=std_a,
         std_b=std_b,
         half_a=half_a,
@@ -151,6 +156,18 @@ def _between_runs(repeats: Repeatability) -> tuple[Array, Array]:
     if repeats.between_runs_steady is None or repeats.between_runs_other is None:
         return np.sqrt(2.0) * repeats.by_model_steady, np.sqrt(2.0) * repeats.by_model_other
     return repeats.between_runs_steady, repeats.between_runs_other
+
+
+def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array, on_line: bool = False) -> Array:
+    """(T, D) std with what friction at rest may add: for a joint that also moves, how far the torque at rest stands
+    off the line between its motions (nothing where the line itself is taken); for one that never moves, an interval's
+    standard deviation.
+    """
+    scatter = scatter_at_rest(torque, steady, half)
+    most = np.max(half, axis=0, initial=1e-300)
+    alone = half / np.sqrt(3.0)
+    moved = (half / most) * (0.0 if on_line else np.nan_to_num(scatter))
+    return np.asarray(np.hypot(std, np.where(np.isnan(scatter), alone, moved)))
 
 
 def _sloped(prepared: Prepared) -> IntArray:

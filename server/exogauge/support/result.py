@@ -42,8 +42,11 @@ class Trial:
     reference: the log without the device that approach A compared it with, None where there is none; lag_s: how much
     later the same motion comes in it [s].
     q: (T, D) [rad]. All torques (T, D) [N·m] on the joint, positive along it, low-passed; A and its std are None
-    without a reference. At rest a, b and prior are the middle of an interval: half_width_a, half_width_b (T, D) is half
-    of it, 0 elsewhere. *_std: one standard deviation, of parameters, noise and coloured residuals together.
+    without a reference. Where friction holds a joint the data give an interval only: low_a, high_a, low_b, high_b
+    (T, D), one number elsewhere. There b and prior are the value in it nearest to the line between the motions before
+    and after (a passive device pulls alike while nothing moves), or its middle where the joint never moves; a is
+    its middle.
+    *_std: one standard deviation, of parameters, noise and coloured residuals together.
     band_model: what the device file's bands give (or identified ones, see SupportResult), None if no values are known.
     compared: A's samples in which both runs move the same way; steady: this run moves steadily; rest: it stands still.
     phase: (T,) index into phase_names. length [m], tension [N]: by band.
@@ -64,8 +67,10 @@ class Trial:
     support_b_std: Array
     support_prior: Array
     band_model: Array | None
-    half_width_a: Array
-    half_width_b: Array
+    low_a: Array | None
+    high_a: Array | None
+    low_b: Array
+    high_b: Array
     compared: BoolArray
     steady: BoolArray
     rest: BoolArray

@@ -125,15 +125,13 @@ def _effort(
     seconds = float(used.sum()) * _step(trial)
     peak_std = mean_std = 0.0
     if name in ("a", "b"):
-        std, half = (
-            (trial.support_a_std, trial.half_width_a) if name == "a" else (trial.support_b_std, trial.half_width_b)
-        )
+        std = trial.support_a_std if name == "a" else trial.support_b_std
         assert std is not None
-        own, held = std[used, joint], half[used, joint] / np.sqrt(3.0)  # of an interval with even chances
-        peak_std = float(np.hypot(own[top], held[top]))
+        own = std[used, joint]
+        peak_std = float(own[top])
         shared = _parameter_std(model, evidence, name, used, joint)
         rest = max(float(np.mean(own**2)) - shared**2, 0.0) / max(1.0, seconds / MEMORY_S)
-        mean_std = float(np.sqrt(shared**2 + rest + float(np.mean(held)) ** 2))
+        mean_std = float(np.sqrt(shared**2 + rest))
     mean = float(np.mean(values))
     return (float(values[top]), peak_std), (mean, mean_std), (mean * seconds, mean_std * seconds)
 

@@ -148,7 +148,7 @@ def test_drawings_do_not_grow_with_the_log(support: SupportResult) -> None:
         name: np.repeat(getattr(trial, name), 20, axis=0)
         for name in (
             "q", "support_a", "support_a_std", "support_b", "support_b_std", "support_prior", "band_model",
-            "half_width_a", "half_width_b", "compared", "steady", "rest", "phase",
+            "low_a", "high_a", "low_b", "high_b", "compared", "steady", "rest", "phase",
         )
     }  # fmt: skip
     longer = dataclasses.replace(trial, time=np.arange(20 * trial.time.size) / 200.0, **long)

@@ -1,0 +1,56 @@
+"""A number where a joint stands still: what it showed just before and after, within what friction allows.
+
+At rest the data give an interval only, as wide as the friction that holds the joint. A passive device pulls alike as
+long as nothing moves, so the value of the interval nearest to the line between the last and the next steady motion is
+the best guess in it. That is an assumption about the device; the interval is not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+NEIGHBOURS = 5  # steady samples on either side whose mean the line goes through
+
+
+def bridged(torque: Array, steady: BoolArray, half_width: Array) -> Array:
+    """(T, D) torque where it moves steadily, the line between such parts within torque ± half_width elsewhere.
+
+    torque: (T, D) [N·m] middle of the interval. A joint that never moves steadily keeps the middle.
+    """
+    result = torque.copy()
+    for joint in range(torque.shape[1]):
+        line = between_motions(torque[:, joint], steady[:, joint])
+        if line is not None:
+            low, high = torque[:, joint] - half_width[:, joint], torque[:, joint] + half_width[:, joint]
+            result[:, joint] = np.where(steady[:, joint], torque[:, joint], np.clip(line, low, high))
+    return result
+
+
+def between_motions(torque: Array, steady: BoolArray) -> Array | None:
+    """(T,) the torque in steady motion, straight lines between; None where there is none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(np.int8)))
+    if edges.size == 0:
+        return None
+    at, value = [], []
+    for start, stop in edges.reshape(-1, 2):
+        near = min(NEIGHBOURS, stop - start)
+        at += [start, stop - 1]
+        value += [float(np.mean(torque[start : start + near])), float(np.mean(torque[stop - near : stop]))]
+    return np.asarray(np.interp(np.arange(len(torque)), at, value))
+
+
+def scatter_at_rest(torque: Array, steady: BoolArray, half_width: Array) -> Array:
+    """(D,) [N·m] RMS of the torque about that line where friction holds the joint; NaN where it never moves."""
+    scatter = np.full(torque.shape[1], np.nan)
+    for joint in range(torque.shape[1]):
+        line = between_motions(torque[:, joint], steady[:, joint])
+        held = (half_width[:, joint] > 0.5 * np.max(half_width[:, joint], initial=1e-12)) & np.isfinite(
+            torque[:, joint]
+        )
+        if line is not None and held.any():
+            scatter[joint] = float(np.sqrt(np.mean((torque[held, joint] - line[held]) ** 2)))
+    return scatter
