@@ -110,7 +110,7 @@ async function handIn(event) {
     const words = isNew ? `“${study.name}” is stored.` : `“${study.name}” was stored before: the same files.`;
     outcome.replaceChildren(element("p", words, { className: "accepted" }));
     form.reset();
-    if ($("run-at-once").checked && !study.latest_job) await submit(study.id);
+    if ($("run-at-once").checked && !study.latest_job) await submit(study);
     await refresh();
   } catch (error) {
     showRefusal(outcome, error);
@@ -123,15 +123,16 @@ async function handIn(event) {
 
 // ---- one study ----------------------------------------------------------------------------------------------------
 
-function submit(studyId) {
-  const body = JSON.stringify({ study_id: studyId, kind: "evaluate", settings: {} });
+function submit(study) { // all that its logs allow
+  const worn = (study.summary.logs || []).some((log) => log.role === "with_device");
+  const body = JSON.stringify({ study_id: study.id, kind: worn ? "stiffness" : "evaluate", settings: {} });
   return ask(`${API}jobs`, { method: "POST", body, headers: { "Content-Type": "application/json" } });
 }
 
 function place(study) {
   const item = $("study").content.cloneNode(true).firstElementChild;
   const entry = { item, study, part: (name) => item.querySelector(`.${name}`) };
-  entry.part("run").addEventListener("click", () => act(entry, () => submit(entry.study.id)));
+  entry.part("run").addEventListener("click", () => act(entry, () => submit(entry.study)));
   entry.part("cancel").addEventListener("click", () =>
     act(entry, () => ask(`${API}jobs/${entry.study.latest_job.id}/cancel`, { method: "POST" })));
   whenOpened(entry, "files", () => listFiles(entry));
@@ -173,6 +174,7 @@ function draw(entry, study) {
   const facts = [new Date(study.created_at).toLocaleString()];
   if (robot.name) facts.push(`${robot.name}, ${count(robot.joints.length, "joint")}, ${robot.base} base`);
   if (logs.length) facts.push(count(logs.length, "log"));
+  for (const device of study.summary.devices || []) facts.push(deviceWords(device));
   facts.push(`content ${study.content_hash.slice(0, 12)}`);
   entry.part("facts").textContent = facts.join(" · ");
 
@@ -190,6 +192,10 @@ function draw(entry, study) {
   entry.part("run").setAttribute("aria-label", `${job ? "Run again" : "Run"}: ${study.name}`);
   entry.part("cancel").hidden = !active;
   entry.part("cancel").setAttribute("aria-label", `Cancel: ${study.name}`);
+  if (job && job.problem && entry.told !== job.id) {
+    entry.told = job.id;
+    showRefusal(entry.part("problem"), new Refusal(job.problem));
+  }
   link(entry.part("report"), done, () => `${API}jobs/${job.id}/artifacts/report.html`);
   link(entry.part("results"), done, () => `${API}jobs/${job.id}/results`);
   for (const name of ["files", "fit"]) {
@@ -198,12 +204,29 @@ function draw(entry, study) {
   }
 }
 
+function deviceWords(device) {
+  const { bands = [], groups = [], joints = [] } = device.bands ? device : device.summary;
+  return `${device.name}: ${count(bands.length, "band")} in ${count(groups.length, "group")} on ${joints.join(", ")}`;
+}
+
+async function listDevices() {
+  const { items } = await ask(`${API}devices?limit=20`);
+  $("devices-part").hidden = !items.length;
+  $("devices").replaceChildren(...items.map((device) => {
+    const line = element("li", `${deviceWords(device)} (version ${device.version})`);
+    const doubts = (device.summary.warnings || []).map((doubt) => `${placeOf(doubt)}: ${doubt.detail}. ${doubt.advice}`);
+    line.append(...doubts.map((text) => element("div", text, { className: "quiet" })));
+    return line;
+  }));
+}
+
 function count(number, noun) {
   return `${number} ${noun}${number === 1 ? "" : "s"}`;
 }
 
 function messageOf(job) {
   if (job.state === "running") return `${Math.round(job.progress * 100)} % ${job.message}`;
+  if (job.problem) return ""; // it has a box of its own
   if (job.state === "failed" || job.state === "cancelled") return job.reason || "";
   if (job.state === "succeeded") return took(job);
   return job.message;
@@ -251,21 +274,52 @@ async function showFit(entry) {
   const lines = summary.map((each) => element("p",
     `${each.kind.replace("_", " ")}, ${each.held_out ? "all held-out logs" : "fitted logs"}: `
     + `${numberOf(each.rmse_prior)} → ${numberOf(each.rmse_identified)} ${each.unit}, noise floor ${numberOf(each.noise_floor)}`));
+  const fits = tableOf(
+    "Root mean square of measured minus predicted; held-out logs were never fitted.",
+    ["Channel", "Log", "Maker’s values", "Identified", "In steady motion", "Noise floor", "Unit"],
+    rows.map((row) => [row.channel, `${row.log}${row.held_out ? " (held out)" : ""}`,
+      ...["rmse_prior", "rmse_identified", "rmse_moving", "noise_floor"].map((key) => numberOf(row[key])), row.unit]),
+  );
+  const tables = [supportTable(results.support), stiffnessTable(results.stiffness)].filter(Boolean);
+  entry.part("table").replaceChildren(
+    ...tables, ...lines, rows.length ? fits : element("p", "The result holds no validation."));
+}
+
+function supportTable(rows = []) {
+  return rows.length && tableOf(
+    "Supporting torque: its peak, and RMSE against the band model by approach, N·m. Motions are compared for A.",
+    ["Joint", "Motion", "Device", "Peak", "A", "B", "Maker’s values", "Motions"],
+    rows.map((row) => [row.joint, row.motion, row.device, withStd(row.peak),
+      ...["rmse_a", "rmse_b", "rmse_prior"].map((key) => numberOf(row[key])),
+      row.motion_equality ? row.motion_equality.verdict : "–"]),
+  );
+}
+
+function stiffnessTable(rows = []) {
+  return rows.length && tableOf(
+    "Stiffness and natural length of each band, from the torque by each approach.",
+    ["Band", "Device", "Approach", "Stiffness, N/m", "Length, m", "Error, %"],
+    rows.map((row) => [row.band, row.device, row.approach, withStd(row.stiffness_n_per_m),
+      withStd(row.natural_length_m), numberOf(row.error_percent)]),
+  );
+}
+
+function tableOf(caption, heads, rows) {
   const table = element("table");
-  table.append(element("caption", "Root mean square of measured minus predicted; held-out logs were never fitted."));
-  const heads = ["Channel", "Log", "Maker’s values", "Identified", "In steady motion", "Noise floor", "Unit"];
+  table.append(element("caption", caption));
   const head = element("tr");
   head.append(...heads.map((text) => element("th", text, { scope: "col" })));
   table.createTHead().append(head);
   const body = table.createTBody();
-  for (const row of rows) {
+  for (const [first, ...cells] of rows) {
     const line = body.insertRow();
-    line.append(element("th", row.channel, { scope: "row" }));
-    const numbers = ["rmse_prior", "rmse_identified", "rmse_moving", "noise_floor"].map((key) => numberOf(row[key]));
-    const cells = [`${row.log}${row.held_out ? " (held out)" : ""}`, ...numbers, row.unit];
-    for (const text of cells) line.append(element("td", text));
+    line.append(element("th", first, { scope: "row" }), ...cells.map((text) => element("td", text)));
   }
-  entry.part("table").replaceChildren(...lines, rows.length ? table : element("p", "The result holds no validation."));
+  return table;
+}
+
+function withStd(entry) {
+  return entry && typeof entry.std === "number" ? `${numberOf(entry)} ± ${entry.std.toPrecision(2)}` : numberOf(entry);
 }
 
 function numberOf(entry) {
@@ -296,7 +350,7 @@ async function refresh() {
     }
     $("none").hidden = shown.size > 0;
     $("more").hidden = !older;
-    await showHealth();
+    await Promise.all([showHealth(), listDevices()]);
   } catch (error) {
     $("health").textContent = error.message;
   }
