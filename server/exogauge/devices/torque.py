@@ -111,4 +111,4 @@ def _pull_by_segment(
 
 
 def _chunks(samples: int) -> Iterator[slice]:
-    return (slice(start, start + CHUNK) for start in range(0, samples, CHUNK))
+    return (slice(start, start + CHUNK) for start in range(0, max(samples, 1), CHUNK))
