@@ -6,70 +6,139 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from exogauge.devices.result import StiffnessResult
 from exogauge.errors import BadInput, PhysicallyImpossible
 from exogauge.identification.identify import identify
-from exogauge.identification.result import Identification
-from exogauge.identification.settings import Progress
+from exogauge.identification.result import Identification, Prediction
+from exogauge.identification.settings import Progress, Recording
 from exogauge.robots.export import export_urdf
+from exogauge.studies.contract import STEPS
 from exogauge.studies.examine_logs import examine_logs
-from exogauge.studies.open import Study, open_study, read_recordings
+from exogauge.studies.open import Study, open_study, read_recordings, read_worn
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.series import write_series
+from exogauge.studies.stiffness_results import stiffness_table
+from exogauge.studies.support_results import support_table
+from exogauge.support.evaluate import estimate_support
+from exogauge.support.motions import require_same_motions
+from exogauge.support.result import Trial
+from exogauge.support.settings import PlainLog
 
 RESULT, REPORT, SERIES, URDF = "results.json", "report.html", "series", "identified.urdf"
-PARAMETERS, VALIDATION = "parameters.csv", "validation.csv"
+PARAMETERS, VALIDATION, SUPPORT, STIFFNESS = "parameters.csv", "validation.csv", "support.csv", "stiffness.csv"
+NOT_ASKED_FOR = "not asked for"
 
 
 def evaluate(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
-    """Evaluate the study at `path` (study.yaml, folder or zip) into the folder `out`.
+    """Evaluate the study at `path` (study.yaml, folder or zip) into the folder `out`: every step its files allow.
 
     settings: override those of study.yaml. progress may raise `Cancelled`. results.json is removed first and written
     last: where it stands, everything beside it belongs to it.
     """
+    _evaluate(path, out, progress, settings, STEPS)
+
+
+def evaluate_support(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
+    """As `evaluate`, up to the supporting torque."""
+    _evaluate(path, out, progress, settings, ("identify", "support"))
+
+
+def evaluate_stiffness(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
+    """As `evaluate`, up to the stiffness of the bands."""
+    _evaluate(path, out, progress, settings, ("identify", "support", "stiffness"))
+
+
+def _evaluate(
+    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None, asked: Sequence[str]
+) -> None:
     progress(0.0, "opening the study")
     with open_study(path, settings) as study:
+        steps = tuple(step if step.step in asked else replace(step, skipped=NOT_ASKED_FOR) for step in study.steps)
+        doing = {step.step for step in steps if step.skipped is None}
         progress(0.02, "reading the logs")
         recordings = read_recordings(study)
+        worn = read_worn(study) if "support" in doing else []
+        plain = _plain(study, recordings)
+        if worn:
+            progress(0.08, "comparing the motions with and without the device")
+            require_same_motions(study.robot, worn, plain, study.support_settings)
         progress(0.10, "examining the logs")
-        findings = examine_logs(study.robot, recordings)
-
-        def inner(fraction: float, phrase: str) -> None:
-            progress(0.15 + 0.70 * fraction, phrase)
-
-        found = identify(study.robot, recordings, study.settings, inner)
+        findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
+        found = identify(study.robot, recordings, study.settings, _part(progress, 0.15, 0.65 if worn else 0.87))
+        support, stiffness = None, tuple[StiffnessResult, ...]()
+        if worn:
+            assert found.model is not None
+            support, stiffness = estimate_support(
+                found.model, plain, worn, study.support_settings, _part(progress, 0.65, 0.87)
+            )
         progress(0.87, "writing the results")
-        write(study, found, findings, out)
+        evaluation = Evaluation(
+            name=study.name,
+            robot=study.robot,
+            settings=study.settings,
+            steps=steps,
+            inputs=study.bundle.inputs,
+            findings=findings,
+            identification=found,
+            warnings=study.device_warnings,
+            files={},
+            support=support,
+            stiffness=stiffness if "stiffness" in doing else (),
+        )
+        write(study, evaluation, out)
     progress(1.0, "done")
 
 
-def write(study: Study, found: Identification, findings: Sequence[Mapping[str, Any]], out: Path) -> None:
+def _plain(study: Study, recordings: Sequence[Recording]) -> list[PlainLog]:
+    motions = study.motions
+    return [PlainLog(each.log, motions[each.log.name].motion, each.held_out) for each in recordings]
+
+
+def _part(progress: Progress, start: float, stop: float) -> Progress:
+    return lambda fraction, phrase: progress(start + (stop - start) * fraction, phrase)
+
+
+def write(study: Study, evaluation: Evaluation, out: Path) -> None:
     """All result files, made in a folder beside their final place and moved there at the end."""
     out.mkdir(parents=True, exist_ok=True)
+    found = evaluation.identification
     temporary = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=out))
     try:
-        (temporary / SERIES).mkdir()
-        for prediction in found.predictions:
-            write_series(prediction, temporary / SERIES / f"{prediction.log}.parquet")
+        files = {"report": REPORT, "parameters": PARAMETERS, "validation": VALIDATION}
         (temporary / PARAMETERS).write_bytes(parameter_table(found))
         (temporary / VALIDATION).write_bytes(validation_table(found))
-        files = {"report": REPORT, "parameters": PARAMETERS, "validation": VALIDATION}
-        files |= {f"series.{prediction.log}": f"{SERIES}/{prediction.log}.parquet" for prediction in found.predictions}
+        if evaluation.support is not None:
+            (temporary / SUPPORT).write_bytes(support_table(evaluation.support))
+            files["support"] = SUPPORT
+        if evaluation.stiffness:
+            (temporary / STIFFNESS).write_bytes(stiffness_table(evaluation.stiffness))
+            files["stiffness"] = STIFFNESS
+        files |= _write_all_series(evaluation, temporary)
         urdf, warnings = identified_urdf(study, found)
         if urdf is not None:
             (temporary / URDF).write_bytes(urdf)
             files["urdf"] = URDF
-        evaluation = Evaluation(
-            study.name, study.robot, study.settings, study.steps, study.bundle.inputs, findings, found, warnings, files
-        )
+        evaluation = replace(evaluation, warnings=[*evaluation.warnings, *warnings], files=files)
         (temporary / REPORT).write_text(render_report(evaluation), encoding="utf-8")
         (temporary / RESULT).write_bytes(to_json(results(evaluation)))
         _publish(temporary, out)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _write_all_series(evaluation: Evaluation, folder: Path) -> dict[str, str]:
+    """`series.<log>` -> its file. Logs with a device hold their supporting torques too."""
+    (folder / SERIES).mkdir()
+    every: list[tuple[Prediction, Trial | None]] = [(each, None) for each in evaluation.identification.predictions]
+    every += [(trial.prediction, trial) for trial in (evaluation.support.trials if evaluation.support else ())]
+    for prediction, trial in every:
+        write_series(prediction, folder / SERIES / f"{prediction.log}.parquet", trial)
+    return {f"series.{prediction.log}": f"{SERIES}/{prediction.log}.parquet" for prediction, _ in every}
 
 
 def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, list[str]]:
@@ -88,7 +157,7 @@ def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, 
 
 def _publish(temporary: Path, out: Path) -> None:
     """Withdraw the old result, move the new files into place, results.json last."""
-    for name in (RESULT, REPORT, URDF, PARAMETERS, VALIDATION):
+    for name in (RESULT, REPORT, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
         (out / name).unlink(missing_ok=True)
     shutil.rmtree(out / SERIES, ignore_errors=True)
     for path in sorted(temporary.iterdir(), key=lambda path: path.name == RESULT):

@@ -47,7 +47,7 @@ class Nothing:
     steady: BoolArray
 
 
-def evaluate_support(
+def estimate_support(
     model: RobotModel,
     plain: Sequence[PlainLog],
     worn: Sequence[WornLog],
@@ -62,7 +62,7 @@ def evaluate_support(
     held = _held_friction(model, plain, joints, progress)
     for motion in dict.fromkeys(each.motion for each in worn):
         plains = _plains(model, _of_motion(plain, motion), joints)
-        background = Background(joints, plains, repeatability(plains, settings), held, None)
+        background = Background(joints, plains, repeatability(plains, held, settings), held, None)
         for pair in pairs(worn, plain):
             if pair.worn.motion == motion:
                 progress(0.2 + 0.6 * len(evidences) / len(worn), f"comparing {pair.worn.log.name}")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from exogauge.identification.model import RobotModel
+from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
 from exogauge.support.same_motion import Match, Posture, match
 from exogauge.support.settings import SupportSettings
@@ -88,11 +89,11 @@ class Repeatability:
     between_runs: Array | None
 
 
-def repeatability(plains: Sequence[Plain], settings: SupportSettings) -> Repeatability:
-    """From logs without the device of one motion (or, for want of those, of any)."""
-    torque = np.concatenate([plain.balance.torque for plain in plains])
-    steady = np.concatenate([plain.balance.steady for plain in plains])
-    moving = np.concatenate([~plain.balance.at_rest for plain in plains])
+def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSettings) -> Repeatability:
+    """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest."""
+    balances = [plain.balance for plain in plains]
+    torque, steady = (np.concatenate([getattr(b, name) for b in balances]) for name in ("torque", "steady"))
+    moving = np.concatenate([~b.at_rest for b in balances])
     pairs = [
         difference(this.balance, other.balance, match(this.posture, other.posture, settings))
         for this, other in itertools.pairwise(plains)
@@ -108,7 +109,7 @@ def repeatability(plains: Sequence[Plain], settings: SupportSettings) -> Repeata
         _rms(torque, moving & ~steady),
         None if runs is None else _rms(runs[0], runs[1]),
         None if runs is None else _rms(runs[0], runs[2] & ~runs[1]),
-        _rms(torque, np.ones_like(steady)),
+        _rms(np.concatenate([bridged(b.torque, b.steady, b.rest * held) for b in balances]), np.ones_like(steady)),
         None if runs is None else _rms(runs[0], np.ones_like(runs[1])),
     )
 

@@ -130,7 +130,10 @@ def _effort(
         own = std[used, joint]
         peak_std = float(own[top])
         shared = _parameter_std(model, evidence, name, used, joint)
-        rest = max(float(np.mean(own**2)) - shared**2, 0.0) / max(1.0, seconds / MEMORY_S)
+        lasting = (
+            max(1.0, seconds / MEMORY_S) if trial.steady[:, joint].any() else 1.0
+        )  # an interval does not average out
+        rest = max(float(np.mean(own**2)) - shared**2, 0.0) / lasting
         mean_std = float(np.sqrt(shared**2 + rest))
     mean = float(np.mean(values))
     return (float(values[top]), peak_std), (mean, mean_std), (mean * seconds, mean_std * seconds)
