@@ -8,11 +8,13 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
+from scipy.signal import butter, sosfiltfilt
 
 from exogauge.errors import BadInput
 from exogauge.synthetic import sensors, write_sample
 from exogauge.synthetic.log_plans import LogPlan, log_plans
 from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
+from exogauge.synthetic.simulation import LOG_RATE_HZ
 from exogauge.synthetic.study import write_study
 
 ONE_SHORT_LOG = (LogPlan("id_1", "identification", "excitation", 7.0),)
@@ -61,6 +63,14 @@ def test_angles_are_counted_in_encoder_steps(folder: Path) -> None:
 def test_sensors_are_as_noisy_as_the_robot_file_says(kind: str) -> None:
     error = sensors.noisy(np.full(100_000, 0.3), kind, np.random.default_rng(0)) - 0.3
     assert error.std() == pytest.approx(sensors.NOISE[kind], rel=0.03)
+
+
+def test_positions_are_as_noisy_as_the_robot_file_says(run) -> None:
+    """Above 50 Hz, a quarter of the rate, no plan moves a joint: white noise would have half of its power there."""
+    fast = sosfiltfilt(butter(6, 50.0, "highpass", fs=LOG_RATE_HZ, output="sos"), sensors.encoder(run.recording.q), 0)
+    robust = np.median(np.abs(fast[200:-200]), axis=0) / 0.6745 / np.sqrt(0.5)
+    assert np.sqrt(np.mean(robust**2)) == pytest.approx(sensors.NOISE["q"], rel=0.25)
+    assert (sensors.encoder(run.recording.q) - run.recording.q).std() < sensors.NOISE["q"], "not the encoder alone"
 
 
 def test_truth_names_every_body_and_joint(folder: Path) -> None:
