@@ -66,12 +66,12 @@ def timed(what: str) -> Iterator[None]:
 def make_sample(folder: Path) -> Path:
     """The sample study below `folder`, generated when it is not there; a half-made one never looks whole."""
     target = folder / f"hrp4_like_{SEED}"
-    if not (target / "study.yaml").is_file():
+    if not all((target / name).is_file() for name in ("study.yaml", "device_modified.yaml")):  # once it had no suits
         unfinished = folder / f".unfinished-{os.getpid()}"
         shutil.rmtree(unfinished, ignore_errors=True)
         print("generating the sample study, once; it is kept in the data folder")
         with bar("sample") as progress:
-            synthetic.write_sample(unfinished, SEED, progress=progress)
+            synthetic.write_sample(unfinished, SEED, progress=progress, processes=synthetic.processors())
         shutil.rmtree(target, ignore_errors=True)
         unfinished.replace(target)
     return target
