@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import fftconvolve
 
 from exogauge.logs.derivatives import differentiate
@@ -27,7 +28,9 @@ SMOOTH_HZ = 8.0  # motions are compared below it
 OVERLAP = 0.5  # of the shorter log, at least
 MOVES = 0.02  # rms velocity above which a joint counts as moving [rad/s]
 STANDS_APART = 0.1  # rms angle between two runs above which a joint that hardly moves is doubtful [rad]
-REFINEMENTS = 6
+REFINEMENTS = 20
+VALLEY_S = 0.2  # a shift is the best within that [s]
+ALIKE = 0.02  # of the motions' own size: two shifts of a periodic motion explain it alike
 
 
 @final
@@ -103,7 +106,8 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     a_sum, b_sum = (np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))]) for x in (a, b))
     energy = a_sum[stop] - a_sum[start] + b_sum[stop + lags] - b_sum[start + lags]
     apart = (energy - 2.0 * np.asarray(cross)[fair]) / common
-    good = apart <= apart.min() + 0.02 * float(np.mean(energy / common))  # of equals, the smallest shift
+    valley = apart <= minimum_filter1d(apart, 2 * round(VALLEY_S * this.rate) + 1, mode="nearest")
+    good = valley & (apart <= apart.min() + ALIKE * float(np.mean(energy / common)))  # of equals, the smallest shift
     return float(lags[good][np.argmin(np.abs(lags[good]))]) / this.rate
 
 
