@@ -60,10 +60,7 @@ def _march(w: float, first: int, L: Array, ratio: Array, held: Array, strain: Ar
         moved += held[j] - L[j] / (1.0 + w)
         slip[j] = moved
         if j < ratio.shape[0]:
-            if moved > 0.0:
-                w *= ratio[j]
-            elif moved < 0.0:
-                w /= ratio[j]
+            w = w * ratio[j] if moved > 0.0 else w / ratio[j]
     return moved
 
 
