@@ -46,6 +46,16 @@ def parser() -> argparse.ArgumentParser:
     doctor.add_argument("--all", action="store_true", help="every finding, also where there are many of one sort")
     doctor.set_defaults(command=examine_logs)
 
+    device = commands.add_parser(
+        "device", help="check a device file on its robot: where bands run, which way they pull"
+    )
+    device.add_argument("device", type=Path, nargs="?", metavar="DEVICE.yaml", help="without it: the robot's links")
+    device.add_argument("--robot", type=Path, metavar="FILE", help="robot.yaml, or nothing but a URDF")
+    device.add_argument("--study", type=Path, help="study.yaml, its folder, or a zip of it, in place of --robot")
+    device.add_argument("--log", type=Path, metavar="FILE", help="lengths and moment arms over this log too")
+    device.add_argument("--picture", type=Path, metavar="FILE.svg", help="draw the bands on the robot, front and side")
+    device.set_defaults(command=check_device)
+
     sample = commands.add_parser("sample", help="write a complete synthetic study")
     sample.add_argument("out", type=Path, metavar="OUT")
     sample.add_argument("--seed", type=int, required=True, metavar="N")
@@ -110,6 +120,26 @@ def examine_logs(options: argparse.Namespace) -> int:
     errors = sum(len(sort.each) for sort in sorts if sort.severity == "error")
     print(f"{sum(len(sort.each) for sort in sorts)} findings, {errors} of them errors")
     return 1 if errors else 0
+
+
+def check_device(options: argparse.Namespace) -> int:
+    from exogauge.studies.device_check import check_device_file, read_wearer
+    from exogauge.studies.device_picture import draw_device
+    from exogauge.studies.device_text import device_text
+    from exogauge.studies.link_table import link_table
+
+    if options.device is None:
+        robot, device = read_wearer(options.robot, options.study), None
+        print(link_table(robot))
+    else:
+        check = check_device_file(options.device, options.robot, options.study, options.log)
+        robot, device = check.robot, check.device
+        print(device_text(check))
+    if options.picture is not None:
+        options.picture.parent.mkdir(parents=True, exist_ok=True)
+        options.picture.write_text(draw_device(robot, device), encoding="utf-8")
+        print(f"\n{options.picture}")
+    return 0
 
 
 def write_sample(options: argparse.Namespace) -> int:

@@ -43,6 +43,8 @@ Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False, s
 Positive = Annotated[Number, Field(gt=0.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_as_tuple)]
+Coordinate = Annotated[Number, Field(ge=-100.0, le=100.0)]
+Place = Annotated[tuple[Coordinate, Coordinate, Coordinate], BeforeValidator(_as_tuple)]
 
 
 class _Part(BaseModel):
@@ -228,7 +230,7 @@ class ViaPoint(_Part):
     """A point the band passes: xyz [m] in the frame of a link of the URDF."""
 
     link: Name
-    xyz: Vector
+    xyz: Place
 
 
 class BenchEntry(_Part):

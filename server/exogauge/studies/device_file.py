@@ -218,7 +218,8 @@ def _unknown_link(link: str, tree: RigidTree, page: DevicePage, pointer: Pointer
     elif near := get_close_matches(link, list(tree.frames), n=3, cutoff=0.6):
         advice = f"Did you mean {' or '.join(map(repr, near))}?"
     else:
-        advice = f"Links that move: {_listed(tree.bodies)}."
+        still = [name for name, (body, _) in tree.frames.items() if body < 0][:1]
+        advice = f"Links here: {_listed([*still, *tree.bodies])}."
     return page.fault("the robot has no such link or frame", "unknown_link", pointer, advice, link)
 
 
