@@ -17,6 +17,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
 from exogauge.errors import ExogaugeError
+from exogauge.jobs.recipes import recipe_for
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
@@ -26,7 +27,6 @@ from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
 MAX_ATTEMPTS = 4
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
 MOST_FAULTS = 100  # kept of a failed job
-RESULTS = "results.json"
 MEDIA_TYPES = {
     ".parquet": "application/vnd.apache.parquet",
     ".urdf": "application/xml",
@@ -112,9 +112,10 @@ def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
 
 def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: Sequence[PinnedFile]) -> bool:
     """End the job with these files, already in the blob store: all rows appear, once, or none does."""
-    main = next((file for file in files if file.path == RESULTS), None)
+    wanted = recipe_for(job.kind).result
+    main = next((file for file in files if file.path == wanted), None)
     if main is None:
-        raise ExogaugeError(f"the computation made no {RESULTS}")
+        raise ExogaugeError(f"the computation made no {wanted}")
     ended = {"state": "succeeded", "progress": 1.0, "message": "", "finished_at": database_now(session)}
     if not change(session, held_by(job.id, worker), ended):
         return False

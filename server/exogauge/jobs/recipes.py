@@ -14,6 +14,7 @@ from typing import Any, final
 from pydantic import BaseModel, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault
+from exogauge.studies.change_entries import WhatIfSettings
 from exogauge.studies.contract import SettingsEntry
 
 
@@ -23,6 +24,7 @@ class Recipe:
     """compute: `package.module:function`. settings: what a request may set; None takes anything.
 
     lacking: what a study's stored summary says to be missing for this kind; None asks for nothing.
+    result: the file that must be there when it is done, and that is the job's result.
     """
 
     kind: str
@@ -30,6 +32,7 @@ class Recipe:
     timeout_s: float
     settings: type[BaseModel] | None = None
     lacking: Callable[[Mapping[str, Any]], Sequence[Fault]] | None = None
+    result: str = "results.json"
 
     def checked(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         """The settings as they are kept, or BadInput that names each wrong one."""
@@ -66,7 +69,8 @@ SIX_HOURS_S, EVALUATING = 6 * 3600.0, "exogauge.studies.evaluate"
 EVALUATE = Recipe("evaluate", f"{EVALUATING}:evaluate", SIX_HOURS_S, SettingsEntry)
 SUPPORT = Recipe("support", f"{EVALUATING}:evaluate_support", SIX_HOURS_S, SettingsEntry, a_worn_log)
 STIFFNESS = Recipe("stiffness", f"{EVALUATING}:evaluate_stiffness", SIX_HOURS_S, SettingsEntry, a_worn_log)
-RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in (EVALUATE, SUPPORT, STIFFNESS)}
+WHAT_IF = Recipe("whatif", "exogauge.studies.what_if:compute", 3600.0, WhatIfSettings, result="what_if.json")
+RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF)}
 
 
 def recipe_for(kind: str) -> Recipe:

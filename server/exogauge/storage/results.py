@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+import sqlalchemy as sa
+
 from exogauge.errors import NotFound
 from exogauge.storage import tables
 from exogauge.storage.jobs import Jobs
 from exogauge.storage.records import ArtifactRecord, ResultRecord
 from exogauge.storage.rows import Lab, as_record
+
+RESULTS = "results.json"
 
 
 @final
@@ -25,11 +29,15 @@ class Results:
         return found
 
     def of_study(self, study_id: str) -> ResultRecord:
-        """Of the study's latest job that succeeded."""
-        latest = Jobs(self.lab).latest([study_id], state="succeeded").get(study_id)
+        """results.json of the study's latest job that made one."""
+        result, job, artifact = tables.Result, tables.Job, tables.Artifact
+        evaluated = sa.select(artifact.job_id).where(artifact.name == RESULTS)
+        query = self.lab.select(result).join(job, job.id == result.job_id)
+        query = query.where(result.study_id == study_id, job.state == "succeeded", job.id.in_(evaluated))
+        latest = self.lab.one(ResultRecord, query.order_by(job.created_at.desc(), job.id.desc()))
         if latest is None:
             raise NotFound(f"no job of study {study_id} has succeeded yet")
-        return self.of_job(latest.id)
+        return latest
 
     def artifacts(self, job_id: str) -> tuple[ArtifactRecord, ...]:
         """Sorted by name."""

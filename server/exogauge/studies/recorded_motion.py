@@ -1,0 +1,157 @@
+"""The joint positions of one log of a study, the robot, and the device to think about: all that a what-if needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.device import Device
+from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.model import Log
+from exogauge.robots.description import Robot
+from exogauge.robots.tree import RigidTree
+from exogauge.sandbox import LogRequest, parse_log
+from exogauge.studies.bundle import Bundle
+from exogauge.studies.contract import LogEntry, RobotFile, StudyFile
+from exogauge.studies.device_file import read_device
+from exogauge.studies.open import log_names
+from exogauge.studies.read_log import read_entry
+from exogauge.studies.robot_file import motor_from_joint, read_robot
+from exogauge.studies.yaml_file import MAX_BYTES, load_yaml, place, suggestion
+
+Array = NDArray[np.float64]
+
+FEWEST_FILTERED = 32  # samples; a shorter log tells nothing of its bandwidth and stays as it is
+
+
+@final
+@dataclass(frozen=True)
+class RecordedMotion:
+    """T samples of a log, and a device on the robot that moved.
+
+    q: (T, J) [rad or m], low-passed at cutoff_hz (None: as logged). time: (T,) [s]. of_samples: of the log; every: n-th
+    of them kept. device_file: as study.yaml names it.
+    """
+
+    tree: RigidTree
+    device: Device
+    device_file: str
+    log: str
+    q: Array
+    time: Array
+    of_samples: int
+    every: int
+    cutoff_hz: float | None
+
+
+@final
+@dataclass(frozen=True)
+class _Opened:
+    """A study as far as a what-if opens it. names: of the logs."""
+
+    bundle: Bundle
+    data: bytes
+    file: StudyFile
+    names: tuple[str, ...]
+    robot: Robot
+    robot_file: RobotFile
+
+
+def read_motion(bundle: Bundle, log: str, device: str | None = None, most: int | None = None) -> RecordedMotion:
+    """log: a name in study.yaml, or a file on this machine in the contract's columns. device: a file of the study or on
+    this machine; default: what the log wears, else the study's. most: keep at most so many samples, evenly.
+
+    Files outside the study count only where the study has none of that name; a bundle from strangers holds all it may
+    name, so whoever opens one has to check `log` and `device` against it before. Raises BadStudy, BadRobot, BadLog.
+    """
+    study = _open(bundle)
+    entry = dict(zip(study.names, study.file.logs, strict=True)).get(log)
+    device_file = device or _device_of(study, entry)
+    worn = _read_device(study, device_file)
+    read = _read_entry(study, entry, log) if entry is not None else _read_outside(study, log)
+    missing = [f"q.{joint}" for joint in study.robot.tree.joints if f"q.{joint}" not in read.channels]
+    if missing:
+        advice = suggestion(missing[0], list(read.channels)) if len(read.channels) < 200 else ""
+        raise BadLog([Fault("the log lacks a joint's position", "missing_column", advice, log, column=each)
+                      for each in missing])  # fmt: skip
+    q, cutoff_hz = _low_passed(read, [f"q.{joint}" for joint in study.robot.tree.joints])
+    every = 1 if most is None else -(-read.samples // most)
+    return RecordedMotion(
+        tree=study.robot.tree,
+        device=worn,
+        device_file=device_file,
+        log=read.name,
+        q=np.ascontiguousarray(q[::every]),
+        time=np.ascontiguousarray(read.time[::every]),
+        of_samples=read.samples,
+        every=every,
+        cutoff_hz=cutoff_hz,
+    )
+
+
+def refuse_unknown_log(log: str, names: tuple[str, ...]) -> BadStudy:
+    advice = suggestion(log, names)
+    return BadStudy(Fault("the study has no log of this name", "unknown_log", advice, column="log", value=log[:200]))
+
+
+def refuse_no_device() -> BadStudy:
+    advice = "Name one: `device: device.yaml` in study.yaml, or ask for one of its files."
+    return BadStudy(Fault("the study names no device", "no_device", advice, column="device"))
+
+
+def _open(bundle: Bundle) -> _Opened:
+    name = bundle.study_file
+    data = bundle.read(name, limit=MAX_BYTES)
+    file = load_yaml(data, StudyFile, file=name)
+    robot, robot_file, _ = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
+    return _Opened(bundle, data, file, log_names(file, name, data), robot, robot_file)
+
+
+def _device_of(study: _Opened, entry: LogEntry | None) -> str:
+    """What the log wears; else the study's device, or the first that one of its logs wears."""
+    worn = [each.device for each in (entry, *study.file.logs) if each is not None and each.device is not None]
+    if entry is not None and entry.device is not None:
+        return entry.device
+    if study.file.device is not None:
+        return study.file.device
+    if not worn:
+        raise refuse_no_device()
+    return worn[0]
+
+
+def _read_device(study: _Opened, file: str) -> Device:
+    outside = Path(file)
+    if not (study.bundle.root / file).is_file() and outside.is_file():
+        return read_device(Bundle(outside.parent, outside.name), outside.name, study.robot)
+    return read_device(study.bundle, file, study.robot, study.bundle.study_file)
+
+
+def _read_entry(study: _Opened, entry: LogEntry, name: str) -> Log:
+    for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
+        k = study.names.index(name)
+        study.bundle.path(
+            each, named_in=study.bundle.study_file, column=f"logs.{k}", row=place(study.data, ("logs", k))
+        )
+    return read_entry(study.bundle, entry, name, study.robot_file, motor_from_joint(study.robot_file))
+
+
+def _read_outside(study: _Opened, log: str) -> Log:
+    path = Path(log)
+    if not path.is_file():
+        raise refuse_unknown_log(log, study.names)
+    return parse_log(LogRequest(path.stem, {path.name: path}))
+
+
+def _low_passed(log: Log, channels: list[str]) -> tuple[Array, float | None]:
+    """Laws that take rates would follow the encoders' noise; what depends on the posture alone hardly changes."""
+    q = log.stack(channels)
+    if log.samples < FEWEST_FILTERED:
+        return q, None
+    cutoff_hz = suggest_cutoff(q, log.rate_hz)
+    return LowPass(cutoff_hz, log.rate_hz).apply(q), cutoff_hz
