@@ -39,7 +39,7 @@ class ViaFriction:
 
 
 def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """njit where numba is installed; without it a log takes a hundred times as long."""
+    """njit where numba is installed; without it a log takes some seventy times as long."""
     try:
         from numba import njit
     except ImportError:
@@ -71,7 +71,7 @@ def _slide(low: float, high: float, L: Array, ratio: Array, held: Array, strain:
     Bisection for the first segment; where that ends in a jump at a via point, the band sticks there and all beyond is
     again a band of its own, whose first strain lies within what friction holds.
     """
-    low_strain, high_strain, low_slip, high_slip = work
+    low_strain, high_strain, low_slip, high_slip = work[0], work[1], work[2], work[3]
     first, last = 0, L.shape[0] - 1
     while True:
         while True:
@@ -102,22 +102,27 @@ def _strains(lengths: Array, ratios: Array, l_0: float, strains: Array) -> None:
     taut = False
     for t in range(samples):
         L, ratio, w = lengths[t], ratios[t], strains[t]
-        even = np.sum(L) / l_0 - 1.0
+        total, most = 0.0, 1.0
+        for length in L:
+            total += length
+        for r in ratio:
+            most *= r
+        even = total / l_0 - 1.0
         if even <= 0.0:
             taut = False
             continue
-        if not taut:
-            taut = True
-            n[:] = L / (1.0 + even)
-        w[:] = L / n - 1.0
-        holds = np.all(w > 0.0)
-        for j in range(segments - 1):
-            holds = holds and w[j + 1] <= ratio[j] * w[j] and w[j] <= ratio[j] * w[j + 1]
-        if not holds:
-            most = np.prod(ratio)
+        holds = taut
+        for j in range(segments):
+            w[j] = L[j] / n[j] - 1.0 if taut else even
+            holds = holds and w[j] > 0.0
+            if j > 0:
+                holds = holds and w[j] <= ratio[j - 1] * w[j - 1] and w[j - 1] <= ratio[j - 1] * w[j]
+        if taut and not holds:
             _slide(even / most, even * most, L, ratio, n, w, work)
-            n[:] = L / (1.0 + w)
-            n *= l_0 / np.sum(n)
+        if not holds:
+            for j in range(segments):
+                n[j] = L[j] / (1.0 + w[j])
+        taut = True
 
 
 LAW = ViaFriction()
