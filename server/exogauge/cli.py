@@ -30,6 +30,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+CHANGES = {
+    "set": "A.stiffness=300 (N/m), A_left.natural_length=0.6 (m), A.pretension=0.02 (m stretched with all joints at "
+    "zero), A.law=NAME,KEY=VALUE; or a via point: A_left.3=chest:0.1,0,0.2, its link or its place alone too",
+    "scale": "A.stiffness=2, A_left.natural_length=0.95",
+    "move": "A_left.3=0,0,0.01 (m, in its link's frame), A_left.natural_length=-0.02",
+    "add": "A_left.3=chest:0.1,0,0.2: a new via point number 3",
+    "remove": "A_left.3 (a via point), A_left (a band), A (a group)",
+    "copy": "A_left=A_left_2: one band more like it",
+    "mirror": "A_left=A_right: its like on the other side",
+}
+WHAT_IF = """What another device would do over a recorded motion: torque of each joint, before and after.
+
+A change names a band, a group, or '*' for all, then a dot and what is changed. Changes are made in the order in
+which they are written, each as often as needed. Via points count from 0. Numbers are SI."""
+
+
+class InOrder(argparse.Action):
+    """Options whose order among each other counts: (option, text) after (option, text)."""
+
+    def __call__(
+        self, parser: object, namespace: argparse.Namespace, values: object, option: str | None = None
+    ) -> None:
+        given = getattr(namespace, self.dest)
+        setattr(namespace, self.dest, [*given, (self.option_strings[0].lstrip("-"), values)])
+
+
 def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="exogauge", description="Identify a robot from its logs, with numbers.")
     top.add_argument("--version", action="version", version=f"exogauge {__version__}")
@@ -55,6 +81,22 @@ def parser() -> argparse.ArgumentParser:
     device.add_argument("--log", type=Path, metavar="FILE", help="lengths and moment arms over this log too")
     device.add_argument("--picture", type=Path, metavar="FILE.svg", help="draw the bands on the robot, front and side")
     device.set_defaults(command=check_device)
+
+    what_if = commands.add_parser(
+        "whatif", help="what another device would do over a recorded motion", description=WHAT_IF,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    what_if.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
+    what_if.add_argument("--log", required=True, metavar="NAME_OR_FILE", help="a log of the study, or any other file")
+    what_if.add_argument("--device", metavar="FILE", help="the device to start from (default: what the log wears)")
+    for option, text in CHANGES.items():
+        what_if.add_argument(f"--{option}", action=InOrder, dest="changes", metavar="CHANGE", help=text)
+    what_if.add_argument("--changes", action=InOrder, dest="changes", metavar="FILE", help="the same as YAML")
+    aim = "a joint that the device is for (default: the one with the largest torque)"
+    what_if.add_argument("--main", action="append", default=[], metavar="JOINT", help=aim)
+    what_if.add_argument("--save", type=Path, metavar="FILE", help="write the changed device as device.yaml")
+    what_if.add_argument("--json", action="store_true", help="the answer as JSON")
+    what_if.set_defaults(command=ask_what_if, changes=[])
 
     sample = commands.add_parser("sample", help="write a complete synthetic study")
     sample.add_argument("out", type=Path, metavar="OUT")
@@ -139,6 +181,17 @@ def check_device(options: argparse.Namespace) -> int:
         options.picture.parent.mkdir(parents=True, exist_ok=True)
         options.picture.write_text(draw_device(robot, device), encoding="utf-8")
         print(f"\n{options.picture}")
+    return 0
+
+
+def ask_what_if(options: argparse.Namespace) -> int:
+    from exogauge.studies import what_if
+
+    asked = what_if.ask(options.study, options.log, options.device, options.changes, options.main)
+    print(what_if.to_json(asked.answer()).decode() if options.json else asked.text(), end="" if options.json else "\n")
+    if options.save is not None:
+        for path in asked.save(options.save):
+            print(path, file=sys.stderr)
     return 0
 
 

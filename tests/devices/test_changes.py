@@ -159,10 +159,10 @@ def test_what_cannot_be_done_is_said_at_its_place_with_advice(tree, device, chan
     assert said in str(fault)
 
 
-def test_a_change_is_named_as_the_user_knows_it(tree, device):
+def test_a_change_is_named_where_the_user_wrote_it(tree, device):
     with pytest.raises(BadInput) as refused:
-        apply(device, [Stiffness("C", to=1.0)], tree, places=["--set C.stiffness=1"])
-    assert refused.value.faults[0].column == "--set C.stiffness=1"
+        apply(device, [Stiffness("C", to=1.0)], tree, place="settings.changes")
+    assert refused.value.faults[0].column == "settings.changes.0.of"
 
 
 def test_values_that_are_not_known_cannot_be_scaled(tree, device):

@@ -28,19 +28,16 @@ class Change(Protocol):
     def applied(self, device: Device, tree: RigidTree) -> Device: ...
 
 
-def apply(device: Device, changes: Sequence[Change], tree: RigidTree, places: Sequence[str] | None = None) -> Device:
+def apply(device: Device, changes: Sequence[Change], tree: RigidTree, place: str = "changes") -> Device:
     """The device after all changes, in their order; a later one sees what an earlier one did.
 
-    places: how the user knows each change, default `changes.0`, `changes.1` …; the first fault ends it.
+    The first fault ends it, with the column `changes.<number>.<key>`. place: another word for `changes`.
     """
     for k, change in enumerate(changes):
         try:
             device = change.applied(device, tree)
         except BadInput as bad:
-            place = f"changes.{k}" if places is None else places[k]
-            keyed = places is None
-            faults = [replace(each, column=f"{place}.{each.column}" if keyed else place) for each in bad.faults]
-            raise type(bad)(faults) from None
+            raise type(bad)([replace(each, column=f"{place}.{k}.{each.column}") for each in bad.faults]) from None
     return device
 
 

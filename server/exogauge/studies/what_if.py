@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -16,14 +16,17 @@ from numpy.typing import NDArray
 from exogauge.devices.bench import Bench
 from exogauge.devices.changes import apply
 from exogauge.devices.what_if import BandLoad, JointLoad, WhatIf, compare
+from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.identification.settings import Progress
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.bundle import open_bundle
-from exogauge.studies.change_entries import WhatIfSettings
+from exogauge.studies.change_entries import ChangeEntry, ChangesFile, WhatIfSettings
+from exogauge.studies.change_text import read_change
 from exogauge.studies.device_content import device_content, write_device
 from exogauge.studies.entry_changes import changes_of
 from exogauge.studies.recorded_motion import RecordedMotion, read_motion
 from exogauge.studies.series_columns import Columns
+from exogauge.studies.yaml_file import load_yaml
 from exogauge.terminal import text_table
 
 Array = NDArray[np.float64]
@@ -31,6 +34,61 @@ Array = NDArray[np.float64]
 RESULT, SERIES, DEVICE = "what_if.json", "series/what_if.parquet", "device.yaml"
 TORQUE_DIGITS, LENGTH_DIGITS, TIME_DIGITS = 4, 5, 6  # decimals of a series in JSON: 0.1 mN·m, 10 µm, 1 µs
 WHEN = ("before", "after")
+
+
+@final
+@dataclass(frozen=True)
+class Asked:
+    """One question, answered. root: folder of the study, None where it came as a zip."""
+
+    motion: RecordedMotion
+    found: WhatIf
+    root: Path | None
+
+    def answer(self) -> dict[str, Any]:
+        return answer(self.found, self.motion)
+
+    def text(self) -> str:
+        return what_if_text(self.found, self.motion)
+
+    def save(self, path: Path) -> list[Path]:
+        return write_device(self.found.changed, path, self.root)
+
+
+def ask(study: Path, log: str, device: str | None, words: Sequence[tuple[str, str]], main: Sequence[str]) -> Asked:
+    """study, log, device: as for `open_bundle` and `read_motion`. words: (option, text) in order, see `change_text`;
+    option `changes`: text is a YAML file of changes. Raises BadInput where anything of it is wrong."""
+    entries, places = list[ChangeEntry](), list[str]()
+    for option, text in words:
+        if option == "changes":
+            read = _changes_file(Path(text))
+            entries += read
+            places += [f"{text}: changes.{k}" for k in range(len(read))]
+        else:
+            entries.append(read_change(option, text))
+            places.append(f"--{option} {text}")
+    bundle = open_bundle(study)
+    try:
+        motion = read_motion(bundle, log, device)
+    finally:
+        bundle.close()
+    try:
+        changed = apply(motion.device, changes_of(entries), motion.tree)
+    except BadInput as bad:
+        raise type(bad)([replace(each, column=places[_index(each)]) for each in bad.faults]) from None
+    found = compare(Bench(motion.tree, motion.device, motion.q, motion.time), changed, main)
+    return Asked(motion, found, None if study.suffix == ".zip" else bundle.root)
+
+
+def _index(fault: Fault) -> int:
+    """Of the change that a fault of `apply` is about: its column is `changes.<index>.<key>`."""
+    return int((fault.column or "").split(".")[1])
+
+
+def _changes_file(path: Path) -> list[ChangeEntry]:
+    if not path.is_file():
+        raise BadStudy(Fault("no such file", "missing_file", "", str(path)))
+    return load_yaml(path.read_bytes(), ChangesFile, file=path.name).changes
 
 
 def compute(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
@@ -43,8 +101,7 @@ def compute(folder: Path, out: Path, progress: Progress, settings: Mapping[str, 
     progress(0.0, "reading the log")
     motion = read_motion(bundle, asked.log, asked.device)
     progress(0.6, "asking the bands")
-    places = [f"settings.changes.{k}" for k in range(len(asked.changes))]
-    changed = apply(motion.device, changes_of(asked.changes), motion.tree, places)
+    changed = apply(motion.device, changes_of(asked.changes), motion.tree, "settings.changes")
     found = compare(Bench(motion.tree, motion.device, motion.q, motion.time), changed, asked.main)
     progress(0.8, "writing the answer")
     (out / SERIES).parent.mkdir(parents=True, exist_ok=True)
