@@ -110,7 +110,7 @@ async function handIn(event) {
     const words = isNew ? `“${study.name}” is stored.` : `“${study.name}” was stored before: the same files.`;
     outcome.replaceChildren(element("p", words, { className: "accepted" }));
     form.reset();
-    if ($("run-at-once").checked && !study.latest_job) await submit(study);
+    if ($("run-at-once").checked && !study.latest_job) await submit(study.id);
     await refresh();
   } catch (error) {
     showRefusal(outcome, error);
@@ -123,16 +123,15 @@ async function handIn(event) {
 
 // ---- one study ----------------------------------------------------------------------------------------------------
 
-function submit(study) { // all that its logs allow
-  const worn = (study.summary.logs || []).some((log) => log.role === "with_device");
-  const body = JSON.stringify({ study_id: study.id, kind: worn ? "stiffness" : "evaluate", settings: {} });
+function submit(studyId) {
+  const body = JSON.stringify({ study_id: studyId, kind: "evaluate", settings: {} });
   return ask(`${API}jobs`, { method: "POST", body, headers: { "Content-Type": "application/json" } });
 }
 
 function place(study) {
   const item = $("study").content.cloneNode(true).firstElementChild;
   const entry = { item, study, part: (name) => item.querySelector(`.${name}`) };
-  entry.part("run").addEventListener("click", () => act(entry, () => submit(entry.study)));
+  entry.part("run").addEventListener("click", () => act(entry, () => submit(entry.study.id)));
   entry.part("cancel").addEventListener("click", () =>
     act(entry, () => ask(`${API}jobs/${entry.study.latest_job.id}/cancel`, { method: "POST" })));
   whenOpened(entry, "files", () => listFiles(entry));
@@ -196,10 +195,11 @@ function draw(entry, study) {
     entry.told = job.id;
     showRefusal(entry.part("problem"), new Refusal(job.problem));
   }
-  link(entry.part("report"), done, () => `${API}jobs/${job.id}/artifacts/report.html`);
-  link(entry.part("results"), done, () => `${API}jobs/${job.id}/results`);
+  const evaluated = done && job.kind !== "whatif";
+  link(entry.part("report"), evaluated, () => `${API}jobs/${job.id}/artifacts/report.html`);
+  link(entry.part("results"), evaluated, () => `${API}jobs/${job.id}/results`);
   for (const name of ["files", "fit"]) {
-    entry.part(name).hidden = !done;
+    entry.part(name).hidden = !(name === "fit" ? evaluated : done);
     if (before && job && before.id !== job.id) entry.part(name).open = false;
   }
 }

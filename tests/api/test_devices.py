@@ -67,8 +67,12 @@ def test_a_device_is_checked_against_its_robot_kept_and_handed_back(
     assert (summary["groups"], summary["joints"], summary["robot"]) == (["A", "back"], ["elbow"], "One-joint arm")
     front = summary["bands"][0]
     assert front["length_at_zero_m"] == pytest.approx(0.3)  # from z = 0 straight up to 0.2 + 0.1
-    assert front["arms_at_zero_m"] == {"elbow": pytest.approx(0.05)}
-    assert (front["stiffness_n_per_m"], front["natural_length_m"], front["bench"]) == (200.0, 0.25, 3)
+    (arm,) = front["arms_at_zero"]
+    assert (arm["joint"], arm["arm_m"]) == ("elbow", pytest.approx(-0.05))  # bent forward, the band is shorter
+    assert "forward" in arm["pulls"]
+    assert (front["stiffness_n_per_m"], front["natural_length_m"], front["bench_points"]) == (200.0, 0.25, 3)
+    assert front["tension_at_zero_n"] == pytest.approx(10.0)  # 200 N/m times 0.05 m
+    assert summary["torque_at_zero_n_m"] == {"elbow": pytest.approx(0.5)}  # the other band is slack
     (doubt,) = summary["warnings"]
     assert (doubt["rule"], doubt["row"], doubt["value"]) == ("never_taut", 17, "2")
     assert client.get(f"{V1}/devices/{device['id']}").json() == device

@@ -119,34 +119,39 @@ def about(described: Any) -> dict[str, Any]:
 
 
 def worn_by(wearer: Any, worn: Any) -> dict[str, Any]:
-    """A `Device` on a `Robot`, in words a list can show. length_at_zero_m: with every joint at zero; arms_at_zero_m: by
-    how much a radian (or metre) of a joint shortens the band there, joints it passes."""
-    import numpy as np
+    """A `Device` on a `Robot`, in words a list can show.
 
+    joints: that any band passes. …_at_zero: with all joints at zero. arm_m: change of the band's length with the joint
+    [m/rad, or 1]; pulls: which way it pulls what the joint carries.
+    """
     from exogauge.devices.routing import Routing
+    from exogauge.studies.device_check import check_device
 
-    zero = np.zeros((1, len(wearer.tree.joints)))
-    bands, joints = [], list[str]()
-    for band in worn.bands:
-        routing = Routing(wearer.tree, [band], fast=False)
-        there = routing.geometry(zero)
-        joints += routing.joints
-        bands.append(
-            {
-                "name": band.name,
-                "group": band.group,
-                "links": [point.link for point in band.via_points],
-                "length_at_zero_m": float(there.length[0, 0]),
-                "arms_at_zero_m": dict(zip(routing.joints, (-there.jacobian[0, 0]).tolist(), strict=True)),
-                "stiffness_n_per_m": band.stiffness,
-                "natural_length_m": band.natural_length,
-                "ground_truth": band.ground_truth,
-                "law": band.law,
-                "bench": None if band.bench is None else len(band.bench.length),
-            }
-        )
-    order = [name for name in wearer.tree.joints if name in joints]
-    return {"name": worn.name, "groups": list(worn.groups), "joints": order, "bands": bands}
+    check = check_device(wearer, worn)
+    bands = [
+        {
+            "name": band.name,
+            "group": band.group,
+            "links": [point.link for point in band.via_points],
+            "stiffness_n_per_m": band.stiffness,
+            "natural_length_m": band.natural_length,
+            "ground_truth": band.ground_truth,
+            "law": band.law,
+            "bench_points": None if band.bench is None else len(band.bench.length),
+            "length_at_zero_m": found.length,
+            "tension_at_zero_n": found.tension,
+            "arms_at_zero": [{"joint": each.joint, "arm_m": each.arm, "pulls": each.way} for each in found.arms],
+        }
+        for band, found in zip(worn.bands, check.bands, strict=True)
+    ]
+    return {
+        "name": worn.name,
+        "groups": list(worn.groups),
+        "joints": list(Routing(wearer.tree, worn.bands, fast=False).joints),
+        "bands": bands,
+        "torque_at_zero_n_m": check.torque,
+        "notes": list(check.notes),
+    }
 
 
 def span(read: Any) -> dict[str, Any]:

@@ -50,8 +50,8 @@ class RobotOut(Answer):
 
 @final
 class DeviceOut(Answer):
-    """One version of a device, as checked against one robot. summary: bands with their lengths when all joints are at
-    zero, groups, joints that the bands act on, warnings; files are given when one device is asked for."""
+    """One version of a device, as checked against one robot. summary: bands, groups, joints that they act on; lengths,
+    moment arms and torques with all joints at zero; warnings. files are given when one device is asked for."""
 
     id: str
     name: str

@@ -111,7 +111,8 @@ class Client:
     def submit(self, study: Study | str, kind: str = "evaluate", settings: Mapping[str, Any] | None = None) -> Job:
         """Ask for a job. An equal request that is queued, running or succeeded is the same job.
 
-        kind: evaluate (identify the robot), support (and the torque that a device adds), stiffness (and its bands).
+        kind: evaluate (every step that the study allows), support (up to the torque that a device gives), stiffness (up
+        to its bands).
         """
         body = {"study_id": id_of(study), "kind": kind, "settings": dict(settings or {})}
         return thing(Job, self._http.post("jobs", body))

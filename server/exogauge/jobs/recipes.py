@@ -60,7 +60,7 @@ def a_worn_log(summary: Mapping[str, Any]) -> list[Fault]:
     if not logs or any(log.get("role") == "with_device" for log in logs):
         return []
     found = ", ".join(dict.fromkeys(str(log.get("role")) for log in logs))
-    advice = "Hand in a study with a device and a log recorded with it on, or ask for `evaluate`."
+    advice = "Hand in a study with a device and a log recorded with it on; `evaluate` makes the steps without."
     detail = "no log of this study was recorded with a device on"
     return [Fault(detail, "no_worn_log", advice, "study.yaml", column="logs", value=found)]
 
