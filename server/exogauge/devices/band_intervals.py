@@ -31,7 +31,7 @@ def interval(
         return -np.inf, np.inf
     if std < SKEWED * relative_to:
         return value - QUANTILE * std, value + QUANTILE * std
-    few = fit.reduced.every(max(1, len(fit.reduced.v) // SEARCHED))
+    few = fit.reduced.every(max(1, fit.reduced.samples // SEARCHED))
     coarse = at(fit.layout, few, fit_bands(fit.layout, few, beliefs).theta, beliefs)
     lowest = refit_with_held(coarse, index, float(coarse.theta[index]), beliefs)
     share = float(np.linalg.pinv(coarse.hessian, rcond=1e-12, hermitian=True)[index, index]) / std**2

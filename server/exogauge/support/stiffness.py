@@ -133,7 +133,7 @@ def _estimate(
     k_at, l_at = int(plan.stiffness[k]), int(plan.natural_length[k])
     value, rest = float(fit.theta[k_at]), float(fit.theta[l_at])
     k_std, l_std = (float(np.sqrt(doubt[i, i])) for i in (k_at, l_at))
-    stretch = max(float(fit.reduced.length[:, k].max()) - rest, 0.0)
+    stretch = max(float(fit.reduced.length[k].max()) - rest, 0.0)
     truth = true_stiffness(band)
     return BandEstimate(
         band=band.name,
