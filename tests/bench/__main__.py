@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.bench import memory, product, speed
+from tests.bench import bands, memory, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
@@ -34,12 +34,16 @@ def main() -> int:
             measured = speed.measure(problem, short // 4 if quick else short, 1 if quick else 5, Path(folder))
             report_speed(measured)
             worst = max(worst, *measured.difference.values())
+        apart = report_bands(quick)
         if not quick:
             report_product(Path(folder))
             report_memory()
     print(f"\n{time.perf_counter() - began:.0f} s in all; estimates differ by at most {worst:.0e} of the largest")
     if worst > speed.AGREEMENT:
         print(f"THE ANSWERS DISAGREE: more than {speed.AGREEMENT:g}", file=sys.stderr)
+        return 1
+    if apart > bands.AGREEMENT:
+        print(f"THE BANDS DISAGREE: more than {bands.AGREEMENT:g} m or m/rad", file=sys.stderr)
         return 1
     return 0
 
@@ -58,6 +62,20 @@ def report_speed(measured: speed.Speeds) -> None:
         print(f"  {way} = {ratios}")
     g, d = measured.gflops["gram"], measured.gflops["dgemm"]
     print(f"  Gram stage {g:.1f} GFLOP/s = {g / d:.0%} of this machine's dgemm ({d:.1f})")
+
+
+def report_bands(quick: bool) -> float:
+    """The largest difference from pinocchio [m, m/rad]."""
+    samples, short = (20_000, 100) if quick else (1_000_000, 2000)
+    measured = bands.measure(samples, short, 1 if quick else 3)
+    print(f"\nTalos, 4 bands of 8 via points: lengths and Jacobians, {samples:,} samples, per CPU second")
+    for way, rate in measured.rate.items():
+        answer = f"   differs by {measured.difference[way]:.0e}" if way in measured.difference else ""
+        print(f"  {way:26s}{rate:12,.0f}   {rate / measured.rate['pin loop']:6.0f} x pin loop{answer}")
+    if not quick:
+        for samples, way in ((10_000, "numba"), (1_000_000, "numba"), (10_000, "numpy"), (1_000_000, "numpy")):
+            print(f"  {samples:9,d} samples, {way}{bands.memory(samples, way):8.1f} MB added")
+    return max(measured.difference.values())
 
 
 def report_product(folder: Path) -> None:

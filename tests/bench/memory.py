@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,14 +27,19 @@ def measure(samples: int, way: str) -> float:
 
 
 def extra_megabytes(samples: int, way: str) -> float:
-    """The same in this process. Linux."""
+    """The same in this process."""
     equations, prepared = equations_of(make("Talos", LOOP + 500), compiled=way == "numba")
     x = np.zeros(equations.size)
     equations.collect(replace(prepared, kept=np.arange(2)), x, folds=1)  # imports, compilation
     looped = replace(prepared, kept=np.resize(np.arange(200, 200 + LOOP), samples))
+    return added(lambda: equations.collect(looped, x, folds=1))
+
+
+def added(call: Callable[[], object]) -> float:
+    """[MB] peak of resident memory during a call above what was resident before. Linux."""
     before = _status("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # forget the peak so far
-    equations.collect(looped, x, folds=1)
+    call()
     return _status("VmHWM") - before
 
 
