@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -100,12 +101,31 @@ def study(service: Service, tmp_path_factory: pytest.TempPathFactory) -> Study:
         return opened.upload_study(write_study(tmp_path_factory.mktemp("uploaded") / "study"))
 
 
-def write_study(folder: Path) -> Path:
-    found = importlib.util.spec_from_file_location("api_conftest", TESTS / "api" / "conftest.py")
+@pytest.fixture
+def worn_study(tmp_path: Path) -> Callable[[bool], Path]:
+    """worn_study(same_motion): the folder of a study of that joint with and without a strap."""
+    small, arm = module(TESTS / "api" / "conftest.py"), module(TESTS / "client" / "worn_arm.py")
+
+    def write(same_motion: bool) -> Path:
+        folder = tmp_path / f"worn_{same_motion}"
+        written: Path = arm.write_worn_study(folder, small.ROBOT, small.URDF, same_motion=same_motion)
+        return written
+
+    return write
+
+
+def module(path: Path) -> ModuleType:
+    """The module in a file beside the tests, which are no package."""
+    found = importlib.util.spec_from_file_location(path.stem, path)
     assert found is not None
     assert found.loader is not None
-    small = importlib.util.module_from_spec(found)
-    found.loader.exec_module(small)
+    made = importlib.util.module_from_spec(found)
+    found.loader.exec_module(made)
+    return made
+
+
+def write_study(folder: Path) -> Path:
+    small = module(TESTS / "api" / "conftest.py")
     texts = {
         "study.yaml": small.STUDY,
         "robot.yaml": small.ROBOT,
