@@ -80,6 +80,13 @@ def test_a_band_without_stiffness_has_that_of_its_group(folder: Path, robot: Rob
     assert read_device(bundle(folder), "device.yaml", robot).bands[1].stiffness == 200.0
 
 
+def test_a_law_of_the_catalogue_is_taken_with_its_values(folder: Path, robot: Robot) -> None:
+    law = "    group: A\n    law: hardening\n    law_values: {hardening: 400}\n"
+    given = bundle(folder, ("    group: A\n", law), ("A_right\n    group: A\n", "A_right\n" + law))
+    bands = read_device(given, "device.yaml", robot).bands
+    assert [(band.law, band.law_values) for band in bands] == [("hardening", {"hardening": 400.0})] * 2
+
+
 def test_a_band_without_a_group_is_one_of_its_own(folder: Path, robot: Robot) -> None:
     alone = bundle(folder, ("    group: A\n", ""), ("tied: [A]", "tied: [A_left]"))
     assert read_device(alone, "device.yaml", robot).groups == ("A_left", "A")
@@ -105,6 +112,7 @@ def test_a_band_without_a_group_is_one_of_its_own(folder: Path, robot: Robot) ->
         ("0.45\n    bench", "0.46\n    bench", 16, "bands.1.natural_length_m", "untie 'A'"),
         ("    bench", "    law: lnear\n    bench", 17, "bands.1.law", "Did you mean 'linear'"),
         ("    bench", "    law_values: {hardening: 3}\n    bench", 17, "bands.1.law_values.hardening", "Leave it out"),
+        ("    bench", "    law: hardening\n    bench", 17, "bands.1.law_values.hardening", "N/m²"),
         ("tied: [A]", "tied: [A_left]", 18, "tied.0", "has group 'A'"),
         ("bench.csv}", "bench_A.csv}", 17, "bands.1.bench.file", "Did you mean 'bench.csv'"),
         ("name: Small suit", "nam: Small suit", 2, "nam", "Did you mean 'name'"),

@@ -11,6 +11,7 @@ import numpy as np
 
 from exogauge.devices.device import BenchTest
 from exogauge.errors import BadStudy, Fault
+from exogauge.logs.channels import shorten
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.yaml_file import suggestion
 
@@ -18,6 +19,7 @@ LENGTH, FORCE = "length_m", "force_n"
 MAX_BYTES = 2_000_000
 MAX_FAULTS = 20
 LONGEST_M = 20.0  # a longer band is a table in millimetres
+STRONGEST_N = 1e5
 PUSH_SHARE = 0.05  # of the largest force: a zero error of the force gauge; below, a sign
 TAUT_SHARE = 0.02  # of the largest force: below, the band counts as slack
 
@@ -55,7 +57,7 @@ def slope(bench: BenchTest) -> float:
 
 
 def _columns(cells: Sequence[Sequence[str]], delimiter: str, file: str) -> tuple[list[float], list[float]]:
-    header = [cell.strip() for cell in cells[0]]
+    header = [shorten(cell.strip()) for cell in cells[0]]
     missing = [
         Fault("the table lacks a column", "missing_column", _column_advice(name, header), file, 0, name)
         for name in (LENGTH, FORCE)
@@ -76,7 +78,7 @@ def _columns(cells: Sequence[Sequence[str]], delimiter: str, file: str) -> tuple
                 if delimiter == "," and ("," in cell or len(line) > len(header)):
                     advice = "Numbers with a decimal comma need ';' or tab between the columns."
                 detail = "the cell is not a finite number"
-                faults.append(Fault(detail, "not_a_number", advice, file, row, name, cell[:80]))
+                faults.append(Fault(detail, "not_a_number", advice, file, row, name, shorten(cell)))
             values[name].append(number)
     if faults:
         raise BadStudy(faults[:MAX_FAULTS])
@@ -101,14 +103,17 @@ def _physical_faults(lengths: Sequence[float], forces: Sequence[float], file: st
         if not 0.0 < metres <= LONGEST_M:
             detail = "a band's length is above 0 and a few metres at most"
             yield Fault(detail, "odd_length", "Lengths are in metres.", file, row, LENGTH, f"{metres:g}")
-        if force < -PUSH_SHARE * abs(largest):
+        if abs(force) > STRONGEST_N:
+            detail = f"no band pulls with more than {STRONGEST_N:g} N"
+            yield Fault(detail, "odd_force", "Forces are in newtons.", file, row, FORCE, f"{force:g}")
+        elif force < -PUSH_SHARE * abs(largest):
             detail = "a band cannot push"
             yield Fault(detail, "negative_force", "Pull counts as positive [N].", file, row, FORCE, f"{force:g}")
     if len(set(lengths)) < 2 or largest <= 0.0:
         detail = "the table needs two different lengths or more, and a pull"
         yield Fault(detail, "too_few_points", "Ten lengths from slack to the longest in use are good.", file)
         return
-    length = np.array(lengths)
-    if (length - length.mean()) @ np.array(forces) <= 0.0:
+    length = np.clip(lengths, 0.0, LONGEST_M)  # what is out of range is told above
+    if (length - length.mean()) @ np.clip(forces, -STRONGEST_N, STRONGEST_N) <= 0.0:
         detail, advice = "the force does not grow with the length", "Are the columns swapped?"
         yield Fault(detail, "force_falls", advice, file, column=FORCE)

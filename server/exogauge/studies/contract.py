@@ -253,7 +253,7 @@ class Band(_Part):
     name: Name
     group: Name | None = None
     via_points: Annotated[list[ViaPoint], Field(min_length=2, max_length=50)]
-    stiffness_n_per_m: Positive | None = None
+    stiffness_n_per_m: Annotated[Positive, Field(le=1e7)] | None = None
     natural_length_m: Positive | None = None
     ground_truth: bool = False
     law: Name = "linear"

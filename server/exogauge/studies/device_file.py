@@ -14,6 +14,7 @@ from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.laws import law_faults
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy, Fault
+from exogauge.logs.channels import shorten
 from exogauge.robots.description import Robot
 from exogauge.robots.tree import RigidTree
 from exogauge.studies import contract
@@ -37,7 +38,7 @@ class DevicePage:
     data: bytes
 
     def fault(self, detail: str, rule: str, pointer: Pointer, advice: str = "", value: object = None) -> Fault:
-        shown = None if value is None else str(value)[:80]
+        shown = None if value is None else shorten(str(value))
         return Fault(detail, rule, advice, self.file, place(self.data, pointer), dotted(pointer) or None, shown)
 
 
@@ -178,7 +179,9 @@ def _law_faults(draft: _Draft, page: DevicePage) -> Iterator[Fault]:
     """An unknown law; values that it does not know, lacks, or cannot take."""
     for fault in law_faults(draft.values.law, draft.values.law_values):
         pointer = draft.at(*(fault.column or "law").split(".", 1))
-        yield replace(fault, file=page.file, row=place(page.data, pointer), column=dotted(pointer))
+        told = page.fault(shorten(fault.detail, 200), fault.rule, pointer, fault.advice, fault.value)
+        missing = fault.rule == "missing_law_value"  # has no line of its own: that of the law
+        yield replace(told, row=place(page.data, draft.at("law"))) if missing else told
 
 
 def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -> Iterator[Fault]:
