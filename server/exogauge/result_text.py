@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.notices import notice
+from exogauge.studies.notices import notice, repeats
 from exogauge.studies.rounding import significant, with_std
 from exogauge.support_text import stiffness_text, support_text
 from exogauge.terminal import text_table
@@ -40,14 +41,9 @@ def result_text(result: Mapping[str, Any]) -> str:
 def errors(found: Mapping[str, Any]) -> str:
     """Held-out RMSE, channel by channel and pooled."""
     wanted = [fit for fit in found["validation"] if fit["held_out"] and is_headline(fit["channel"])]
-    columns = ("log", "channel", "maker's", "identified", "steady", "noise floor", "unit")
+    columns = ("logs", "channel", "maker's", "identified", "steady", "noise floor", "unit")
     rows = [
-        [
-            *(fit["log"], fit["channel"], figures(fit["rmse_prior"]), figures(fit["rmse_identified"])),
-            figures(fit["rmse_moving"]) if is_trunk(fit["channel"]) else "",
-            *(figures(fit["noise_floor"]), fit["unit"]),
-        ]
-        for fit in wanted
+        row for stem, logs in repeats(fit["log"] for fit in wanted).items() for row in error_rows(stem, logs, wanted)
     ]
     pooled = [
         [
@@ -72,6 +68,20 @@ def errors(found: Mapping[str, Any]) -> str:
             text_table(("all channels and logs", "maker's", "identified", "of it", "noise floor", "unit"), pooled),
         ]
     )
+
+
+def error_rows(stem: str, logs: Sequence[str], fits: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    """One row per channel: root mean square over logs that repeat the same."""
+    name = logs[0] if len(logs) == 1 else f"{stem} (of {len(logs)})"
+    for channel in dict.fromkeys(fit["channel"] for fit in fits if fit["log"] in logs):
+        same = [fit for fit in fits if fit["log"] in logs and fit["channel"] == channel]
+
+        def rms(key: str, same: Sequence[Mapping[str, Any]] = same) -> str:
+            values = [fit[key] for fit in same if fit[key] is not None]
+            return significant(math.sqrt(sum(x * x for x in values) / len(values))) if values else ""
+
+        steady = rms("rmse_moving") if is_trunk(channel) else ""
+        yield [name, channel, rms("rmse_prior"), rms("rmse_identified"), steady, rms("noise_floor"), same[0]["unit"]]
 
 
 def joints(found: Mapping[str, Any]) -> str:

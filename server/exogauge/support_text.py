@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from exogauge.studies.rounding import rounded, significant, with_std
+from exogauge.studies.rounding import between, rounded, significant, with_std
 from exogauge.terminal import text_table
 
 APPROACHES = ("A", "B", "prior")
@@ -40,7 +40,7 @@ def support_text(result: Mapping[str, Any]) -> str:
             "device, where the truth is zero. motions: whether the runs with and without the device are alike.",
             "",
             text_table(
-                ("motion", "device", "joint", "peak by A", "by B", "band model", "mean by A", "by B", "band model"),
+                ("motion", "device", "joint", "peak by A", "peak by B", "band model"),
                 [peak_row(each) for each in entries],
             ),
         ]
@@ -48,13 +48,13 @@ def support_text(result: Mapping[str, Any]) -> str:
 
 
 def peak_row(entry: Mapping[str, Any]) -> list[str]:
-    def cell(approach: str, quantity: str) -> str:
+    def peak(approach: str) -> str:
         found = entry["approaches"].get(approach)
-        return plus_minus(found[quantity]) if found else ""
+        return plus_minus(found["peak"]) if found else ""
 
-    approaches = ("A", "B", "band_model")
-    numbers = [cell(approach, quantity) for quantity in ("peak", "mean") for approach in approaches]
-    return [entry["motion"], entry["device"], entry["joint"], *numbers]
+    model = entry["approaches"].get("band_model")
+    shown = figures(model["peak"]["value"]) if model else ""
+    return [entry["motion"], entry["device"], entry["joint"], peak("A"), peak("B"), shown]
 
 
 def stiffness_text(result: Mapping[str, Any]) -> str:
@@ -86,7 +86,7 @@ def stiffness_row(entry: Mapping[str, Any]) -> list[str]:
     found = entry["stiffness_n_per_m"]
     value, std = with_std(number(found["value"]), number(found["std"]))
     low, high = entry["interval_95"]["stiffness_n_per_m"]
-    interval = "" if low is None or high is None else f"{rounded(low, 1)} … {rounded(high, 1)}"
+    interval = "" if low is None or high is None else between(low, high)
     error = "" if entry["error_percent"] is None else rounded(entry["error_percent"], 1)
     words = {"A": "approach A", "B": "approach B", "prior": "maker's values"}
     mark = "" if entry["identifiable"] else "not decided"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from exogauge.cli import main
-from exogauge.studies.notices import by_sort, notice
+from exogauge.studies.notices import by_sort, notice, repeats
 
 NAMES = ("torso_yaw", "r.arm[2]", "l_hip/roll", "knee", "ankle_pitch", "neck", "r_hand", "l_hand.x")
 
@@ -46,3 +46,9 @@ def test_the_doctor_shows_a_few_of_each_sort_and_all_when_asked(
     assert few.splitlines()[-1] == everything.splitlines()[-1]
     assert len(everything.splitlines()) >= len(few.splitlines())
     assert "--all lists them" not in everything
+
+
+def test_logs_that_differ_by_a_number_are_repeats() -> None:
+    assert repeats(["bend_1", "bend_2", "twist", "val-10", "bend_1", "7"]) == {
+        "bend": ["bend_1", "bend_2"], "twist": ["twist"], "val": ["val-10"], "7": ["7"],
+    }  # fmt: skip

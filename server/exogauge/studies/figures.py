@@ -109,12 +109,11 @@ def _panel(axis: Any, prediction: Prediction, channel: str) -> None:
     axis.margins(x=0.0)
 
 
-def draw_line(axis: Any, time: Array, values: Array, colour: str) -> None:
+def draw_line(axis: Any, time: Array, values: Array, colour: str, opacity: float = 1.0) -> None:
     """A line in the look that belongs to its colour."""
     width, dashes = LINE[colour]
-    axis.plot(
-        *thin_out(time, values), color=COLOURS[colour], linewidth=width, linestyle=dashes, solid_joinstyle="round"
-    )
+    look = {"linewidth": width, "linestyle": dashes, "solid_joinstyle": "round", "alpha": opacity}
+    axis.plot(*thin_out(time, values), color=COLOURS[colour], **look)
 
 
 def thin_out(time: Array, values: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
@@ -155,7 +154,7 @@ def svg_text(figure: Figure, key: str) -> str:
     body = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", body, flags=re.S)
     body = re.sub(r'(\bid="|url\(#)', rf"\g<1>{key}-", body)
     body = body.replace('xlink:href="#', f'href="#{key}-')
-    body = re.sub(r"(\d\.\d\d)\d+", r"\1", body)  # a hundredth of a point is finer than any screen
+    body = re.sub(r'\bd="[^"]*"', _rounded, body)
     body = re.sub(r"font: (?:(\d+) )?([\d.]+)px [^;\"]*", _page_font, body)
     for variable, sentinel in COLOURS.items():
         body = body.replace(sentinel, f"var({variable})")
@@ -166,3 +165,8 @@ def svg_text(figure: Figure, key: str) -> str:
 def _page_font(match: re.Match[str]) -> str:
     weight = f"; font-weight: {match.group(1)}" if match.group(1) else ""
     return f"font-size: {match.group(2)}px{weight}"
+
+
+def _rounded(path: re.Match[str]) -> str:
+    """Coordinates to a hundredth of a point, finer than any screen."""
+    return re.sub(r"(\.\d\d)\d+", r"\1", path.group())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
 _LONG_LIST = re.compile(r"(?:[\w.\[\]/-]+, ){6,}[\w\[\]/-]+(?:\.[\w\[\]/-]+)*")
+_NUMBER = re.compile(r"[_.-]?\d+$")
 SHOWN_NAMES = 3
 SEVERITIES = ("error", "warning", "note")
 
@@ -40,6 +41,14 @@ def notice(warning: str) -> Notice:
     names = tuple(match.group().split(", "))
     short = f"{', '.join(names[:SHOWN_NAMES])} and {len(names) - SHOWN_NAMES} more"
     return Notice(warning[: match.start()] + short + warning[match.end() :], names)
+
+
+def repeats(logs: Iterable[str]) -> dict[str, list[str]]:
+    """Logs that differ by a number at the end: `bend_1`, `bend_2`, `twist` -> bend: both, twist: itself."""
+    groups: dict[str, list[str]] = {}
+    for log in dict.fromkeys(logs):
+        groups.setdefault(_NUMBER.sub("", log) or log, []).append(log)
+    return groups
 
 
 def by_sort(findings: Sequence[Mapping[str, Any]]) -> list[Findings]:

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from exogauge.identification.result import Identification, Prediction
 from exogauge.studies.figures import draw_curve, draw_series, label
-from exogauge.studies.notices import by_sort, notice
+from exogauge.studies.notices import by_sort, notice, repeats
 from exogauge.studies.report_head import device_lead, kicker, lead, tiles
 from exogauge.studies.report_tables import (
     base_table,
@@ -86,9 +86,10 @@ def render_report(evaluation: Evaluation) -> str:
 
 def _drawings(found: Identification, pooled: Sequence[Summary], held_out: bool) -> list[Drawing]:
     trunk = next((each.channels for each in pooled if each.kind == "trunk_torque"), ())
-    logs = [prediction for prediction in found.predictions if prediction.held_out == held_out]
+    logs = {each.log: each for each in found.predictions if each.held_out == held_out}
+    firsts = [logs[repeated[0]] for repeated in repeats(logs).values()]
     drawings = []
-    for k, prediction in enumerate(logs[:MAX_DRAWN_LOGS]):
+    for k, prediction in enumerate(firsts[:MAX_DRAWN_LOGS]):
         fits = [fit for fit in found.validation if fit.log == prediction.log]
         notes = {
             fit.channel: f"RMSE {significant(fit.rmse_prior)} → {significant(fit.rmse_identified)} {fit.unit}"

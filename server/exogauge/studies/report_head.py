@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.devices.result import StiffnessResult
+from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.studies.figures import label
 from exogauge.studies.results import Evaluation, Summary
 from exogauge.studies.rounding import rounded, significant, with_std
@@ -43,7 +43,7 @@ def kicker(evaluation: Evaluation) -> str:
     worn = worn_devices(evaluation)
     if not worn:
         return f"identification of {evaluation.robot.name}"
-    return f"evaluation of {' and '.join(worn)} on {evaluation.robot.name}"
+    return f"evaluation of {' and '.join(f'“{device}”' for device in worn)} on {evaluation.robot.name}"
 
 
 def worn_devices(evaluation: Evaluation) -> tuple[str, ...]:
@@ -114,7 +114,7 @@ def _support_tile(joint: JointSupport) -> Tile | None:
     other = joint.rmse.get("b", math.nan)
     beside = f"B {significant(other)} N·m · " if approach == "a" and math.isfinite(other) else ""
     return Tile(
-        f"Support, {joint.device}",
+        f"Support · {joint.device}",
         f"RMSE against the band model, by {approach.upper()}",
         *(significant(prior), significant(found), "N·m"),
         *percent(prior, found, None),
@@ -129,15 +129,15 @@ def _stiffness_tile(found: Sequence[StiffnessResult], device: str) -> Tile | Non
         return None
     approach, band = headline
     by_prior = (each for each in found if (each.device, each.approach) == (device, "prior"))
-    prior = next((each.stiffness.value for r in by_prior for each in r.bands if each.band == band.band), math.nan)
+    prior = next((each.stiffness for r in by_prior for each in r.bands if each.band == band.band), None)
     truth, note = band.true_stiffness, "no truth known"
     if truth is not None and band.error_percent is not None:
         note = f"truth {significant(truth, 4)} N/m, error {rounded(band.error_percent, 1)} %"
     return Tile(
-        f"Stiffness, {device}",
+        f"Stiffness · {device}",
         f"band group {band.group}, by {approach}",
-        *(significant(prior), with_std(band.stiffness.value, band.stiffness.std)[0], "N/m"),
-        *percent(prior, band.stiffness.value, truth),
+        *("–" if prior is None else shown(prior), shown(band.stiffness), "N/m"),
+        *percent(math.nan if prior is None else prior.value, band.stiffness.value, truth),
         note,
     )
 
@@ -152,6 +152,10 @@ def _tile(each: Summary) -> Tile:
         *percent(each.rmse_prior, each.rmse_identified, each.noise_floor),
         f"noise floor {significant(each.noise_floor, 2)} {each.unit} · {shown}",
     )
+
+
+def shown(estimate: Estimate) -> str:
+    return with_std(estimate.value, estimate.std)[0]
 
 
 def percent(prior: float, found: float, tick: float | None) -> tuple[float, float, float | None]:

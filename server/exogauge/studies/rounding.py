@@ -36,6 +36,14 @@ def rounded(value: float, places: int) -> str:
     return _minus(f"{value:.{places}f}")
 
 
+def between(low: float, high: float) -> str:
+    """An interval, both ends to the place of its half width's second digit: 190.71, 200.93 -> 190.7 … 200.9."""
+    if not (math.isfinite(low) and math.isfinite(high) and high > low):
+        return "no bounds"
+    place = max(0, 1 - math.floor(math.log10(0.5 * (high - low))))
+    return f"{rounded(low, place)} … {rounded(high, place)}"
+
+
 def _minus(text: str) -> str:
     """A true minus sign, and none before a zero."""
     return text.lstrip("-") if not text.strip("-0.") else text.replace("-", "\u2212")

@@ -40,4 +40,6 @@ def series_table(prediction: Prediction, trial: Trial | None = None) -> pa.Table
 
 
 def write_series(prediction: Prediction, path: Path, trial: Trial | None = None) -> None:
-    pq.write_table(series_table(prediction, trial), path, compression="zstd", row_group_size=ROW_GROUP)
+    table = series_table(prediction, trial)
+    words = [field.name for field in table.schema if pa.types.is_dictionary(field.type)]
+    pq.write_table(table, path, compression="zstd", use_dictionary=words, row_group_size=ROW_GROUP)

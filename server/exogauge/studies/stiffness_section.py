@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
-from exogauge.studies.rounding import rounded, significant
+from exogauge.studies.rounding import between, rounded, significant
 from exogauge.studies.support_section import plus_minus
 
 APPROACHES: tuple[Approach, ...] = ("A", "B", "prior")
@@ -104,7 +104,7 @@ def _stiffness_cell(band: BandEstimate | None) -> BandCell | None:
     if band is None:
         return None
     error = "" if band.error_percent is None else f"{_signed(band.error_percent)} %"
-    interval = _interval(band.stiffness_interval, 1)
+    interval = between(*band.stiffness_interval)
     return BandCell(plus_minus(band.stiffness), error, interval, not band.identifiable)
 
 
@@ -114,13 +114,7 @@ def _length_cell(band: BandEstimate | None) -> BandCell | None:
         return None
     length = Estimate(1000 * band.natural_length.value, 1000 * band.natural_length.std, "mm")
     low, high = band.natural_length_interval
-    return BandCell(plus_minus(length), "", _interval((1000 * low, 1000 * high), 0), not band.length_identifiable)
-
-
-def _interval(ends: tuple[float, float], places: int) -> str:
-    if not all(math.isfinite(end) for end in ends):
-        return "no bounds"
-    return f"{rounded(ends[0], places)} … {rounded(ends[1], places)}"
+    return BandCell(plus_minus(length), "", between(1000 * low, 1000 * high), not band.length_identifiable)
 
 
 def _signed(value: float) -> str:

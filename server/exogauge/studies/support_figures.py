@@ -16,8 +16,11 @@ from numpy.typing import ArrayLike
 from exogauge.studies.figures import BUCKETS, COLOURS, STYLE, Array, draw_line, sheet, svg_text, thin_out
 from exogauge.support.result import Trial
 
-FAINT = 0.28  # opacity of the uncertainty of B; that of A is lighter, it lies on top
+FAINT = 0.22  # opacity of the uncertainty of B; that of A is lighter, it lies on top
 DOUBT = 2.0  # standard deviations drawn
+PALE = 0.4  # opacity of A where it does not compare like with like
+LEAST_ANGLE = 4.0  # [°] shown: a joint that stands still looks like one
+MARGIN = 0.2  # of the torque axis, above and below the lines
 LETTER = 0.0085  # of the drawing's width per letter of a phase's name
 
 
@@ -28,7 +31,7 @@ def draw_support(trials: Sequence[Trial], joint: str, notes: Mapping[str, str], 
         angle, *torques = figure.subplots(1 + len(trials), 1, sharex=True)
         _angle(angle, trials, joint)
         for axis, trial in zip(torques, trials, strict=True):
-            axis.sharey(torques[0])
+            axis.set_ylim(*span(trials, joint))
             _torque(axis, trial, joint)
             _title(axis, trial.device, notes.get(trial.device, ""))
         for axis, trial in zip((angle, *torques), (trials[0], *trials), strict=True):
@@ -46,6 +49,9 @@ def _angle(axis: Any, trials: Sequence[Trial], joint: str) -> None:
         colour = COLOURS["--ink" if n == 0 else "--muted"]
         axis.plot(*thin_out(trial.time - trial.time[0], angle), color=colour, linewidth=1.1 if n == 0 else 0.7)
     axis.set_title(f"angle of {joint}", loc="left", fontsize=9.5, fontweight="bold", color=COLOURS["--ink"], pad=17)
+    low, high = axis.get_ylim()
+    if high - low < LEAST_ANGLE:
+        axis.set_ylim(0.5 * (low + high - LEAST_ANGLE), 0.5 * (low + high + LEAST_ANGLE))
     axis.set_ylabel("[°]")
 
 
@@ -62,12 +68,33 @@ def _torque(axis: Any, trial: Trial, joint: str) -> None:
     if trial.band_model is not None:
         drawn = thin_out(time, trial.band_model[:, k])
         axis.plot(*drawn, color=COLOURS["--ink"], linewidth=2.0, linestyle=(0, (3.0, 1.6)))
-    if trial.support_a is not None and trial.support_a_std is not None:
-        a = np.where(trial.compared[:, k], trial.support_a[:, k], np.nan)
-        doubt = DOUBT * trial.support_a_std[:, k]
-        _band(axis, time, a - doubt, a + doubt, "--identified", FAINT / 2)
-        draw_line(axis, time, a, "--identified")
+    _draw_a(axis, trial, k)
     axis.set_ylabel("[N·m]")
+
+
+def _draw_a(axis: Any, trial: Trial, k: int) -> None:
+    """Pale where it does not compare like with like."""
+    if trial.support_a is None or trial.support_a_std is None or trial.low_a is None or trial.high_a is None:
+        return
+    time, doubt = trial.time - trial.time[0], DOUBT * trial.support_a_std[:, k]
+    _band(axis, time, trial.low_a[:, k] - doubt, trial.high_a[:, k] + doubt, "--identified", FAINT / 2)
+    like, a = trial.compared[:, k], trial.support_a[:, k]
+    draw_line(axis, time, np.where(like, np.nan, a), "--identified", opacity=PALE)
+    draw_line(axis, time, np.where(like, a, np.nan), "--identified")
+
+
+def span(trials: Sequence[Trial], joint: str) -> tuple[float, float]:
+    """Lower and upper end of the torque axis: all lines with a margin; wide intervals at rest do not squeeze them."""
+    lines = [
+        values[:, trial.joints.index(joint)]
+        for trial in trials
+        for values in (trial.support_a, trial.support_b, trial.support_prior, trial.band_model)
+        if values is not None
+    ]
+    found = np.concatenate([[0.0], *(line[np.isfinite(line)] for line in lines)])
+    low, high = float(found.min()), float(found.max())
+    margin = MARGIN * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def _title(axis: Any, title: str, note: str) -> None:

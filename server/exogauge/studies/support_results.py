@@ -15,6 +15,7 @@ APPROACHES = {"a": "A", "b": "B", "prior": "prior", "band_model": "band_model"} 
 QUANTITIES = ("peak", "mean", "integral")
 MOST_MAIN_JOINTS = 2
 MAIN_SHARE = 0.3  # of the largest torque, from which a second joint counts as a main one
+MOSTLY_AT_REST = 0.9  # share of the samples from which a joint does not count as moving
 _WORST: tuple[Verdict, ...] = ("equal", "doubtful", "different")
 
 
@@ -103,11 +104,12 @@ def devices(support: SupportResult) -> tuple[str, ...]:
 
 
 def main_joints(support: SupportResult, motion: str) -> tuple[str, ...]:
-    """The joints on which the devices act most in this motion, the strongest first: one, or two of like size."""
+    """The moving joints on which the devices act most, the strongest first: one, or two of like size."""
+    found = [each for each in support.joints if each.motion == motion]
+    moving = [each for each in found if each.rest_share < MOSTLY_AT_REST] or found
     sizes: dict[str, float] = {}
-    for each in support.joints:
-        if each.motion == motion:
-            sizes[each.joint] = max(sizes.get(each.joint, 0.0), largest(each))
+    for each in moving:
+        sizes[each.joint] = max(sizes.get(each.joint, 0.0), largest(each))
     ordered = sorted(sizes, key=lambda joint: -sizes[joint])[:MOST_MAIN_JOINTS]
     return tuple(joint for joint in ordered if sizes[joint] >= MAIN_SHARE * sizes[ordered[0]])
 

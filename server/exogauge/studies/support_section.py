@@ -74,7 +74,7 @@ class EqualityRow:
     velocity: str
     share: str
     lag: str
-    masked: str
+    used: str
     rest: str
     half_width: str
 
@@ -161,16 +161,15 @@ def _effort_table(joint: JointSupport, main: bool) -> EffortTable:
 
 
 def _cells(by: Mapping[str, Effort]) -> tuple[tuple[str, str, str], ...]:
-    """Peak, mean, integral."""
+    """Peak, mean, integral; the band model's without its std, which is that between trials alone."""
 
     def cell(approach: str, quantity: str) -> str:
         return plus_minus(getattr(by[approach], quantity)) if approach in by else ""
 
-    approaches = ("a", "b", "band_model")
-    return tuple(
-        (cell(approaches[0], quantity), cell(approaches[1], quantity), cell(approaches[2], quantity))
-        for quantity in ("peak", "mean", "integral")
-    )
+    def model(quantity: str) -> str:
+        return significant(getattr(by["band_model"], quantity).value) if "band_model" in by else ""
+
+    return tuple((cell("a", each), cell("b", each), model(each)) for each in ("peak", "mean", "integral"))
 
 
 def plus_minus(estimate: Estimate) -> str:
@@ -191,9 +190,9 @@ def _equality_row(trials: Sequence[Trial], joint: JointSupport, main: bool) -> E
         verdict=found["verdict"] if found else "no run without it",
         angle=f"{significant(math.degrees(found['q_rms']), 2)}°" if found else "",
         velocity=f"{significant(math.degrees(found['dq_rms']), 2)}°/s" if found else "",
-        share=_percent(found["dq_share"]) if found else "",
+        share=f"{significant(100 * found['dq_share'], 2)} %" if found else "",
         lag=f"{rounded(1000 * found['lag_s'], 0)} ms" if found else "",
-        masked=_percent(joint.masked_share) if found else "",
+        used=_percent(1.0 - joint.masked_share) if found else "",
         rest=_percent(joint.rest_share),
         half_width=f"± {significant(joint.rest_half_width, 2)}" if joint.rest_share > 0.0 else "",
     )
@@ -204,21 +203,21 @@ def _percent(share: float) -> str:
 
 
 def strongest(support: SupportResult, device: str) -> JointSupport | None:
-    """The motion and joint on which a device acts most."""
-    chosen = [each for each in support.joints if each.device == device and largest(each) > 0.0]
+    """The motion and main joint on which a device acts most."""
+    main = {motion: main_joints(support, motion) for motion in motions(support)}
+    chosen = [each for each in support.joints if each.device == device and each.joint in main[each.motion]]
     return max(chosen, key=largest, default=None)
 
 
 def support_sentence(joint: JointSupport) -> str:
-    """`Normal suit, bend: up to 5.1 ± 0.2 N·m of support at torso_pitch by approach A (band model 5.0).`"""
+    """`Normal suit (bend): up to 5.1 ± 0.2 N·m of support at torso_pitch by approach A (band model 5.0).`"""
     approach = best_approach(joint.by)
     if approach not in joint.by:
         return ""
     peak = joint.by[approach].peak
     size = plus_minus(Estimate(abs(peak.value), peak.std, peak.unit))
-    text = (
-        f"{joint.device}, {joint.motion}: up to {size} N·m of support at {joint.joint} by approach {approach.upper()}"
-    )
+    text = f"{joint.device} ({joint.motion}): up to {size} N·m of support at {joint.joint} by approach "
+    text += approach.upper()
     if "band_model" in joint.by:
         text += f" (band model {significant(abs(joint.by['band_model'].peak.value))})"
     return f"{text}."

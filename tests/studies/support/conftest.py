@@ -38,6 +38,7 @@ def make_trial(device: str, motion: str, number: int) -> Trial:
     phase = np.asarray(ORDER)[np.searchsorted(ENDS, time, side="right").clip(0, 4)]
     rest = np.repeat(np.isin(phase, (0, 2))[:, None], 3, axis=1)
     wave = 0.4 * np.sin(9.0 * time)[:, None] * shares
+    a, b = model + OFFSETS["a"] + wave, model + OFFSETS["b"] - wave
     compared = np.ones_like(rest)
     compared[(time > 2.0) & (time < 2.2)] = False
     log = f"{motion}_{device.split()[0].lower()}_{number}"
@@ -62,9 +63,9 @@ def make_trial(device: str, motion: str, number: int) -> Trial:
         time=time,
         joints=JOINTS,
         q=1.2 * shape[:, None] * shares,
-        support_a=model + OFFSETS["a"] + wave,
+        support_a=a,
         support_a_std=np.full_like(model, 0.15),
-        support_b=model + OFFSETS["b"] - wave,
+        support_b=b,
         support_b_std=np.full_like(model, 0.25),
         support_prior=model + OFFSETS["prior"],
         band_model=model,

@@ -15,6 +15,7 @@ from exogauge.identification.result import Identification
 from exogauge.studies.open import open_study
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation
+from exogauge.studies.rounding import between, significant
 from exogauge.studies.stiffness_section import device_views, stiffness_sentence
 from exogauge.studies.support_figures import draw_support, outline, runs
 from exogauge.studies.support_section import motion_views, strongest, support_sentence
@@ -51,9 +52,9 @@ def words(html: str) -> str:
 def test_the_first_sentence_is_the_main_result(support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> None:
     joint = strongest(support, "Normal suit")
     assert joint is not None
-    assert re.fullmatch(
-        r"Normal suit, bend: up to 5\.\d+ ± 0\.22 N·m of support at torso_pitch by approach A \(band model 5\.00\)\.",
-        support_sentence(joint),
+    peak = significant(abs(joint.by["a"].peak.value))
+    assert support_sentence(joint) == (
+        f"Normal suit (bend): up to {peak} ± 0.22 N·m of support at torso_pitch by approach A (band model 5.00)."
     )
     assert stiffness_sentence(stiffness, "Modified suit") == (
         "Stiffness of band group A 389.7 ± 2.9 N/m by approach A (truth 395.6)."
@@ -62,8 +63,8 @@ def test_the_first_sentence_is_the_main_result(support: SupportResult, stiffness
 
 def test_the_report_opens_with_it_and_keeps_the_synthetic_label(report: str) -> None:
     header = words(report[report.index("<header>") : report.index("</header>")])
-    assert header.index("Synthetic data") < header.index("Normal suit, bend: up to") < header.index("were identified")
-    assert "evaluation of Normal suit and Modified suit on small" in header
+    assert header.index("Synthetic data") < header.index("Normal suit (bend): up to") < header.index("were identified")
+    assert "evaluation of “Normal suit” and “Modified suit” on small" in header
     assert "truth 197.8 N/m, error −1.5 %" in header
 
 
@@ -105,7 +106,15 @@ def test_without_reference_or_band_values_the_report_says_b_alone(render: Render
         support,
         trials=tuple(
             dataclasses.replace(
-                each, reference=None, support_a=None, support_a_std=None, band_model=None, equality=(), tension={}
+                each,
+                reference=None,
+                support_a=None,
+                support_a_std=None,
+                low_a=None,
+                high_a=None,
+                band_model=None,
+                equality=(),
+                tension={},
             )
             for each in support.trials
         ),
@@ -171,3 +180,17 @@ def test_runs_are_stretches_of_one_value() -> None:
     assert list(runs(np.array([0, 0, 1, 1, 1, 0]))) == [(0, 2), (2, 5), (5, 6)]
     assert list(runs(np.array([False, True, True, False, True]))) == [(1, 3), (4, 5)]
     assert list(runs(np.array([], dtype=bool))) == []
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "shown"),
+    [
+        (190.71, 200.93, "190.7 … 200.9"),
+        (14.02, 1123.4, "14 … 1123"),
+        (0.60352, 0.62114, "0.6035 … 0.6211"),
+        (-0.2, 0.3, "−0.20 … 0.30"),
+        (-np.inf, np.inf, "no bounds"),
+    ],
+)
+def test_an_interval_has_the_digits_of_its_width(low: float, high: float, shown: str) -> None:
+    assert between(low, high) == shown

@@ -74,7 +74,9 @@ def test_without_a_reference_the_numbers_are_those_of_b(support: SupportResult) 
     alone = dataclasses.replace(
         support,
         trials=tuple(
-            dataclasses.replace(each, reference=None, support_a=None, support_a_std=None, equality=())
+            dataclasses.replace(
+                each, reference=None, support_a=None, support_a_std=None, low_a=None, high_a=None, equality=()
+            )
             for each in support.trials
         ),
         joints=tuple(
@@ -98,6 +100,15 @@ def test_the_main_joints_are_those_the_device_acts_on(support: SupportResult) ->
     assert main_joints(support, "twist") == ("torso_yaw",)
     assert entry(support)["main"]
     assert not entry(support, joint="r_elbow")["main"]
+
+
+def test_a_joint_that_stands_still_is_no_main_joint(support: SupportResult) -> None:
+    held = tuple(
+        dataclasses.replace(each, rest_share=1.0) if each.joint == "torso_pitch" else each for each in support.joints
+    )
+    assert "torso_pitch" not in main_joints(dataclasses.replace(support, joints=held), "bend")
+    still = tuple(dataclasses.replace(each, rest_share=1.0) for each in support.joints)
+    assert main_joints(dataclasses.replace(support, joints=still), "bend") == ("torso_pitch",)
 
 
 def test_stiffness_entries_hold_value_interval_truth_and_error(stiffness: tuple[StiffnessResult, ...]) -> None:
@@ -146,7 +157,7 @@ def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support:
     width = np.asarray(table["support_b_high.torso_pitch"]) - np.asarray(table["support_b_low.torso_pitch"])
     rest = np.asarray(table["support_rest.torso_pitch"])
     assert width[rest] == pytest.approx(3.4)
-    assert not width[~rest].any()
+    assert np.isnan(width[~rest]).all()
     assert table.schema.field("band.A_left.tension").metadata == {b"unit": b"N"}
     assert np.asarray(table["band.A_left.length"]).max() == pytest.approx(0.67)
     assert not np.asarray(table["support_compared.torso_pitch"]).all()
@@ -156,7 +167,14 @@ def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support:
 
 def test_series_without_reference_or_band_values_have_no_such_columns(support: SupportResult, tmp_path) -> None:
     trial = dataclasses.replace(
-        support.trials[0], support_a=None, support_a_std=None, reference=None, band_model=None, tension={}
+        support.trials[0],
+        support_a=None,
+        support_a_std=None,
+        low_a=None,
+        high_a=None,
+        reference=None,
+        band_model=None,
+        tension={},
     )
     write_series(trial.prediction, tmp_path / "worn.parquet", trial)
     names = pq.read_table(tmp_path / "worn.parquet").column_names
