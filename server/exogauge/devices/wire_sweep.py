@@ -5,6 +5,7 @@ Arrays have the component first and time last, so that every product runs over w
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import final
 
 import numpy as np
@@ -30,10 +31,11 @@ def measure(layout: WireLayout, q: Array, length: Array, jacobian: Array | None)
 
 
 def slices(layout: WireLayout, samples: int) -> list[slice]:
-    """Neighbouring parts of the samples, each small enough for the cache."""
+    """Neighbouring parts of the samples, alike in size, each small enough for the cache."""
     held = 4 * len(layout.dof) + 2 * len(layout.point) + 3 * len(layout.wire) + 2 * len(layout.pair_wire)
-    size = max(100, SLICE // max(held, 1))
-    return [slice(start, min(start + size, samples)) for start in range(0, samples, size)]
+    count = -(-samples // max(100, SLICE // max(held, 1)))
+    ends = np.linspace(0, samples, count + 1).astype(int)
+    return [slice(start, end) for start, end in pairwise(ends)]
 
 
 @final
