@@ -319,7 +319,7 @@ function tableOf(caption, heads, rows) {
 }
 
 function withStd(entry) {
-  return entry && typeof entry.std === "number" ? `${numberOf(entry)} ± ${entry.std.toPrecision(2)}` : numberOf(entry);
+  return entry && typeof entry.std === "number" ? `${numberOf(entry)} ± ${Number(entry.std.toPrecision(2))}` : numberOf(entry);
 }
 
 function numberOf(entry) {
