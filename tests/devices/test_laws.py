@@ -45,7 +45,7 @@ def test_linear_pulls_by_its_stretch_and_is_slack_below_its_natural_length():
 def test_as_printed_25_does_not_decide_a_slack_band_and_its_first_case_would_push():
     """Printed: f = -k (l - l_0) for l ≥ l_0, 0 for l < 0. Half the natural length is neither; f > 0 is a push."""
     length = 0.5 * L_0
-    assert not (length >= L_0 or length < 0.0)
+    assert 0.0 <= length < L_0
     assert -K * (length - L_0) > 0.0
     assert law("linear").tension(motion(np.arange(2.0), np.full(2, length)), K, L_0, {})[0] == 0.0
 
