@@ -313,3 +313,11 @@ def test_a_real_walking_log_shows_a_bad_clock_and_tells_good_velocities_from_bad
     assert {"dq.0", "dq.1", "dq.2"} <= doubted  # the neck
     assert not {f"dq.{leg}" for leg in range(14, 26)} & doubted
     assert not {rule for rule, channel in found if channel.startswith(("ft", "acc"))}
+
+
+def test_steps_smaller_than_the_noise_are_not_coarse():
+    rng = np.random.default_rng(3)
+    noisy = np.round((0.5 + 0.02 * rng.standard_normal(4000)) / 0.005) * 0.005  # 20 mA of noise in steps of 5 mA
+    stepped = np.round(np.sin(np.arange(4000) / 300.0) / 0.05) * 0.05
+    log = Log("log", np.arange(4000) / 200.0, {"i.hip": noisy, "i.knee": stepped})
+    assert [found.channel for found in examine(log) if found.rule == "coarse"] == ["i.knee"]

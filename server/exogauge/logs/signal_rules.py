@@ -86,7 +86,7 @@ def coarse(log: Log, expected: Expectation) -> Iterator[Finding]:
             continue
         steps = float(np.nanmax(values) - np.nanmin(values)) / step
         bits = math.log2(max(1.0, steps))
-        if kind_of(channel) in ("q", "dq") and steps < STILL_STEPS:
+        if (kind_of(channel) in ("q", "dq") and steps < STILL_STEPS) or _dithered(log, values, step):
             continue
         if bits < NOTED_BITS:
             detail = f"changes in steps of {step:.3g}: {bits:.1f} effective bits over its range"
@@ -108,6 +108,13 @@ def noisier_than_declared(log: Log, expected: Expectation) -> Iterator[Finding]:
             detail = f"its noise is {seen:.3g}, {seen / declared:.1f} times the declared {declared:.3g}"
             advice = "correct `noise` in robot.yaml, or leave it out to have it estimated; look for interference"
             yield Finding("warning", channel, "noisier_than_declared", detail, advice, value=seen)
+
+
+def _dithered(log: Log, values: Array, step: float) -> bool:
+    """Whether the channel's own noise is larger than its steps, so that rounding loses nothing."""
+    if values.size < NOISE_SAMPLES or not np.isfinite(values).all():
+        return False
+    return bool(white_noise_std(values, log.rate_hz, NOISE_ABOVE * log.rate_hz) > step)
 
 
 def _clipped(values: Array, distance: Array) -> bool:
