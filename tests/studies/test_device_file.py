@@ -10,7 +10,6 @@ import pytest
 
 from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
-from exogauge.studies.bench_table import slope
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.device_doubts import device_doubts
 from exogauge.studies.device_file import read_device
@@ -137,17 +136,16 @@ def test_a_fault_names_its_line(
         ("0.50,10", "nan,10", 2, "length_m", "not a finite number"),
         ("0.60,30", "600,30", 3, "length_m", "metres"),
         ("0.60,30", "0.60,-30", 3, "force_n", "cannot push"),
-        ("length_m,force_n", "force_n,length_m", None, None, "does not grow"),
-        ("0.50,10\n0.60,30\n0.70,50", "", None, None, "two different lengths"),
+        ("0.50,10\n0.60,30\n", "", None, None, "fewer than two lengths"),
+        (BENCH, "length_m,force_n\n0.01,20\n0.11,40\n0.21,60\n", None, "length_m", "natural length of -0.09 m"),
+        (BENCH, "length_m,force_n\n0.4,50\n0.5,30\n0.6,10\n", None, "force_n", "does not grow"),
+        ("0.60,30", "0.60,3e6", 3, "force_n", "newtons"),
     ],
 )
 def test_a_fault_of_the_bench_table_names_its_cell(
     refused: Callable[..., tuple[Fault, ...]], old: str, new: str, row: int | None, column: str | None, words: str
 ) -> None:
-    if new == "force_n,length_m":
-        found = refused((BENCH, "length_m,force_n\n0.4,50\n0.5,30\n0.6,10\n"))
-    else:
-        found = refused((old, new))
+    found = refused((old, new))
     assert any(f.file == "bench.csv" and f.row == row and words in str(f) for f in found), found
     assert column is None or any(f.column == column for f in found)
 
@@ -171,12 +169,6 @@ def test_a_table_with_decimal_commas_is_read(folder: Path, robot: Robot) -> None
     device = read_device(bundle(folder, (BENCH, text)), "device.yaml", robot)
     assert device.bands[1].bench is not None
     assert device.bands[1].bench.length == (0.4, 0.5, 0.6, 0.7)
-
-
-def test_the_slope_of_a_bench_test_is_that_of_its_taut_part(folder: Path, robot: Robot) -> None:
-    bench = read_device(bundle(folder), "device.yaml", robot).bands[1].bench
-    assert bench is not None
-    assert slope(bench) == pytest.approx(200.0)
 
 
 @pytest.mark.parametrize(

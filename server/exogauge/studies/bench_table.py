@@ -7,8 +7,7 @@ import io
 import math
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
+from exogauge.devices.bench_line import bench_line
 from exogauge.devices.device import BenchTest
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten
@@ -21,7 +20,6 @@ MAX_FAULTS = 20
 LONGEST_M = 20.0  # a longer band is a table in millimetres
 STRONGEST_N = 1e5
 PUSH_SHARE = 0.05  # of the largest force: a zero error of the force gauge; below, a sign
-TAUT_SHARE = 0.02  # of the largest force: below, the band counts as slack
 
 
 def read_bench(bundle: Bundle, file: str, is_truth: bool, *, named_in: str, column: str, row: int | None) -> BenchTest:
@@ -41,19 +39,11 @@ def read_bench(bundle: Bundle, file: str, is_truth: bool, *, named_in: str, colu
     except csv.Error as problem:
         raise BadStudy(Fault(f"not readable as CSV: {problem}", "not_csv", "Save it as CSV.", file)) from None
     lengths, forces = _columns(cells, delimiter, file)
-    faults = list(_physical_faults(lengths, forces, file))
+    bench = BenchTest(tuple(lengths), tuple(forces), is_truth)
+    faults = list(_cell_faults(bench, file)) or list(_line_faults(bench, file))
     if faults:
         raise BadStudy(faults[:MAX_FAULTS])
-    return BenchTest(tuple(lengths), tuple(forces), is_truth)
-
-
-def slope(bench: BenchTest) -> float:
-    """[N/m] of the straight line through the test's taut points; NaN where they have one length only."""
-    length, force = np.array(bench.length), np.array(bench.force)
-    taut = force > TAUT_SHARE * force.max()
-    spread = length[taut] - length[taut].mean()
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return float(np.divide(spread @ force[taut], spread @ spread))
+    return bench
 
 
 def _columns(cells: Sequence[Sequence[str]], delimiter: str, file: str) -> tuple[list[float], list[float]]:
@@ -97,23 +87,37 @@ def _number(cell: str, delimiter: str) -> float:
         return math.nan
 
 
-def _physical_faults(lengths: Sequence[float], forces: Sequence[float], file: str) -> Iterator[Fault]:
-    largest = max(forces, default=0.0)
-    for row, (metres, force) in enumerate(zip(lengths, forces, strict=True), start=1):
-        if not 0.0 < metres <= LONGEST_M:
+def _cell_faults(bench: BenchTest, file: str) -> Iterator[Fault]:
+    largest = max(bench.force, default=0.0)
+    if largest <= 0.0:
+        yield Fault("the table holds no pull", "no_pull", "Pull counts as positive [N].", file, column=FORCE)
+    for row, (length, force) in enumerate(zip(bench.length, bench.force, strict=True), start=1):
+        if not 0.0 < length <= LONGEST_M:
             detail = "a band's length is above 0 and a few metres at most"
-            yield Fault(detail, "odd_length", "Lengths are in metres.", file, row, LENGTH, f"{metres:g}")
+            yield Fault(detail, "odd_length", "Lengths are in metres.", file, row, LENGTH, f"{length:g}")
         if abs(force) > STRONGEST_N:
             detail = f"no band pulls with more than {STRONGEST_N:g} N"
             yield Fault(detail, "odd_force", "Forces are in newtons.", file, row, FORCE, f"{force:g}")
         elif force < -PUSH_SHARE * abs(largest):
             detail = "a band cannot push"
             yield Fault(detail, "negative_force", "Pull counts as positive [N].", file, row, FORCE, f"{force:g}")
-    if len(set(lengths)) < 2 or largest <= 0.0:
-        detail = "the table needs two different lengths or more, and a pull"
-        yield Fault(detail, "too_few_points", "Ten lengths from slack to the longest in use are good.", file)
+
+
+def _line_faults(bench: BenchTest, file: str) -> Iterator[Fault]:
+    """What the estimates take from the test: a straight line through its taut part."""
+    try:
+        line = bench_line(bench)
+    except ValueError:
+        detail, advice = (
+            "the band pulls at fewer than two lengths",
+            "Ten lengths from slack to the longest in use are good.",
+        )
+        yield Fault(detail, "too_few_points", advice, file)
         return
-    length = np.clip(lengths, 0.0, LONGEST_M)  # what is out of range is told above
-    if (length - length.mean()) @ np.clip(forces, -STRONGEST_N, STRONGEST_N) <= 0.0:
+    if line.stiffness <= 0.0:
         detail, advice = "the force does not grow with the length", "Are the columns swapped?"
         yield Fault(detail, "force_falls", advice, file, column=FORCE)
+    elif line.natural_length <= 0.0:
+        detail = f"the straight line through it ends at a natural length of {line.natural_length:.3g} m"
+        advice = "Lengths are those of the whole band [m], not of its stretch."
+        yield Fault(detail, "odd_natural_length", advice, file, column=LENGTH)

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.devices.bench_line import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.routing import Routing
 from exogauge.errors import Fault
 from exogauge.robots.description import Robot
-from exogauge.studies.bench_table import slope
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.device_file import SAME_PLACE_M, DevicePage
 from exogauge.studies.postures import drawn_postures
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 FAR_M = 2.0  # of a via point from its link's origin: more is millimetres
 LENGTH_RATIO = 1.5  # natural length against the length at zero posture, either way
-BENCH_SHARE = 0.2  # stiffness against the slope of the bench test
+BENCH_SHARE, BENCH_LENGTH_SHARE = 0.2, 0.1  # stiffness and natural length against the line of the bench test
 UNEVEN_SHARE = 0.02  # lengths at zero posture within a group, which is usually a mirrored pair
 
 
@@ -70,12 +70,15 @@ def _length_doubts(band: Band, length: Array, page: DevicePage, at: Pointer) -> 
 
 
 def _value_doubts(band: Band, page: DevicePage, at: Pointer) -> Iterator[Fault]:
-    if band.bench is not None and band.stiffness is not None and band.law == "linear":
-        k, measured = band.stiffness, slope(band.bench)
-        if abs(measured - k) > BENCH_SHARE * k:
-            detail = f"the bench test rises with {measured:.4g} N/m"
-            advice = "Check which of them belongs to this band."
+    if band.bench is not None and band.law == "linear":
+        line, advice = bench_line(band.bench), "Check which of them belongs to this band."
+        k, l_0 = band.stiffness, band.natural_length
+        if k is not None and abs(line.stiffness - k) > BENCH_SHARE * k:
+            detail = f"the bench test rises with {line.stiffness:.4g} N/m"
             yield page.fault(detail, "bench_disagrees", (*at, "stiffness_n_per_m"), advice, f"{k:g}")
+        if l_0 is not None and abs(line.natural_length - l_0) > BENCH_LENGTH_SHARE * l_0:
+            detail = f"the bench test begins to pull at {line.natural_length:.4g} m"
+            yield page.fault(detail, "bench_disagrees", (*at, "natural_length_m"), advice, f"{l_0:g}")
     if band.ground_truth and band.stiffness is None:
         detail = "ground_truth says that the values are true, and no stiffness is given"
         yield page.fault(detail, "no_truth", (*at, "ground_truth"), "Give stiffness_n_per_m, or leave it out.")
