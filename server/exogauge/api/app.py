@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from fastapi import APIRouter, FastAPI
 
 from exogauge import __version__
-from exogauge.api import devices, health, logs, openapi, page, problems, results, robots, studies
+from exogauge.api import devices, health, logs, openapi, page, problems, results, robots, studies, what_if
 from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
@@ -52,7 +52,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(Idempotency)
     app.add_middleware(BodyLimit, limit=settings.max_upload_bytes)
     app.add_middleware(Guard, local_only=settings.local_only)
-    for router in (robots.router, devices.router, logs.router, studies.router, results.router, *job_routers()):
+    for router in (
+        robots.router,
+        devices.router,
+        logs.router,
+        studies.router,
+        what_if.router,
+        results.router,
+        *job_routers(),
+    ):
         app.include_router(router, prefix=PREFIX)
     app.include_router(health.router)
     app.include_router(page.router)

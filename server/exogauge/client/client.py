@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar, final
@@ -14,7 +14,7 @@ import httpx
 
 from exogauge.client.bundle import zipped, zipped_description
 from exogauge.client.problem import ClientProblem, problem_of_job
-from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, thing
+from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, WhatIf, thing
 from exogauge.client.transport import Transport
 from exogauge.terminal import bar
 
@@ -139,6 +139,26 @@ class Client:
         if now.state != "succeeded":
             raise problem_of_job(now)
         return now
+
+    def what_if(
+        self,
+        study: Study | str,
+        log: str,
+        changes: Sequence[Mapping[str, Any]] = (),
+        *,
+        device: str | None = None,
+        main: Sequence[str] = (),
+        series: bool = False,
+    ) -> WhatIf:
+        """What a changed device would do over a log of the study, beside what the present one does.
+
+        changes: for example {"change": "stiffness", "of": "A", "to": 300.0}. device: a file of the study to start from,
+        default what the log wears. main: joints that it is for. series: sample by sample too. At most 5000 samples; for
+        all of them submit a job of kind `whatif`.
+        """
+        asked = {"log": log, "changes": [dict(change) for change in changes], "main": list(main), "series": series}
+        given = asked | ({} if device is None else {"device": device})
+        return thing(WhatIf, self._http.ask(f"studies/{id_of(study)}/whatif", given))
 
     def results(self, job: Job | str) -> dict[str, Any]:
         """results.json of a job."""

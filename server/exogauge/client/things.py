@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar, final
 
@@ -95,6 +95,36 @@ class Artifact:
     size: int
     media_type: str
     href: str
+
+
+@final
+@dataclass(frozen=True)
+class WhatIf:
+    """Supporting torque before and after a change of the device.
+
+    joints: [{joint, unit, before, after: {peak, mean, rms, integral, work}, percent}]. interference: [{joint, before,
+    after}], shares of the main joints' rms. bands: [{band, before, after: {tension_max_n, length_min_m, length_max_m,
+    stretch_max, slack_share} or None}]. changed: the content of its device.yaml. series: {t, joints: {joint: {before,
+    after}}, bands: {band: {before, after: {tension_n, length_m} or None}}}, None unless asked for.
+    samples: of the answer, every `every`-th of the log's of_samples.
+    """
+
+    log: str
+    device: Mapping[str, str]
+    samples: int
+    of_samples: int
+    every: int
+    duration_s: float
+    joints: Sequence[Mapping[str, Any]]
+    main: Sequence[str]
+    interference: Sequence[Mapping[str, Any]]
+    bands: Sequence[Mapping[str, Any]]
+    notes: Sequence[str]
+    changed: Mapping[str, Any] = field(repr=False)
+    elapsed_ms: float
+    opening_ms: float
+    cutoff_hz: float | None = None
+    series: Mapping[str, Any] | None = field(default=None, repr=False)
 
 
 def thing(kind: type[Thing], answer: Mapping[str, Any]) -> Thing:

@@ -49,6 +49,10 @@ class Transport:
         content = {"data": form, "files": files} if files else {"json": body}
         return self._send("POST", path, headers=headers, **content).json()
 
+    def ask(self, path: str, body: Any) -> Any:
+        """POST of a question that changes nothing: no key, for the answer need not be kept; sent again all the same."""
+        return self._send("POST", path, json=body).json()
+
     def download(self, path: str, target: Path) -> Path:
         """GET to a file, written beside it first, so that `target` is whole or absent."""
         partial = target.with_name(target.name + ".partial")

@@ -23,7 +23,7 @@ from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
 
-KEPT_BYTES = 64 << 20  # of routings that are not the device's own
+KEPT_BYTES = 64 << 20
 
 
 @final
@@ -60,11 +60,12 @@ class BandPull:
 class Bench:
     """q: (T, J) [rad or m] of the tree's joints, low-passed where a law takes rates. time: (T,) [s], rising.
 
-    Threads may share it.
+    kept_bytes: of routings that are not the device's own. Threads may share it.
     """
 
-    def __init__(self, tree: RigidTree, device: Device, q: Array, time: Array) -> None:
+    def __init__(self, tree: RigidTree, device: Device, q: Array, time: Array, kept_bytes: int = KEPT_BYTES) -> None:
         self.tree, self.device, self.q, self.time = tree, device, np.ascontiguousarray(q), time
+        self._kept_bytes = kept_bytes
         self._own = {_routing_of(band) for band in device.bands}
         self._wires: OrderedDict[tuple[object, ...], Wire] = OrderedDict()
         self._lock = threading.Lock()
@@ -103,7 +104,7 @@ class Bench:
         """Memory that it takes, or may come to take."""
         with self._lock:
             own = sum(wire.nbytes for key, wire in self._wires.items() if key in self._own)
-        return self.q.nbytes + self.time.nbytes + own + KEPT_BYTES
+        return self.q.nbytes + self.time.nbytes + own + self._kept_bytes
 
     def _measured(self, band: Band) -> Wire:
         routing = Routing(self.tree, [band])
@@ -125,7 +126,7 @@ class Bench:
         others = [key for key in self._wires if key not in self._own]
         taken = sum(self._wires[key].nbytes for key in others)
         for key in others[:-1]:
-            if taken <= KEPT_BYTES:
+            if taken <= self._kept_bytes:
                 return
             taken -= self._wires.pop(key).nbytes
 
@@ -133,6 +134,12 @@ class Bench:
 def _routing_of(band: Band) -> tuple[tuple[ViaPoint, ...], bool]:
     """What tells routings apart: the via points, and whether single segments are asked for."""
     return band.via_points, check_values(band.law, band.law_values).per_segment
+
+
+def wire_bytes(tree: RigidTree, band: Band, samples: int) -> int:
+    """Memory that a band's routing takes, known before it is measured."""
+    per_segment = check_values(band.law, band.law_values).per_segment
+    return 8 * samples * len(Routing(tree, [band]).columns) * (len(band.via_points) - 1 if per_segment else 1)
 
 
 def complete(bands: Sequence[Band]) -> tuple[Band, ...]:

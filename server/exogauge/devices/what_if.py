@@ -44,7 +44,8 @@ class JointLoad:
 @final
 @dataclass(frozen=True)
 class JointChange:
-    """percent: measure -> 100 (after - before) / |before|, None where before is 0."""
+    """percent: measure -> 100 (after / before - 1): 100 is twice as much, -100 nothing left, less is the other way
+    round; None where before is 0."""
 
     joint: str
     before: JointLoad
@@ -121,13 +122,15 @@ def compare(bench: Bench, changed: Device, main: Sequence[str] = ()) -> WhatIf:
     """The bench's device and another one, over the bench's motion."""
     refuse_unknown(changed)
     known = complete(bench.device.bands)
-    pulls = [{band.name: bench.pull(band) for band in bands} for bands in (known, changed.bands)]
-    torques = [_torques(bench, list(each.values())) for each in pulls]
-    columns = sorted(torques[0].keys() | torques[1].keys())
+    (torque, loads), (new_torque, new_loads) = _pulled(bench, known), _pulled(bench, changed.bands)
     idle = np.zeros(len(bench.time))
-    joints = tuple(_joint(bench, c, torques[0].get(c, idle), torques[1].get(c, idle)) for c in columns)
+    joints = tuple(
+        _joint(bench, column, torque.get(column, idle), new_torque.get(column, idle))
+        for column in sorted(torque.keys() | new_torque.keys())
+    )
     chosen = _main(bench.tree, joints, main)
-    bands = tuple(_bands(bench, known, changed.bands, *pulls))
+    names = dict.fromkeys(band.name for band in (*bench.device.bands, *changed.bands))
+    bands = tuple(BandChange(name, loads.get(name), new_loads.get(name)) for name in names)
     notes = (*_unknown_before(bench.device, known), *_new_groups(bench.device, changed), *_slack(bands))
     return WhatIf(bench.device, changed, bench.time, joints, bands, chosen, _interference(joints, chosen), notes)
 
@@ -142,13 +145,18 @@ def refuse_unknown(changed: Device) -> None:
         raise BadInput(faults)
 
 
-def _torques(bench: Bench, pulls: Sequence[BandPull]) -> dict[int, Array]:
-    """By column of q."""
-    total: dict[int, Array] = {}
-    for pull in pulls:
+def _pulled(bench: Bench, bands: Sequence[Band]) -> tuple[dict[int, Array], dict[str, BandLoad]]:
+    """Torque by column of q, of all bands together; each band's own load by its name."""
+    total, loads = dict[int, Array](), dict[str, BandLoad]()
+    for band in bands:
+        pull = bench.pull(band)
+        loads[band.name] = _band_load(pull, band)
         for column, torque in zip(pull.columns.tolist(), pull.torque, strict=True):
-            total[column] = total[column] + torque if column in total else torque
-    return total
+            if column in total:
+                total[column] += torque
+            else:
+                total[column] = torque
+    return total, loads
 
 
 def _joint(bench: Bench, column: int, before: Array, after: Array) -> JointChange:
@@ -174,7 +182,7 @@ def _load(torque: Array, time: Array, q: Array) -> JointLoad:
 
 
 def _percent(before: float, after: float) -> float | None:
-    return 100.0 * (after - before) / abs(before) if before != 0.0 else None
+    return 100.0 * (after / before - 1.0) if before != 0.0 else None
 
 
 def _main(tree: RigidTree, joints: Sequence[JointChange], asked: Sequence[str]) -> tuple[str, ...]:
@@ -204,18 +212,6 @@ def _interference(joints: Sequence[JointChange], main: Sequence[str]) -> tuple[I
         if joint.joint not in main
     ]
     return tuple(sorted(others, key=lambda each: -(each.after or 0.0)))
-
-
-def _bands(
-    bench: Bench, before: Sequence[Band], after: Sequence[Band], *pulls: Mapping[str, BandPull]
-) -> list[BandChange]:
-    values = [{band.name: band for band in bands} for bands in (before, after)]
-    names = dict.fromkeys([*(band.name for band in bench.device.bands), *values[1]])
-
-    def load(when: int, name: str) -> BandLoad | None:
-        return _band_load(pulls[when][name], values[when][name]) if name in values[when] else None
-
-    return [BandChange(name, load(0, name), load(1, name)) for name in names]
 
 
 def _band_load(pull: BandPull, band: Band) -> BandLoad:

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from exogauge.studies.contract import Name
+from exogauge.studies.contract import Name, RelativePath
 
 MOST_CHANGES = 200
 
@@ -212,6 +212,6 @@ class WhatIfSettings(Entry):
     that the device is for; default the one with the largest torque."""
 
     log: Name
-    device: Name | None = None
+    device: RelativePath | None = None
     changes: ChangeEntries = []
     main: Annotated[list[Name], Field(max_length=50)] = []

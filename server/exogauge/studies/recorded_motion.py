@@ -63,29 +63,30 @@ class _Opened:
     robot_file: RobotFile
 
 
-def read_motion(bundle: Bundle, log: str, device: str | None = None, most: int | None = None) -> RecordedMotion:
-    """log: a name in study.yaml, or a file on this machine in the contract's columns. device: a file of the study or on
-    this machine; default: what the log wears, else the study's. most: keep at most so many samples, evenly.
+def read_motion(
+    bundle: Bundle, log: str | Path, device: str | Path | None = None, most: int | None = None
+) -> RecordedMotion:
+    """log: a name in study.yaml, or a file on this machine in the contract's columns. device: a file of the study, or
+    one on this machine; default: what the log wears, else the study's. most: keep at most so many samples, evenly.
 
-    Files outside the study count only where the study has none of that name; a bundle from strangers holds all it may
-    name, so whoever opens one has to check `log` and `device` against it before. Raises BadStudy, BadRobot, BadLog.
+    Raises BadStudy, BadRobot, BadLog.
     """
     study = _open(bundle)
-    entry = dict(zip(study.names, study.file.logs, strict=True)).get(log)
-    device_file = device or _device_of(study, entry)
-    worn = _read_device(study, device_file)
-    read = _read_entry(study, entry, log) if entry is not None else _read_outside(study, log)
+    entry = _entry(study, log) if isinstance(log, str) else None
+    device = device or _device_of(study, entry)
+    worn = _read_device(study, device)
+    read = _read_entry(study, entry, str(log)) if entry is not None else _read_outside(Path(log))
     missing = [f"q.{joint}" for joint in study.robot.tree.joints if f"q.{joint}" not in read.channels]
     if missing:
         advice = suggestion(missing[0], list(read.channels)) if len(read.channels) < 200 else ""
-        raise BadLog([Fault("the log lacks a joint's position", "missing_column", advice, log, column=each)
+        raise BadLog([Fault("the log lacks a joint's position", "missing_column", advice, read.name, column=each)
                       for each in missing])  # fmt: skip
     q, cutoff_hz = _low_passed(read, [f"q.{joint}" for joint in study.robot.tree.joints])
     every = 1 if most is None else -(-read.samples // most)
     return RecordedMotion(
         tree=study.robot.tree,
         device=worn,
-        device_file=device_file,
+        device_file=str(device),
         log=read.name,
         q=np.ascontiguousarray(q[::every]),
         time=np.ascontiguousarray(read.time[::every]),
@@ -93,16 +94,6 @@ def read_motion(bundle: Bundle, log: str, device: str | None = None, most: int |
         every=every,
         cutoff_hz=cutoff_hz,
     )
-
-
-def refuse_unknown_log(log: str, names: tuple[str, ...]) -> BadStudy:
-    advice = suggestion(log, names)
-    return BadStudy(Fault("the study has no log of this name", "unknown_log", advice, column="log", value=log[:200]))
-
-
-def refuse_no_device() -> BadStudy:
-    advice = "Name one: `device: device.yaml` in study.yaml, or ask for one of its files."
-    return BadStudy(Fault("the study names no device", "no_device", advice, column="device"))
 
 
 def _open(bundle: Bundle) -> _Opened:
@@ -113,22 +104,26 @@ def _open(bundle: Bundle) -> _Opened:
     return _Opened(bundle, data, file, log_names(file, name, data), robot, robot_file)
 
 
+def _entry(study: _Opened, log: str) -> LogEntry:
+    if log not in study.names:
+        advice, file = suggestion(log, study.names), study.bundle.study_file
+        raise BadStudy(Fault("the study has no log of this name", "unknown_log", advice, file, None, "log", log[:200]))
+    return study.file.logs[study.names.index(log)]
+
+
 def _device_of(study: _Opened, entry: LogEntry | None) -> str:
     """What the log wears; else the study's device, or the first that one of its logs wears."""
-    worn = [each.device for each in (entry, *study.file.logs) if each is not None and each.device is not None]
-    if entry is not None and entry.device is not None:
-        return entry.device
-    if study.file.device is not None:
-        return study.file.device
-    if not worn:
-        raise refuse_no_device()
-    return worn[0]
+    named = [None if entry is None else entry.device, study.file.device, *(each.device for each in study.file.logs)]
+    found = next((each for each in named if each is not None), None)
+    if found is None:
+        advice = "Name one: `device: device.yaml` in study.yaml, or ask for one of its files."
+        raise BadStudy(Fault("the study names no device", "no_device", advice, study.bundle.study_file))
+    return found
 
 
-def _read_device(study: _Opened, file: str) -> Device:
-    outside = Path(file)
-    if not (study.bundle.root / file).is_file() and outside.is_file():
-        return read_device(Bundle(outside.parent, outside.name), outside.name, study.robot)
+def _read_device(study: _Opened, file: str | Path) -> Device:
+    if isinstance(file, Path):
+        return read_device(Bundle(file.parent, file.name), file.name, study.robot)
     return read_device(study.bundle, file, study.robot, study.bundle.study_file)
 
 
@@ -141,10 +136,7 @@ def _read_entry(study: _Opened, entry: LogEntry, name: str) -> Log:
     return read_entry(study.bundle, entry, name, study.robot_file, motor_from_joint(study.robot_file))
 
 
-def _read_outside(study: _Opened, log: str) -> Log:
-    path = Path(log)
-    if not path.is_file():
-        raise refuse_unknown_log(log, study.names)
+def _read_outside(path: Path) -> Log:
     return parse_log(LogRequest(path.stem, {path.name: path}))
 
 

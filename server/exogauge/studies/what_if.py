@@ -19,7 +19,7 @@ from exogauge.devices.what_if import BandLoad, JointLoad, WhatIf, compare
 from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.identification.settings import Progress
 from exogauge.robots.tree import RigidTree
-from exogauge.studies.bundle import open_bundle
+from exogauge.studies.bundle import Bundle, open_bundle
 from exogauge.studies.change_entries import ChangeEntry, ChangesFile, WhatIfSettings
 from exogauge.studies.change_text import read_change
 from exogauge.studies.device_content import device_content, write_device
@@ -56,8 +56,9 @@ class Asked:
 
 
 def ask(study: Path, log: str, device: str | None, words: Sequence[tuple[str, str]], main: Sequence[str]) -> Asked:
-    """study, log, device: as for `open_bundle` and `read_motion`. words: (option, text) in order, see `change_text`;
-    option `changes`: text is a YAML file of changes. Raises BadInput where anything of it is wrong."""
+    """study: as for `open_bundle`. log: a file on this machine, or else a name in study.yaml. device: a file of the
+    study, or else on this machine. words: (option, text) in order, see `change_text`; option `changes`: text is a YAML
+    file of changes. Raises BadInput where anything of it is wrong."""
     entries, places = list[ChangeEntry](), list[str]()
     for option, text in words:
         if option == "changes":
@@ -69,7 +70,7 @@ def ask(study: Path, log: str, device: str | None, words: Sequence[tuple[str, st
             places.append(f"--{option} {text}")
     bundle = open_bundle(study)
     try:
-        motion = read_motion(bundle, log, device)
+        motion = read_motion(bundle, Path(log) if Path(log).is_file() else log, _placed(device, bundle))
     finally:
         bundle.close()
     try:
@@ -78,6 +79,12 @@ def ask(study: Path, log: str, device: str | None, words: Sequence[tuple[str, st
         raise type(bad)([replace(each, column=places[_index(each)]) for each in bad.faults]) from None
     found = compare(Bench(motion.tree, motion.device, motion.q, motion.time), changed, main)
     return Asked(motion, found, None if study.suffix == ".zip" else bundle.root)
+
+
+def _placed(device: str | None, bundle: Bundle) -> str | Path | None:
+    if device is None or (not Path(device).is_absolute() and (bundle.root / device).is_file()):
+        return device
+    return Path(device) if Path(device).is_file() else device
 
 
 def _index(fault: Fault) -> int:
