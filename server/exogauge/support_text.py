@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exogauge.studies.rounding import between, rounded, significant, with_std
@@ -18,14 +18,13 @@ def support_text(result: Mapping[str, Any]) -> str:
     entries = [each for motion in motions for each in result["support"] if each["main"] and each["motion"] == motion]
     if not entries:
         return ""
-    columns = ("motion", "device", "joint", "A", "B", "maker's", "A steady", "B steady", "A null", "B null", "motions")
+    columns = ("motion", "device", "joint", "A", "B", "maker's", "A steady", "B steady", "A null", "B null")
     rows = [
         [
             *(each["motion"], each["device"], each["joint"]),
             *(figures(each[f"rmse_{approach}"]) for approach in ("a", "b", "prior")),
             *(figures(each["rmse_steady"][approach]) for approach in ("a", "b")),
             *(figures(each["null"][approach], 2) for approach in ("a", "b")),
-            each["motion_equality"]["verdict"] if each["motion_equality"] else "",
         ]
         for each in entries
     ]
@@ -37,7 +36,7 @@ def support_text(result: Mapping[str, Any]) -> str:
             text_table(columns, rows),
             "",
             "steady: only samples in which both runs move steadily. null: what the approach finds on logs without the",
-            "device, where the truth is zero. motions: whether the runs with and without the device are alike.",
+            f"device, where the truth is zero. {alike(entries)}",
             "",
             text_table(
                 ("motion", "device", "joint", "peak by A", "peak by B", "band model"),
@@ -45,6 +44,18 @@ def support_text(result: Mapping[str, Any]) -> str:
             ),
         ]
     )
+
+
+def alike(entries: Sequence[Mapping[str, Any]]) -> str:
+    """Whether the motions that A compares are the same."""
+    compared = [each for each in entries if each["motion_equality"]]
+    if not compared:
+        return "No motion was recorded without the device, so there is no A."
+    unlike = [each for each in compared if each["motion_equality"]["verdict"] != "equal"]
+    if not unlike:
+        return "All motions that A compares are alike."
+    named = (f"{each['motion']} with {each['device']} at {each['joint']}" for each in unlike)
+    return f"Motions that A compares are not quite alike: {', '.join(named)}."
 
 
 def peak_row(entry: Mapping[str, Any]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 
 import pytest
@@ -30,6 +31,15 @@ def test_each_motion_and_device_has_a_row_at_its_main_joint(result: dict) -> Non
     assert ["bend", "Normal suit", "torso_pitch", "0.300", "0.410", "2.00"] in [row[:6] for row in found]
     assert ["twist", "Modified suit", "torso_yaw", "0.300", "0.410", "2.00"] in [row[:6] for row in found]
     assert not any("r_elbow" in row for row in found)
+
+
+def test_motions_that_are_not_alike_are_named(result: dict) -> None:
+    assert "All motions that A compares are alike." in support_text(result)
+    doubtful = copy.deepcopy(result)
+    for each in doubtful["support"]:
+        if (each["motion"], each["device"]) == ("bend", "Normal suit"):
+            each["motion_equality"]["verdict"] = "doubtful"
+    assert "not quite alike: bend with Normal suit at torso_pitch." in support_text(doubtful)
 
 
 def test_tables_2_and_3_hold_truth_and_every_approach(result: dict) -> None:
