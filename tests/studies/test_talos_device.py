@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sysconfig
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
@@ -10,30 +11,17 @@ import numpy as np
 import pytest
 
 from exogauge.cli import main
+from exogauge.devices.laws import all_laws
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy
+from exogauge.studies.contract import Band, DeviceFile
 from exogauge.studies.device_check import DeviceCheck, check_device_file
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
-SUIT = """version: 1
-name: Back support
-bands:
-  - name: left
-    group: back
-    via_points:
-      - {link: torso_2_link,    xyz: [-0.15,  0.10,  0.30]}
-      - {link: base_link,       xyz: [-0.16,  0.10,  0.00]}
-      - {link: leg_left_3_link, xyz: [-0.10,  0.00, -0.25]}
-    stiffness_n_per_m: 400
-    natural_length_m: 0.85
-  - name: right
-    group: back
-    via_points:
-      - {link: torso_2_link,     xyz: [-0.15, -0.10,  0.30]}
-      - {link: base_link,        xyz: [-0.16, -0.10,  0.00]}
-      - {link: leg_right_3_link, xyz: [-0.10,  0.00, -0.25]}
-    natural_length_m: 0.85
-"""
+DOCUMENT = (Path(__file__).parents[2] / "docs/device.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```(?:yaml|text)\n(.*?)```", DOCUMENT, flags=re.DOTALL)
+SUIT = next(block for block in BLOCKS if "bands:" in block)
+BENCH = next(block for block in BLOCKS if block.startswith("length_m"))
 SIDES = {"left": 1.0, "right": -1.0}
 
 
@@ -118,3 +106,22 @@ def test_the_documents_commands_work(folder: Path, capsys: pytest.CaptureFixture
     assert main(["device", str(folder / "suit.yaml"), *robot, "--picture", str(folder / "bands.svg")]) == 0
     assert "negative angles: moves torso_2_link back" in capsys.readouterr().out
     assert fromstring((folder / "bands.svg").read_text()).tag.endswith("svg")
+
+
+def test_the_documents_bench_test_belongs_to_its_band(folder: Path) -> None:
+    (folder / "bench.csv").write_text(BENCH)
+    (folder / "bench.yaml").write_text(
+        SUIT.replace("    group: back\n", "    group: back\n    bench: {file: bench.csv}\n")
+    )
+    check = check_device_file(folder / "bench.yaml", folder / "talos.urdf")
+    assert check.device.bands[1].bench is not None
+    assert check.doubts == ()
+
+
+def test_the_document_names_every_key_and_every_law_with_its_values() -> None:
+    for key in (*Band.model_fields, *DeviceFile.model_fields):
+        assert re.search(rf"\b{key}\b", DOCUMENT), key
+    rows = {cells[1].strip(" `"): cells[2] for line in DOCUMENT.splitlines() if len(cells := line.split("|")) == 5}
+    for name, law in all_laws().items():
+        for quantity in law.values:
+            assert f"`{quantity.name}`" in rows[name]
