@@ -43,14 +43,13 @@ def phase_names(tree: RigidTree, joint: str) -> tuple[str, ...]:
 
 
 def _without_splinters(phase: IntArray, shortest: int) -> IntArray:
-    """Parts shorter than `shortest` samples take the phase before them (the first takes the one after)."""
+    """Parts shorter than `shortest` samples take the phase before them; at the start, that of the first long one."""
     phase = phase.astype(np.intp)
     edges = np.flatnonzero(np.diff(phase)) + 1
     parts = list(zip([0, *edges], [*edges, len(phase)], strict=True))
+    begin = next((start for start, stop in parts if stop - start >= shortest), 0)
+    phase[:begin] = phase[begin]
     for start, stop in parts:
-        if stop - start < shortest and start > 0:
+        if stop - start < shortest and start > begin:
             phase[start:stop] = phase[start - 1]
-    first = parts[0][1]
-    if first < shortest and first < len(phase):
-        phase[:first] = phase[first]
     return phase
