@@ -80,6 +80,8 @@ def parser() -> argparse.ArgumentParser:
     device.add_argument("--study", type=Path, help="study.yaml, its folder, or a zip of it, in place of --robot")
     device.add_argument("--log", type=Path, metavar="FILE", help="lengths and moment arms over this log too")
     device.add_argument("--picture", type=Path, metavar="FILE.svg", help="draw the bands on the robot, front and side")
+    place = "a place seen from the base link [m], all joints at zero, as a via point of LINK"
+    device.add_argument("--place", nargs=4, action="append", metavar=("LINK", "X", "Y", "Z"), default=[], help=place)
     device.set_defaults(command=check_device)
 
     what_if = commands.add_parser(
@@ -168,11 +170,11 @@ def check_device(options: argparse.Namespace) -> int:
     from exogauge.studies.device_check import check_device_file, read_wearer
     from exogauge.studies.device_picture import draw_device
     from exogauge.studies.device_text import device_text
-    from exogauge.studies.link_table import link_table
+    from exogauge.studies.link_table import link_table, via_point_at
 
     if options.device is None:
         robot, device = read_wearer(options.robot, options.study), None
-        print(link_table(robot))
+        print("\n".join(via_point_at(robot, link, xyz) for link, *xyz in options.place) or link_table(robot))
     else:
         check = check_device_file(options.device, options.robot, options.study, options.log)
         robot, device = check.robot, check.device

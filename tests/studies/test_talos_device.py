@@ -9,6 +9,7 @@ from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
+import yaml
 
 from exogauge.cli import main
 from exogauge.devices.laws import all_laws
@@ -106,6 +107,20 @@ def test_the_documents_commands_work(folder: Path, capsys: pytest.CaptureFixture
     assert main(["device", str(folder / "suit.yaml"), *robot, "--picture", str(folder / "bands.svg")]) == 0
     assert "negative angles: moves torso_2_link back" in capsys.readouterr().out
     assert fromstring((folder / "bands.svg").read_text()).tag.endswith("svg")
+
+
+def test_a_place_seen_from_the_base_becomes_a_via_point(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = ["device", "--robot", str(folder / "talos.urdf")]
+    assert main([*robot, "--place", "torso_2_link", "-0.15", "0.10", "0.372"]) == 0
+    told = capsys.readouterr().out.strip()
+    assert told == "{link: torso_2_link, xyz: [-0.15, 0.1, 0.2998]}"
+    assert told in DOCUMENT
+    assert main([*robot, "--place", "imu_link", "0.049", "0.2", "0.15"]) == 0  # its x points left
+    point = yaml.safe_load(capsys.readouterr().out)
+    assert point["xyz"] == pytest.approx([0.2, 0.0, 0.0], abs=1e-3)
+    assert main([*robot, "--place", "torso_2_link", "a", "b", "c"]) == 2
+    assert main([*robot, "--place", "torso_3_link", "0", "0", "0"]) == 2
+    assert "Did you mean 'torso_2_link'" in capsys.readouterr().err
 
 
 def test_the_documents_bench_test_belongs_to_its_band(folder: Path) -> None:

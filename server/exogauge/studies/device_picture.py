@@ -19,7 +19,7 @@ from exogauge.studies.link_table import base_link
 Array = NDArray[np.float64]
 
 HEIGHT, WIDEST, MARGIN, TOP, LINE = 620.0, 560.0, 48.0, 46.0, 18.0  # [px]
-LETTER = 6.6  # [px] of a label, at most
+LETTER = 8.0  # [px] of a label, capitals too
 COLOURS = ("#2f7ed8", "#d9480f", "#2b9348", "#a64ac9", "#a67c00", "#0b8f9c")
 STYLE = """
 text { font: 12px system-ui, sans-serif; fill: #22262c }
@@ -146,7 +146,7 @@ def _views(seen: Array, label: float) -> tuple[list[_View], float, float]:
         two_sided=False,
     )
     width = edge + max(float(extent[0]) * scale + MARGIN + room, 250.0)
-    return [front, side], width, TOP + MARGIN + float(extent[2]) * scale
+    return [front, side], width, TOP + MARGIN + LINE + float(extent[2]) * scale
 
 
 def _figure(view: _View, bones: Sequence[tuple[Array, Array]]) -> Iterator[str]:

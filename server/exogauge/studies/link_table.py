@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from exogauge.devices.posture import Posture
+from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.pull_words import WAYS
+from exogauge.studies.yaml_file import suggestion
 from exogauge.terminal import text_table
 
 ALONG = 0.985  # cosine: within 10° an axis counts as pointing along one of the base link's
@@ -31,6 +35,21 @@ def link_table(robot: Robot) -> str:
             moved = joint_of.get(body, "the base") if own in names else f"fixed to {own}"
             rows.append([", ".join(names), moved, *place])
     return text_table(["link", "moved by", "x [m]", "y [m]", "z [m]", "its x, y, z axes point"], rows, widest=60)
+
+
+def via_point_at(robot: Robot, link: str, place: Sequence[str]) -> str:
+    """`{link: …, xyz: […]}` for a place [m] seen from the base link with all joints at zero, fit for device.yaml."""
+    try:
+        seen = np.array([float(each) for each in place])
+    except ValueError:
+        seen = np.full(3, np.nan)
+    if not np.isfinite(seen).all():
+        raise BadStudy(Fault("not three numbers", "not_a_number", "Give LINK X Y Z [m].", value=" ".join(place)[:80]))
+    if link not in robot.tree.frames:
+        advice = suggestion(link, list(robot.tree.frames))
+        raise BadStudy(Fault("the robot has no such link or frame", "unknown_link", advice, value=link[:80]))
+    xyz = np.round(Posture(robot.tree).pose(link).actInv(seen), 4) + 0.0
+    return f"{{link: {link}, xyz: [{', '.join(f'{value:.4g}' for value in xyz)}]}}"
 
 
 def base_link(tree: RigidTree) -> str:
