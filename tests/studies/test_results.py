@@ -9,6 +9,7 @@ import json
 import math
 import re
 import shutil
+from collections.abc import Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -21,8 +22,9 @@ from exogauge.identification.result import Identification
 from exogauge.studies import evaluate as module
 from exogauge.studies.evaluate import write
 from exogauge.studies.figures import thin_out
-from exogauge.studies.open import open_study
+from exogauge.studies.open import Study, open_study
 from exogauge.studies.report_tables import combination
+from exogauge.studies.results import Evaluation
 from exogauge.studies.rounding import significant, with_std
 
 FINDING = {
@@ -31,12 +33,19 @@ FINDING = {
 }  # fmt: skip
 
 
+def whole(study: Study, found: Identification, findings: Sequence[dict] = ()) -> Evaluation:
+    """The evaluation of a study without a device."""
+    return Evaluation(
+        study.name, study.robot, study.settings, study.steps, study.bundle.inputs, findings, found, [], {}
+    )
+
+
 @pytest.fixture(scope="module")
 def out(pristine: Path, identification: Identification, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The results of one evaluation; not to be changed."""
     written = tmp_path_factory.mktemp("results") / "out"
     with open_study(pristine) as study:
-        write(study, identification, [FINDING], written)
+        write(study, whole(study, identification, [FINDING]), written)
     return written
 
 
@@ -101,7 +110,7 @@ def test_not_a_number_becomes_null(folder: Path, identification: Identification,
     odd = dataclasses.replace(identification.parameters[0], std=math.inf, prior_std=math.nan)
     found = dataclasses.replace(identification, parameters=(odd, *identification.parameters[1:]), condition=math.inf)
     with open_study(folder) as study:
-        write(study, found, [], tmp_path / "out")
+        write(study, whole(study, found, []), tmp_path / "out")
     said = content(tmp_path / "out")["identification"]
     assert said["condition"] is None
     assert said["parameters"][0]["std"] is None
@@ -113,7 +122,7 @@ def test_the_same_inputs_give_the_same_bytes(
     again = Path(shutil.copytree(out, tmp_path / "again"))
     (again / "series" / "stale.parquet").write_bytes(b"of an earlier run")
     with open_study(folder) as study:
-        write(study, identification, [FINDING], again)
+        write(study, whole(study, identification, [FINDING]), again)
     first, second = ({path.relative_to(root): path.read_bytes() for path in root.rglob("*.*")} for root in (out, again))
     assert first == second
 
@@ -129,7 +138,7 @@ def test_a_failed_run_never_looks_whole(
 
     monkeypatch.setattr(module.os, "replace", fail)
     with open_study(folder) as study, pytest.raises(OSError, match="no space"):
-        write(study, identification, [], out)
+        write(study, whole(study, identification, []), out)
     assert sorted(path.name for path in out.iterdir()) == ["notes.txt"]
 
 
@@ -141,7 +150,7 @@ def test_an_impossible_link_is_a_warning_not_a_urdf(
     with open_study(folder) as study:
         with pytest.raises(PhysicallyImpossible):
             module.export_urdf(study.urdf, study.robot.tree, phi)
-        write(study, dataclasses.replace(identification, phi=phi), [], tmp_path / "out")
+        write(study, whole(study, dataclasses.replace(identification, phi=phi), []), tmp_path / "out")
     assert not (tmp_path / "out" / "identified.urdf").exists()
     assert "chest_0" in content(tmp_path / "out")["warnings"][0]
 
@@ -217,7 +226,7 @@ def test_names_that_mean_something_elsewhere_are_shown_as_text(
     )
     found = dataclasses.replace(identification, predictions=(renamed,), validation=fits)
     with open_study(folder) as study:
-        write(study, found, [], tmp_path / "out")
+        write(study, whole(study, found, []), tmp_path / "out")
     page = Page((tmp_path / "out" / "report.html").read_text())
     assert page.open == []
     assert "<i>$x_1$&" in page.text
@@ -230,7 +239,7 @@ def test_without_held_out_logs_the_report_says_so(folder: Path, identification: 
         validation=tuple(fit for fit in identification.validation if not fit.held_out),
     )
     with open_study(folder) as study:
-        write(study, found, [], tmp_path / "out")
+        write(study, whole(study, found, []), tmp_path / "out")
     assert "No log was held out" in (tmp_path / "out" / "report.html").read_text()
 
 

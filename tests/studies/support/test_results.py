@@ -7,13 +7,17 @@ import dataclasses
 import io
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
 from exogauge.devices.result import StiffnessResult
-from exogauge.studies.results import finite, to_json
+from exogauge.identification.result import Identification
+from exogauge.studies.evaluate import write
+from exogauge.studies.open import open_study
+from exogauge.studies.results import Evaluation, finite, to_json
 from exogauge.studies.series import write_series
 from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries, stiffness_table
 from exogauge.studies.support_results import main_joints, support_entries, support_table
@@ -139,7 +143,7 @@ def test_the_tables_hold_every_number(support: SupportResult, stiffness: tuple[S
     assert bands[2]["truth_n_per_m"] == ""
 
 
-def test_a_reader_of_the_series_finds_the_stated_rmse(support: SupportResult, tmp_path) -> None:
+def test_a_reader_of_the_series_finds_the_stated_rmse(support: SupportResult, tmp_path: Path) -> None:
     trial = support.trials[0]
     write_series(trial.prediction, tmp_path / "worn.parquet", trial)
     table = pq.read_table(tmp_path / "worn.parquet")
@@ -149,7 +153,7 @@ def test_a_reader_of_the_series_finds_the_stated_rmse(support: SupportResult, tm
         assert math.sqrt(np.mean(error**2)) == pytest.approx(entry(support)[f"rmse_{approach}"], rel=1e-12)
 
 
-def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support: SupportResult, tmp_path) -> None:
+def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support: SupportResult, tmp_path: Path) -> None:
     trial = support.trials[0]
     write_series(trial.prediction, tmp_path / "worn.parquet", trial)
     table = pq.read_table(tmp_path / "worn.parquet")
@@ -165,7 +169,7 @@ def test_series_of_a_worn_log_hold_phase_bands_and_the_interval_at_rest(support:
     assert "measured.tau.torso_pitch" in table.column_names
 
 
-def test_series_without_reference_or_band_values_have_no_such_columns(support: SupportResult, tmp_path) -> None:
+def test_series_without_reference_or_band_values_have_no_such_columns(support: SupportResult, tmp_path: Path) -> None:
     trial = dataclasses.replace(
         support.trials[0],
         support_a=None,
@@ -181,3 +185,25 @@ def test_series_without_reference_or_band_values_have_no_such_columns(support: S
     assert not [name for name in names if name.startswith(("support_a", "support_band_model", "support_compared"))]
     assert "band.A_left.length" in names
     assert "band.A_left.tension" not in names
+
+
+def test_an_evaluation_with_a_device_leaves_every_file_that_it_names(
+    pristine: Path,
+    identification: Identification,
+    support: SupportResult,
+    stiffness: tuple[StiffnessResult, ...],
+    tmp_path: Path,
+) -> None:
+    with open_study(pristine) as study:
+        whole = Evaluation(
+            study.name, study.robot, study.settings, study.steps, study.bundle.inputs, [], identification, [], {},
+            support, stiffness,
+        )  # fmt: skip
+        write(study, whole, tmp_path / "out")
+    found = json.loads((tmp_path / "out" / "results.json").read_text(), parse_constant=pytest.fail)
+    assert {"support", "stiffness", "series.id_1", "series.bend_modified_2"} <= found["files"].keys()
+    assert all((tmp_path / "out" / name).is_file() for name in found["files"].values())
+    assert len(found["support"]) == 12
+    assert len(found["stiffness"]) == 18
+    assert len(found["stiffness_details"]) == 6
+    assert "Log bend_normal_1: its reference starts 12 ms later." in found["warnings"]
