@@ -62,7 +62,7 @@ def test_a_device_is_handed_in_with_what_it_names_and_nothing_else(client, study
     suit = study_folder / "strap.yaml"  # under any name
     suit.write_text(DEVICE)
     (study_folder / "bench").mkdir()
-    (study_folder / "bench" / "front.csv").write_text("length_m,force_n\n0.25,0\n0.35,20\n")
+    (study_folder / "bench" / "front.csv").write_text("length_m,force_n\n0.25,0\n0.30,10\n0.35,20\n")
     robot = client.upload_robot(study_folder / "robot.yaml")
     device = client.upload_device(suit, robot)
     assert (device.name, device.version, device.robot_id) == ("Elbow strap", 1, robot.id)
