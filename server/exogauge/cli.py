@@ -167,7 +167,7 @@ def examine_logs(options: argparse.Namespace) -> int:
 
 
 def check_device(options: argparse.Namespace) -> int:
-    from exogauge.studies.device_check import check_device_file, read_wearer
+    from exogauge.studies.device_on_robot import check_device_file, read_wearer
     from exogauge.studies.device_picture import draw_device
     from exogauge.studies.device_text import device_text
     from exogauge.studies.link_table import link_table, via_point_at

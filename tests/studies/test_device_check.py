@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
@@ -147,6 +148,24 @@ def test_the_command_reads_a_log_of_the_study(folder: Path, capsys: pytest.Captu
     given = ["device", str(folder / "suit.yaml"), "--robot", str(folder / "robot.urdf"), "--log"]
     assert main([*given, str(folder / "short.csv")]) == 2
     assert "q.torso_pitch" in capsys.readouterr().err
+
+
+def test_a_device_file_may_lie_anywhere_and_its_tables_beside_it(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "elsewhere"
+    other.mkdir()
+    (other / "suit.yaml").write_text(SUIT + "    bench: {file: bench.csv}\n")
+    (other / "bench.csv").write_text("length_m,force_n\n0.4,0\n0.5,20\n0.6,40\n")
+    for robot in (["--study", str(folder)], ["--robot", str(folder / "robot.urdf")]):
+        assert main(["device", str(other / "suit.yaml"), *robot]) == 0
+        assert "No fault." in capsys.readouterr().out
+    with zipfile.ZipFile(tmp_path / "s.zip", "w") as archive:
+        (folder / "suit.yaml").write_text(SUIT)
+        for each in folder.rglob("*.*"):
+            archive.write(each, each.relative_to(folder).as_posix())
+    assert main(["device", "suit.yaml", "--study", str(tmp_path / "s.zip"), "--log", "val_1"]) == 0
+    assert "over the log" in capsys.readouterr().out
 
 
 def test_the_command_ends_with_2_and_all_faults(

@@ -16,7 +16,8 @@ from exogauge.devices.laws import all_laws
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy
 from exogauge.studies.contract import Band, DeviceFile
-from exogauge.studies.device_check import DeviceCheck, check_device_file
+from exogauge.studies.device_check import DeviceCheck
+from exogauge.studies.device_on_robot import check_device_file
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
 DOCUMENT = (Path(__file__).parents[2] / "docs/device.md").read_text(encoding="utf-8")

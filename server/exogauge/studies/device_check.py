@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import final
 
 import numpy as np
@@ -13,20 +12,11 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
-from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-from exogauge.sandbox import LogRequest, parse_log
-from exogauge.studies.bare_urdf import robot_of_urdf
-from exogauge.studies.bundle import Bundle, open_bundle
-from exogauge.studies.contract import StudyFile
-from exogauge.studies.device_doubts import device_doubts
-from exogauge.studies.device_file import read_device
-from exogauge.studies.open import log_names
 from exogauge.studies.pull_words import Ways
-from exogauge.studies.read_log import read_entry
-from exogauge.studies.robot_file import MAX_URDF_BYTES, motor_from_joint, read_robot
-from exogauge.studies.yaml_file import MAX_BYTES, load_yaml, suggestion
+from exogauge.studies.yaml_file import suggestion
 
 Array = NDArray[np.float64]
 
@@ -93,44 +83,6 @@ class DeviceCheck:
     notes: tuple[str, ...]
 
 
-def check_device_file(
-    device: Path, robot: Path | None = None, study: Path | None = None, log: Path | None = None
-) -> DeviceCheck:
-    """robot: a robot.yaml or a URDF; or study: the study whose robot is meant. log: a log of it, or any table with
-    the joints' positions.
-
-    Raises BadInput with every fault of the device file.
-    """
-    wearer = read_wearer(robot, study)
-    bundle = open_bundle(study) if study is not None else Bundle(_root(device, robot), "")
-    try:
-        name = _name_in(bundle, device)
-        found = read_device(bundle, name, wearer)
-        doubts = device_doubts(bundle, name, wearer, found)
-        recorded = None if log is None else _read_log(bundle, log, study is not None)
-    finally:
-        bundle.close()
-    return check_device(wearer, found, recorded, doubts)
-
-
-def read_wearer(robot: Path | None, study: Path | None) -> Robot:
-    """robot: a robot.yaml or a URDF; without one, the robot of the study. Raises BadInput."""
-    if robot is None and study is None:
-        advice = "Give --robot ROBOT.yaml, --robot ROBOT.urdf or --study STUDY."
-        raise BadStudy(Fault("a device is looked at on a robot", "no_robot", advice))
-    if robot is None and study is not None:
-        bundle = open_bundle(study)
-        try:
-            return read_robot(bundle, _study_file(bundle).robot, named_in=bundle.study_file)[0]
-        finally:
-            bundle.close()
-    assert robot is not None
-    bundle = Bundle(robot.resolve().parent, "")
-    if robot.suffix.lower() in (".yaml", ".yml"):
-        return read_robot(bundle, robot.name)[0]
-    return robot_of_urdf(bundle.read(robot.name, limit=MAX_URDF_BYTES), robot.name)
-
-
 def check_device(robot: Robot, device: Device, log: Log | None = None, doubts: Sequence[Fault] = ()) -> DeviceCheck:
     """log: holds `q.<joint>` of every joint that a band passes."""
     routing = Routing(robot.tree, device.bands, fast=False)
@@ -191,37 +143,6 @@ def _notes(robot: Robot, routing: Routing) -> list[str]:
             f"Zero lies outside the limits of {', '.join(outside)}: figures at zero are not of a real posture."
         )
     return notes
-
-
-def _root(device: Path, robot: Path | None) -> Path:
-    """The folder that paths are relative to: the robot's, as in a study, where the device lies in or below it."""
-    if robot is not None and device.resolve().is_relative_to(robot.resolve().parent):
-        return robot.resolve().parent
-    return device.resolve().parent
-
-
-def _name_in(bundle: Bundle, path: Path) -> str:
-    """The path relative to the bundle's folder; as it is, where it does not lie there."""
-    full = path.resolve()
-    return full.relative_to(bundle.root).as_posix() if full.is_relative_to(bundle.root) else path.as_posix()
-
-
-def _study_file(bundle: Bundle) -> StudyFile:
-    return load_yaml(bundle.read(bundle.study_file, limit=MAX_BYTES), StudyFile, file=bundle.study_file)
-
-
-def _read_log(bundle: Bundle, log: Path, in_study: bool) -> Log:
-    """A log that the study names, by name or file and read as the study says; or a table of its own."""
-    if in_study:
-        file = _study_file(bundle)
-        data = bundle.read(bundle.study_file, limit=MAX_BYTES)
-        for entry, name in zip(file.logs, log_names(file, bundle.study_file, data), strict=True):
-            if str(log) == name or _name_in(bundle, log) in entry.file:
-                _, robot_file, _ = read_robot(bundle, file.robot, named_in=bundle.study_file)
-                return read_entry(bundle, entry, name, robot_file, motor_from_joint(robot_file))
-    if not log.is_file():
-        raise BadLog(Fault("no such file", "missing_file", "", str(log)))
-    return parse_log(LogRequest(log.name, {log.name: log}))
 
 
 def _positions(robot: Robot, routing: Routing, log: Log) -> Array:

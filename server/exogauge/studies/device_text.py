@@ -23,7 +23,8 @@ def device_text(check: DeviceCheck) -> str:
     if check.torque:
         ordered = sorted(check.torque.items(), key=lambda item: -abs(item[1]))
         torques = ", ".join(f"{joint} {value:+.3g}" for joint, value in ordered if abs(value) >= SMALL_TORQUE)
-        parts.append(f"All bands together, all joints at zero [N·m]: {torques or f'less than {SMALL_TORQUE:g} at any joint'}.")
+        torques = torques or f"less than {SMALL_TORQUE:g} at any joint"
+        parts.append(f"All bands together, all joints at zero [N·m]: {torques}.")
     parts += [f"NOTE {note}" for note in check.notes]
     parts += [f"WARNING {doubt}" for doubt in check.doubts]
     parts.append("No fault" + (f", {_count(len(check.doubts), 'warning')}." if check.doubts else "."))
