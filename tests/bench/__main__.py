@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.bench import bands, memory, product, speed
+from tests.bench import band_fit, bands, memory, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
@@ -35,6 +35,7 @@ def main() -> int:
             report_speed(measured)
             worst = max(worst, *measured.difference.values())
         apart = report_bands(quick)
+        fits_apart = report_band_fit(quick)
         if not quick:
             report_product(Path(folder))
             report_memory()
@@ -44,6 +45,9 @@ def main() -> int:
         return 1
     if apart > bands.AGREEMENT:
         print(f"THE BANDS DISAGREE: more than {bands.AGREEMENT:g} m or m/rad", file=sys.stderr)
+        return 1
+    if fits_apart > band_fit.AGREEMENT:
+        print(f"THE BAND FITS DISAGREE: more than {band_fit.AGREEMENT:g} of a parameter", file=sys.stderr)
         return 1
     return 0
 
@@ -76,6 +80,18 @@ def report_bands(quick: bool) -> float:
         for samples, way in ((10_000, "numba"), (1_000_000, "numba"), (10_000, "numpy"), (1_000_000, "numpy")):
             print(f"  {samples:9,d} samples, {way}{bands.memory(samples, way):8.1f} MB added")
     return max(measured.difference.values())
+
+
+def report_band_fit(quick: bool) -> float:
+    """The largest relative difference from scipy's solution."""
+    samples = 2_000 if quick else 100_000
+    measured = band_fit.measure(samples, 1 if quick else 3)
+    theirs = measured.seconds["scipy least_squares"]
+    print(f"\nTwo stiffnesses and four natural lengths from {samples:,} samples of the joints they act on, CPU seconds")
+    for way, spent in measured.seconds.items():
+        print(f"  {way:26s}{spent:12.3f}   {theirs / spent:6.1f} x faster than scipy")
+    print(f"  parameters differ by {measured.difference:.0e}")
+    return measured.difference
 
 
 def report_product(folder: Path) -> None:
