@@ -234,6 +234,7 @@ def test_a_job_takes_all_samples_and_is_no_result_of_the_study(client: TestClien
         names = {artifact.name for artifact in service.artifacts(job)}
         assert names == {"what_if.json", "series/what_if.parquet", "device.yaml"}
     assert client.get(f"{V1}/studies/{study}/results").status_code == 404
+    assert client.get(f"{V1}/studies/{study}").json()["latest_job"] is None
 
 
 def test_what_the_reader_leaves_is_believed_only_whole(ready: Ready, tmp_path: Path) -> None:

@@ -183,6 +183,16 @@ def test_the_bench_answers_as_a_fresh_computation_whatever_was_asked_before(benc
             assert one.percent == other.percent
 
 
+def test_other_values_of_a_band_measure_no_routing_anew(tree, device, q, time):
+    bench = Bench(tree, device, q, time)
+    measured = dict(bench._wires)
+    changes = [Stiffness("A", times=2.0), NaturalLength("B", by=0.01), Pretension("A", 0.02), CopyBand("B", "C")]
+    compare(bench, apply(device, changes, tree))
+    assert dict(bench._wires) == measured
+    compare(bench, apply(device, [MovePoint("A_left", 1, (0.0, 0.0, 0.01))], tree))
+    assert len(bench._wires) == len(measured) + 1
+
+
 def test_a_long_session_does_not_fill_the_memory(tree, device, q, time):
     one = Bench(tree, device, q, time).wire(LEFT)
     assert wire_bytes(tree, LEFT, T) == one.slopes.nbytes

@@ -13,6 +13,8 @@ from exogauge.storage.records import JobRecord, Page
 from exogauge.storage.rows import Lab, as_record
 from exogauge.storage.tables import Job
 
+ASIDE = ("whatif",)  # kinds that answer a question about a study and do not evaluate it
+
 
 @final
 @dataclass(frozen=True)
@@ -33,8 +35,8 @@ class Jobs:
         return self.lab.page(JobRecord, Job, query, after, limit)
 
     def latest(self, study_ids: Sequence[str], state: str | None = None) -> dict[str, JobRecord]:
-        """study id -> its newest job (in `state`, where given)."""
-        mine = sa.and_(Job.lab_id == self.lab.lab_id, Job.study_id.in_(study_ids))
+        """study id -> its newest job (in `state`, where given) that says where the study stands."""
+        mine = sa.and_(Job.lab_id == self.lab.lab_id, Job.study_id.in_(study_ids), Job.kind.not_in(ASIDE))
         chosen = mine if state is None else sa.and_(mine, Job.state == state)
         rank = sa.func.row_number().over(partition_by=Job.study_id, order_by=(Job.created_at.desc(), Job.id.desc()))
         ranked = sa.select(Job.id, rank.label("rank")).where(chosen).subquery()
