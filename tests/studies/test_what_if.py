@@ -61,7 +61,7 @@ tied: [A]
 def study(folder: Path, log_writer: Callable[..., None]) -> Path:
     """A study with a device and a log that wears it."""
     (folder / "device.yaml").write_text(DEVICE)
-    (folder / "bench.csv").write_text("length_m,force_n\n0.4,0\n0.5,20\n")
+    (folder / "bench.csv").write_text("length_m,force_n\n0.4,0\n0.5,20\n0.6,40\n")
     with open_study(folder) as opened:
         log_writer(folder / "logs" / "worn.parquet", opened.robot, 1000)
     text = (folder / "study.yaml").read_text()
