@@ -23,18 +23,21 @@ def interval(
     """(low, high) of one parameter. relative_to: its size, against which its std says whether the doubt is skewed.
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
-    both kinds of interval agree where the cost is a parabola. Stiffness ends at 0, an end beyond reach is infinite.
+    both kinds of interval agree where the cost is a parabola. Neither parameter is below 0; an end beyond reach is
+    0 or infinite.
     """
     std = float(np.sqrt(covariance[index, index]))
     value = float(fit.theta[index])
     if not np.isfinite(std):
-        return -np.inf, np.inf
+        return 0.0, np.inf
     if std < SKEWED * relative_to:
         return value - QUANTILE * std, value + QUANTILE * std
     few = fit.reduced.every(max(1, fit.reduced.samples // SEARCHED))
     coarse = at(fit.layout, few, fit_bands(fit.layout, few, beliefs).theta, beliefs)
     lowest = refit_with_held(coarse, index, float(coarse.theta[index]), beliefs)
-    share = float(np.linalg.pinv(coarse.hessian, rcond=1e-12, hermitian=True)[index, index]) / std**2
+    scale = fit.layout.scale
+    curvature = np.linalg.pinv(coarse.hessian * np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    share = float(curvature[index, index]) * scale[index] ** 2 / std**2
     shift = value - float(coarse.theta[index])
 
     def excess(candidate: float) -> float:
@@ -42,8 +45,7 @@ def interval(
 
     floor = 1e-3
     return (
-        _crossing(excess, value, -std, max(floor, value - REACH * std))
-        or (0.0 if value - REACH * std < 0 else -np.inf),
+        _crossing(excess, value, -std, max(floor, value - REACH * std)) or 0.0,
         _crossing(excess, value, std, value + REACH * std) or np.inf,
     )
 

@@ -30,7 +30,7 @@ def bench_line(test: BenchTest) -> BenchLine:
     Implements the fit behind [Evaluator] Figure 5. Raises ValueError with fewer than two taut points.
     """
     length, force = np.array(test.length), np.array(test.force)
-    taut = force > TAUT * force.max()
+    taut = force > TAUT * force.max(initial=0.0)
     if taut.sum() < 2 or np.ptp(length[taut]) <= 0.0:
         raise ValueError("a bench test needs two or more lengths at which the band pulls")
     A = np.column_stack([length[taut], -np.ones(int(taut.sum()))])
