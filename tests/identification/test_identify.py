@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from exogauge.errors import BadLog, BadStudy
+from exogauge.errors import BadLog, BadStudy, NotIdentifiable
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
 
 JOINTS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
 
@@ -143,3 +144,11 @@ def test_a_held_out_log_may_be_slower_than_the_fitted_one(make_truth, make_log):
     result = identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
     held_out = {one.channel: one for one in result.validation if one.held_out}
     assert held_out["base.mx"].rmse_identified < 0.5 * held_out["base.mx"].rmse_prior
+
+
+def test_logs_without_steady_motion_are_refused_in_words(make_truth, make_log):
+    truth = make_truth(floating=False, actuation="torque")
+    log = make_log(truth, 1)
+    still = Log(log.name, log.time, {name: np.full_like(values, values[0]) for name, values in log.channels.items()})
+    with pytest.raises(NotIdentifiable, match="no joint moves steadily"):
+        identify(truth.robot, [Recording(still, False)], Settings(cutoff_hz=8.0))

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
+SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rounding makes of a constant is none
 THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
 WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
@@ -138,7 +139,8 @@ def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestD
         top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
     mixing = np.abs(robot.axes_from_joints)
     axis_noise = np.sqrt(mixing**2 @ noise**2)
-    return RestDetection(finest, np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top)))
+    seen = np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
+    return RestDetection(finest, np.maximum(seen, SLOWEST))
 
 
 def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:

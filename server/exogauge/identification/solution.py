@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.errors import NotIdentifiable
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Form, Statistics
@@ -24,6 +25,11 @@ from exogauge.identification.weights import first_weights, weigh
 Array = NDArray[np.float64]
 
 PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
+NOTHING_MOVES = (
+    "no joint moves steadily in any fitted log (every sample is at rest, or near a start, a stop or a turn), and no "
+    "outside force is measured: there is nothing to identify from. Record longer movements in one direction, or raise "
+    "cutoff_hz: a higher one shortens what counts as near."
+)
 FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
 
 
@@ -71,6 +77,8 @@ def solve(
         total = sum(folds[1:], folds[0])
         if number == 0:
             weights = first_weights(equations, total, prior)
+            if not weights.any():
+                raise NotIdentifiable(NOTHING_MOVES)
         if settings.prior == "as_printed":
             belief = as_printed(equations, prior, total, weights)
         weights = weigh(total, belief, strength, weights)

@@ -14,6 +14,7 @@ from exogauge.estimation.statistics import Statistics
 Array = NDArray[np.float64]
 
 NO_MATTER = 0.02  # of the score: a smaller difference is of no use to anyone
+FEWEST_FOLDS = 2  # with rows in them; otherwise nothing can be left out, and the maker's word counts as stated
 STRENGTHS = {
     "per_parameter": tuple(10.0**e for e in (-2, -1, 0, 1, 2, 3)),
     "as_printed": tuple(10.0**e for e in (-10, -8, -6, -4, -2)),
@@ -29,6 +30,9 @@ def choose_strength(
     or two per cent, the one nearest to what the maker states (1) is taken: a difference that chance could make is no
     reason to doubt him. Only parts of fitted logs are used; logs held out for validation stay unseen.
     """
+    folds = [fold for fold in folds if fold.count @ (weights > 0.0) > 0]
+    if len(folds) < FEWEST_FOLDS:
+        return 1.0, ()
     complements = [sum((f for f in folds if f is not fold), start=folds[0].cleared()) for fold in folds]
     data = [rest.square_root(weights) for rest in complements]
     rows = np.array([float(fold.count @ (weights > 0.0)) for fold in folds])

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.devices.result import StiffnessResult
-from exogauge.errors import BadInput, PhysicallyImpossible
+from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
@@ -27,7 +27,7 @@ from exogauge.studies.support_results import support_table
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.motions import require_same_motions
 from exogauge.support.result import Trial
-from exogauge.support.settings import PlainLog
+from exogauge.support.settings import PlainLog, WornLog
 
 RESULT, REPORT, SERIES, URDF = "results.json", "report.html", "series", "identified.urdf"
 PARAMETERS, VALIDATION, SUPPORT, STIFFNESS = "parameters.csv", "validation.csv", "support.csv", "stiffness.csv"
@@ -66,7 +66,7 @@ def _evaluate(
         plain = _plain(study, recordings)
         if worn:
             progress(0.08, "comparing the motions with and without the device")
-            require_same_motions(study.robot, worn, plain, study.support_settings)
+            _require_same_motions(study, worn, plain)
         progress(0.10, "examining the logs")
         findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
         found = identify(study.robot, recordings, study.settings, _part(progress, 0.15, 0.65 if worn else 0.87))
@@ -92,6 +92,15 @@ def _evaluate(
         )
         write(study, evaluation, out)
     progress(1.0, "done")
+
+
+def _require_same_motions(study: Study, worn: Sequence[WornLog], plain: Sequence[PlainLog]) -> None:
+    """The fault names the file, not only the log."""
+    try:
+        require_same_motions(study.robot, worn, plain, study.support_settings)
+    except BadStudy as different:
+        files = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
+        raise BadStudy([replace(fault, file=files[fault.file or ""]) for fault in different.faults]) from None
 
 
 def _plain(study: Study, recordings: Sequence[Recording]) -> list[PlainLog]:

@@ -46,6 +46,7 @@ def identify_bands(
     plan, fit, left, notes = _fit(device, samples, sigma)
     beliefs = _beliefs(device.bands, plan)
     blind = {name for direction in null_directions(fit) for name in _involved(plan, direction)}
+    blind |= _without_pull(plan, fit, beliefs)
     doubt = covariance(model, approach, fit, samples, left, evidences, null_logs, beliefs)
     for index, name in enumerate(plan.names):
         if name in blind:
@@ -107,6 +108,13 @@ def _involved(plan: Layout, direction: Array) -> list[str]:
     return [name for name, share in zip(plan.names, direction, strict=True) if abs(share) > SHARE]
 
 
+def _without_pull(plan: Layout, fit: BandFit, beliefs: Sequence[Belief]) -> set[str]:
+    """What belongs to bands that pull nowhere alone: any stiffness explains that, if only they are long enough."""
+    pulls = fit.tension.any(axis=0)
+    known = {*plan.stiffness[pulls].tolist(), *plan.natural_length[pulls].tolist(), *(b.index for b in beliefs)}
+    return {name for index, name in enumerate(plan.names) if index not in known}
+
+
 def _beliefs(bands: Sequence[Band], plan: Layout) -> list[Belief]:
     """What bench tests say that are not kept as the truth to compare with."""
     beliefs = {}
@@ -135,30 +143,31 @@ def _estimate(
     k_std, l_std = (float(np.sqrt(doubt[i, i])) for i in (k_at, l_at))
     stretch = max(float(fit.reduced.length[k].max()) - rest, 0.0)
     truth = true_stiffness(band)
+    k_interval = interval(fit, doubt, k_at, value, beliefs)
+    k_known, l_known = k_std <= KNOWN * value and np.isfinite(k_interval[1]), l_std <= KNOWN * stretch
     return BandEstimate(
         band=band.name,
         group=band.group,
         stiffness=Estimate(value, k_std, "N/m"),
         natural_length=Estimate(rest, l_std, "m"),
-        stiffness_interval=interval(fit, doubt, k_at, value, beliefs),
+        stiffness_interval=k_interval,
         natural_length_interval=interval(fit, doubt, l_at, stretch, beliefs),
         true_stiffness=truth,
         error_percent=None if truth is None else 100.0 * (value - truth) / truth,
-        identifiable=k_std <= KNOWN * value,
-        length_identifiable=l_std <= KNOWN * stretch,
-        note=_note(band, plan, k_at, l_at, blind, k_std <= KNOWN * value, l_std <= KNOWN * stretch, stretch),
+        identifiable=bool(k_known),
+        length_identifiable=l_known,
+        note=_note(band, bool(fit.tension[:, k].any()), [plan.names[k_at], plan.names[l_at]], blind, k_known, l_known),
     )
 
 
-def _note(
-    band: Band, plan: Layout, k_at: int, l_at: int, blind: set[str], k_known: bool, l_known: bool, stretch: float
-) -> str:
-    if stretch <= 0.0:
-        return f"{band.name} is slack throughout these motions, so they say nothing of it."
-    unseen = [name for name in (plan.names[k_at], plan.names[l_at]) if name in blind]
+def _note(band: Band, pulls: bool, own: Sequence[str], blind: set[str], k_known: bool, l_known: bool) -> str:
+    unseen = [name for name in own if name in blind]
+    if not pulls and unseen:
+        return f"{band.name} pulls nowhere in these motions, as if slack throughout: they say nothing of it."
     if unseen:
-        others = ", ".join(sorted(blind - set(unseen))) or "nothing else"
-        return f"These motions cannot tell {' and '.join(unseen)} from {others}."
+        others = ", ".join(sorted(blind - set(unseen)))
+        from_others = f"cannot tell {' and '.join(unseen)} from {others}" if others else f"say nothing of {unseen[0]}"
+        return f"These motions {from_others}."
     if not k_known:
         return "The doubt is more than half of the value: a motion that stretches this band further would decide."
     return "" if l_known else "The natural length is hardly decided by these motions."
