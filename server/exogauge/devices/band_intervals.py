@@ -41,7 +41,7 @@ def interval(
     shift = value - float(coarse.theta[index])
 
     def excess(candidate: float) -> float:
-        return share * (refit_with_held(coarse, index, candidate - shift, beliefs) - lowest) - QUANTILE**2
+        return float(share * (refit_with_held(coarse, index, candidate - shift, beliefs) - lowest) - QUANTILE**2)
 
     floor = 1e-3
     return (
