@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -107,22 +108,8 @@ def test_a_reader_that_computes_too_long_is_stopped(tmp_path: Path) -> None:
     assert caught.value.faults[0].rule == "time_limit"
 
 
-def children() -> list[int]:
-    """Process ids of this process's own running children that read files."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        try:
-            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1]) if entry.name.isdigit() else -1
-            if parent == os.getpid() and b"exogauge.sandbox.child" in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
-        except OSError:
-            continue
-    return found
-
-
-@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")
 def test_a_crash_of_the_reader_is_a_fault_of_the_file_and_the_child_knows_no_secret(
-    table: Path, monkeypatch: pytest.MonkeyPatch
+    table: Path, children: Callable[[], list[int]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("EXOGAUGE_DATABASE_URL", "postgresql://user:secret@nowhere/db")
     ended = list[BaseException]()

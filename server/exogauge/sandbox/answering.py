@@ -21,16 +21,16 @@ def serve(tasks: Tasks) -> int:
     from exogauge.sandbox.limits import Limits
 
     Limits(**request["limits"]).apply()
-    Path(ANSWER).write_text(json.dumps(_answer(tasks, request), allow_nan=False))
+    Path(ANSWER).write_text(json.dumps(answer(tasks[request["task"]], request["options"]), allow_nan=False))
     return 0
 
 
-def _answer(tasks: Tasks, request: dict[str, Any]) -> dict[str, Any]:
+def answer(task: Callable[..., dict[str, Any]], options: Mapping[str, Any]) -> dict[str, Any]:
     """The result, the faults of the input, or the name of what stopped the child (traced on standard error)."""
     from exogauge.errors import BadInput
 
     try:
-        return {"result": tasks[request["task"]](**request["options"])}
+        return {"result": task(**options)}
     except BadInput as bad:
         return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
     except MemoryError:

@@ -1,4 +1,4 @@
-"""The child process that reads a log or a URDF.
+"""The child process that reads a log, a few logs or a URDF.
 
 Run as `python -I -m exogauge.sandbox.child` in a temporary folder of its own. What it imports, it imports for its
 task alone, after its limits are set (`answering`).
@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from exogauge.sandbox.answering import serve
-from exogauge.sandbox.protocol import LOG, URDF
+from exogauge.sandbox.answering import answer, serve
+from exogauge.sandbox.protocol import LOG, LOGS, URDF
 
 
 def _log(
@@ -23,6 +23,7 @@ def _log(
     motor_from_joint: Sequence[Sequence[float]] | None,
     rows: tuple[int, int] | None,
     allow_gaps: bool,
+    out: str = LOG,
 ) -> dict[str, Any]:
     import numpy as np
     import pyarrow as pa
@@ -47,7 +48,7 @@ def _log(
             rows=rows,
             allow_gaps=allow_gaps,
         )
-    write_log(log, Path(LOG))
+    write_log(log, Path(out))
     return {
         "channels": list(log.channels),
         "samples": log.samples,
@@ -55,6 +56,11 @@ def _log(
         "t0": float(log.time[0]),
         "t1": float(log.time[-1]),
     }
+
+
+def _logs(logs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Each log as `_log` gives it, under a name of its own; None for one that gives nothing, whatever the reason."""
+    return {"logs": [answer(_log, {**each, "out": LOGS.format(k)}).get("result") for k, each in enumerate(logs)]}
 
 
 def _robot(
@@ -72,4 +78,4 @@ def _robot(
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"log": _log, "robot": _robot}))
+    sys.exit(serve({"log": _log, "logs": _logs, "robot": _robot}))

@@ -37,6 +37,24 @@ class LogRequest:
     rows: tuple[int, int] | None = None
     allow_gaps: bool = False
 
+    @property
+    def size(self) -> int:
+        """Bytes of its files."""
+        return sum(path.stat().st_size for path in self.paths.values())
+
+    def to_plain(self) -> dict[str, Any]:
+        """As the child takes it."""
+        matrix = self.motor_from_joint
+        return {
+            "name": self.name,
+            "paths": {name: str(path.resolve()) for name, path in self.paths.items()},
+            "mapping": None if self.mapping is None else self.mapping.to_plain(),
+            "joints": list(self.joints),
+            "motor_from_joint": None if matrix is None else matrix.tolist(),
+            "rows": self.rows,
+            "allow_gaps": self.allow_gaps,
+        }
+
 
 @final
 @dataclass(frozen=True)
@@ -113,15 +131,5 @@ def _ask_for_log(request: LogRequest, folder: Path, limits: Limits | None) -> di
     if request.mapping is None and len(request.paths) != 1:
         advice = "Several files make one log only through a mapping."
         raise BadLog(Fault(f"{len(request.paths)} files without a mapping", "mapping_missing", advice))
-    matrix = request.motor_from_joint
-    options = {
-        "name": request.name,
-        "paths": {name: str(path.resolve()) for name, path in request.paths.items()},
-        "mapping": None if request.mapping is None else request.mapping.to_plain(),
-        "joints": list(request.joints),
-        "motor_from_joint": None if matrix is None else matrix.tolist(),
-        "rows": request.rows,
-        "allow_gaps": request.allow_gaps,
-    }
-    limits = limits or Limits.for_bytes(sum(path.stat().st_size for path in request.paths.values()))
-    return ask(CHILD, "log", options, folder, limits, BadLog, file=", ".join(request.paths))
+    limits = limits or Limits.for_bytes(request.size)
+    return ask(CHILD, "log", request.to_plain(), folder, limits, BadLog, file=", ".join(request.paths))

@@ -4,4 +4,5 @@ from __future__ import annotations
 
 ANSWER = "answer.json"  # {"result": …}, {"error": class, "faults": […]}, or {"error": what stopped the child}
 LOG = "log.parquet"  # the canonical table, written by the child
+LOGS = "log-{}.parquet"  # the same where a child reads several logs, each by its place among them
 URDF = "robot.urdf"  # the bytes to check, written by the parent
