@@ -231,6 +231,18 @@ def test_a_missing_column_is_named_for_every_log(folder: Path, log_writer: Calla
     ]
 
 
+def test_damaged_logs_are_all_named_at_once(folder: Path) -> None:
+    for name in ("id_1", "val_1"):
+        path = folder / "logs" / f"{name}.parquet"
+        path.write_bytes(path.read_bytes()[:-100])
+    with open_study(folder) as study, pytest.raises(BadLog) as caught:
+        read_recordings(study)
+    assert [(fault.file, fault.rule) for fault in caught.value.faults] == [
+        ("logs/id_1.parquet", "unreadable_file"),
+        ("logs/val_1.parquet", "unreadable_file"),
+    ]
+
+
 def test_the_callers_settings_go_on_top(folder: Path) -> None:
     with open_study(folder, {"cutoff_hz": 20, "consistency": "physical"}) as study:
         assert study.settings.cutoff_hz == 20.0

@@ -18,7 +18,7 @@ from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.bundle import Bundle, open_bundle
 from exogauge.studies.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
-from exogauge.studies.read_log import read_entry
+from exogauge.studies.read_log import read_entries
 from exogauge.studies.robot_file import motor_from_joint, read_robot
 from exogauge.studies.worn_devices import read_devices
 from exogauge.studies.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
@@ -230,13 +230,9 @@ def read_worn(study: Study) -> list[WornLog]:
 
 def _read(study: Study, chosen: Sequence[int]) -> list[Log]:
     """The chosen logs of study.yaml; whatever column is missing from any of them is told at once."""
-    logs, faults = [], list[Fault]()
-    gears = motor_from_joint(study.robot_file)
-    for k in chosen:
-        entry = study.file.logs[k]
-        log = read_entry(study.bundle, entry, study.log_names[k], study.robot_file, gears)
-        faults += missing_columns(log, study.robot, entry.file[0])
-        logs.append(log)
+    entries = {study.log_names[k]: study.file.logs[k] for k in chosen}
+    logs = read_entries(study.bundle, entries, study.robot_file, motor_from_joint(study.robot_file))
+    faults = [fault for log in logs for fault in missing_columns(log, study.robot, entries[log.name].file[0])]
     if faults:
         raise BadLog(faults)
     return logs

@@ -1,6 +1,8 @@
-"""One entry of study.yaml's `logs` becomes a Log: contract columns directly, other files through their mapping."""
+"""Entries of study.yaml's `logs` become Logs: contract columns directly, other files through their mapping."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +10,7 @@ from numpy.typing import NDArray
 from exogauge.errors import BadRobot, Fault
 from exogauge.logs.mapping_rules import LogMapping, Values
 from exogauge.logs.model import Log
-from exogauge.sandbox import LogRequest, parse_log
+from exogauge.sandbox import LogRequest, parse_log, parse_logs
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.contract import LogEntry, RobotFile
 from exogauge.studies.mapping_file import parse_mapping
@@ -18,14 +20,26 @@ Array = NDArray[np.float64]
 
 
 def read_entry(bundle: Bundle, entry: LogEntry, name: str, robot: RobotFile, motor_from_joint: Array) -> Log:
+    """One log alone; arguments as for `log_request`."""
+    return parse_log(log_request(bundle, entry, name, robot, motor_from_joint))
+
+
+def read_entries(
+    bundle: Bundle, entries: Mapping[str, LogEntry], robot: RobotFile, motor_from_joint: Array
+) -> list[Log]:
+    """entries: by the log's name. The faults of all files are told at once."""
+    return parse_logs([log_request(bundle, entry, name, robot, motor_from_joint) for name, entry in entries.items()])
+
+
+def log_request(bundle: Bundle, entry: LogEntry, name: str, robot: RobotFile, motor_from_joint: Array) -> LogRequest:
     """name: of the log. motor_from_joint: (J, J), NaN on the diagonal where robot.yaml gives no gear ratio."""
     paths = {file: bundle.path(file) for file in entry.file}
     if entry.mapping is None:
-        return parse_log(LogRequest(name, paths, rows=entry.rows))
+        return LogRequest(name, paths, rows=entry.rows)
     mapping = parse_mapping(bundle.read(entry.mapping, limit=MAX_BYTES), entry.mapping)
     joints = [joint.name for joint in robot.joints]
     gears = known_gears(mapping, robot, motor_from_joint, entry.mapping)
-    return parse_log(LogRequest(name, paths, mapping, joints, gears, entry.rows))
+    return LogRequest(name, paths, mapping, joints, gears, entry.rows)
 
 
 def known_gears(mapping: LogMapping, robot: RobotFile, motor_from_joint: Array, file: str) -> Array:
