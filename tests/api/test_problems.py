@@ -123,6 +123,16 @@ def test_a_broken_study_is_refused_at_its_place(
     assert client.get(f"{V1}/studies").json()["items"] == []
 
 
+def test_what_is_wrong_with_any_log_is_told_at_once(
+    client: TestClient, study_files: dict[str, bytes], as_form: Callable[..., Any]
+) -> None:
+    study_files["logs/id.csv"] = study_files["logs/id.csv"].replace(b"\n0.100,", b"\n0.100,nonsense", 1)
+    study_files["logs/val.csv"] = study_files["logs/val.csv"].replace(b"tau.elbow", b"tau.knee", 1)
+    document = problem(client.post(f"{V1}/studies", files=as_form(study_files)), 422)
+    found = [(error["file"], error["row"], error["column"]) for error in document["errors"]]
+    assert found == [("logs/id.csv", 11, "q.elbow"), ("logs/val.csv", None, "tau.elbow")]
+
+
 @pytest.mark.parametrize(
     "path", ["../evil", "/etc/passwd", "a/../../evil", "C:/evil", "a\\..\\evil", "a//b", "x/" * 20 + "y", "n" * 300]
 )

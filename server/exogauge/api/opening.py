@@ -8,32 +8,48 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from exogauge.sandbox.answering import serve
 
+if TYPE_CHECKING:
+    from exogauge.logs.model import Log
+
 
 def study(folder: str) -> dict[str, Any]:
-    """study.yaml, what it names, and every log from its first row to its last; one log in memory at a time."""
+    """study.yaml, what it names, and every log from its first row to its last; few logs in memory at a time."""
     from exogauge.errors import BadInput, BadLog, Fault
+    from exogauge.sandbox import LogRequest, read_each
     from exogauge.studies.open import missing_columns, open_study
-    from exogauge.studies.read_log import read_entry
+    from exogauge.studies.read_log import log_request
     from exogauge.studies.robot_file import motor_from_joint
 
     with open_study(Path(folder)) as opened:
-        logs, faults = [], list[Fault]()
+        entries = dict(zip(opened.log_names, opened.file.logs, strict=True))
+        requests, faults = list[LogRequest](), list[Fault]()
         gears = motor_from_joint(opened.robot_file)
-        for entry, name, worn in zip(opened.file.logs, opened.log_names, opened.log_devices, strict=True):
+        for name, entry in entries.items():
             try:
-                read = read_entry(opened.bundle, entry, name, opened.robot_file, gears)
+                requests.append(log_request(opened.bundle, entry, name, opened.robot_file, gears))
             except BadInput as bad:
                 faults += bad.faults
-                continue
-            faults += missing_columns(read, opened.robot, entry.file[0])
-            said = {"name": name, "file": list(entry.file), "role": entry.role, "motion": entry.motion, "device": worn}
-            logs.append(said | span(read))
+
+        def look(read: Log) -> tuple[dict[str, Any], list[Fault]]:
+            return span(read), missing_columns(read, opened.robot, entries[read.name].file[0])
+
+        spans = list[dict[str, Any]]()
+        for found in read_each(requests, look):
+            if isinstance(found, BadInput):
+                faults += found.faults
+            else:
+                spans.append(found[0])
+                faults += found[1]
         if faults:
             raise BadLog(faults)
+        logs = [
+            {"name": name, "file": list(entry.file), "role": entry.role, "motion": entry.motion, "device": worn} | seen
+            for (name, entry), worn, seen in zip(entries.items(), opened.log_devices, spans, strict=True)
+        ]
         return {
             "name": opened.name,
             "robot": {"file": opened.file.robot, **about(opened.robot)},
