@@ -85,7 +85,7 @@ class Trial:
 @final
 @dataclass(frozen=True)
 class Effort:
-    """peak: [N·m] of the largest size, with its sign; mean [N·m]; integral [N·m·s]."""
+    """peak: [N·m] largest mean over 0.2 s, with its sign; mean [N·m]; integral [N·m·s]."""
 
     peak: Estimate
     mean: Estimate

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 SHARE = 0.2  # of a unit direction: a parameter with more is part of it
+LEAST_PULL = 1e-3  # [N] of a band: less is none
 KNOWN = 0.5  # std over the value (over the largest stretch, for a length) up to which the data decide
 
 
@@ -110,7 +111,7 @@ def _involved(plan: Layout, direction: Array) -> list[str]:
 
 def _without_pull(plan: Layout, fit: BandFit, beliefs: Sequence[Belief]) -> set[str]:
     """What belongs to bands that pull nowhere alone: any stiffness explains that, if only they are long enough."""
-    pulls = fit.tension.any(axis=0)
+    pulls = fit.tension.max(axis=0) > LEAST_PULL
     known = {*plan.stiffness[pulls].tolist(), *plan.natural_length[pulls].tolist(), *(b.index for b in beliefs)}
     return {name for index, name in enumerate(plan.names) if index not in known}
 
@@ -156,7 +157,14 @@ def _estimate(
         error_percent=None if truth is None else 100.0 * (value - truth) / truth,
         identifiable=bool(k_known),
         length_identifiable=l_known,
-        note=_note(band, bool(fit.tension[:, k].any()), [plan.names[k_at], plan.names[l_at]], blind, k_known, l_known),
+        note=_note(
+            band,
+            bool(fit.tension[:, k].max() > LEAST_PULL),
+            [plan.names[k_at], plan.names[l_at]],
+            blind,
+            k_known,
+            l_known,
+        ),
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
@@ -16,6 +17,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 APPROACHES = ("a", "b", "prior", "band_model")
+PEAK_S = 0.2  # over which a peak is a mean: the largest of many noisy samples is too large
 MEMORY_S = 1.0  # how long an error that is not the robot's parameters' lasts: means over less do not average it out
 
 
@@ -121,7 +123,8 @@ def _effort(
 ) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
     """(value, std) of peak, mean, integral of one trial."""
     values = line[used]
-    top = int(np.argmax(np.abs(values)))
+    smooth = uniform_filter1d(values, max(1, round(PEAK_S / _step(trial))), mode="nearest")
+    top = int(np.argmax(np.abs(smooth)))
     seconds = float(used.sum()) * _step(trial)
     peak_std = mean_std = 0.0
     if name in ("a", "b"):
@@ -136,7 +139,7 @@ def _effort(
         rest = max(float(np.mean(own**2)) - shared**2, 0.0) / lasting
         mean_std = float(np.sqrt(shared**2 + rest))
     mean = float(np.mean(values))
-    return (float(values[top]), peak_std), (mean, mean_std), (mean * seconds, mean_std * seconds)
+    return (float(smooth[top]), peak_std), (mean, mean_std), (mean * seconds, mean_std * seconds)
 
 
 def _parameter_std(model: RobotModel, evidence: Evidence, name: str, used: BoolArray, joint: int) -> float:
