@@ -1,0 +1,148 @@
+"""What the search for missing effects says: named effects in order, what else was tried, and the chain of gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.result import Estimate
+
+Array = NDArray[np.float64]
+Verdict = Literal["effects", "none", "unexplained"]
+
+
+@final
+@dataclass(frozen=True)
+class Place:
+    """kind: `joint`, `link`, `band`, `sensor`, `base` or `log`; name: which one (`all` for every joint)."""
+
+    kind: str
+    name: str
+
+
+@final
+@dataclass(frozen=True)
+class HeldOut:
+    """RMSE of one channel in the regime where the model claims to hold (steady motion), on logs that were not fitted."""
+
+    channel: str
+    unit: str
+    rmse_before: float
+    rmse_after: float
+    noise_floor: float
+
+
+@final
+@dataclass(frozen=True)
+class Alternative:
+    """A candidate that was not chosen. score: share of the excess residual it explains on held-out logs, 0…1.
+
+    reason: why it was not chosen, in words.
+    """
+
+    effect: str
+    place: Place
+    score: float
+    reason: str
+
+
+@final
+@dataclass(frozen=True)
+class Evidence:
+    """The plot that shows an effect: residual before and after in the coordinate it depends on, binned.
+
+    coordinate, unit: of `at` (n,). before, after: (n,) mean residual [N·m]; spread: (n,) its standard error.
+    model: (n,) mean of the effect's own torque.
+    """
+
+    coordinate: str
+    unit: str
+    at: Array
+    before: Array
+    after: Array
+    spread: Array
+    model: Array
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """One named effect. parameters: coefficients and shapes by name. score: share of the excess it explains on held-out
+    logs. sentence: the evidence in words. also_possible: what these data cannot tell from it; motion: in words, the one
+    that would."""
+
+    rank: int
+    effect: str
+    place: Place
+    parameters: Mapping[str, Estimate]
+    held_out: HeldOut
+    score: float
+    sentence: str
+    alternatives: tuple[Alternative, ...]
+    also_possible: tuple[Alternative, ...]
+    motion: str
+    evidence: Evidence
+
+
+@final
+@dataclass(frozen=True)
+class Link:
+    """One bar of the chain: what the model is, and its RMSE over all joints' channels relative to the noise floor.
+
+    rmse: pooled over joint torques in steady motion on held-out logs [N·m]; worst, worst_rmse, worst_floor: the channel
+    furthest above its floor.
+    """
+
+    step: str
+    rmse: float
+    noise_floor: float
+    worst: str
+    worst_rmse: float
+    worst_floor: float
+
+
+@final
+@dataclass(frozen=True)
+class Excess:
+    """A channel whose residual is above what noise explains. rmse, noise_floor [unit]; z: standard errors above it.
+
+    where: in words, at which speeds, positions or times it is largest.
+    """
+
+    channel: str
+    unit: str
+    rmse: float
+    noise_floor: float
+    z: float
+    where: str
+
+
+@final
+@dataclass(frozen=True)
+class Lineage:
+    """A model version: its parent's version, what was added, and the settings that name it again."""
+
+    version: str
+    parent: str | None
+    added: str
+
+
+@final
+@dataclass(frozen=True)
+class Discrepancy:
+    """before_after: quantity name -> (before, after), of supporting torque and stiffness with the named effects added."""
+
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    chain: tuple[Link, ...]
+    located: tuple[Excess, ...]
+    unexplained: tuple[Excess, ...]
+    rejected: tuple[Alternative, ...]
+    lineage: tuple[Lineage, ...]
+    candidates: int
+    notes: tuple[str, ...]
+    before_after: Mapping[str, tuple[Estimate, Estimate]]

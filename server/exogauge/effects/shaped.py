@@ -1,0 +1,76 @@
+"""What an effect that is not in the model could be: columns that enter linearly, with shapes that do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import Quantity
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Shape:
+    """A value that enters non-linearly: tried at `grid`, refined between low and high."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    grid: tuple[float, ...]
+
+
+@final
+@dataclass(frozen=True)
+class AxisSignals:
+    """T samples of one actuator axis of a whole log, at the bandwidth that its encoder can bear.
+
+    time: (T,) [s] from the log's start. position [rad], velocity [rad/s], acceleration [rad/s²]. direction: sign of the
+    velocity, 0 at rest. drive: (T,) torque of the motor k_T u [N·m]. load: (T,) torque that the model's body and outside
+    forces ask of the joint, Y_j φ - F_j [N·m]. temperature: (T,) [°C] or None where it is not logged.
+    speed_scale, torque_scale, range: the axis' own rms velocity, rms load and range of position, for scale-free shapes.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    direction: Array
+    drive: Array
+    load: Array
+    temperature: Array | None
+    speed_scale: float
+    torque_scale: float
+    range: float
+
+
+class ShapedEffect(Protocol):
+    """A reason why a joint's torque is not what the model says. One file each; `EFFECT` is what the catalogue finds.
+
+    name: identifier, a contract with results.json. sentence: for the user. coefficients: what is estimated linearly.
+    shapes: what is searched. confounds: baseline effects that can stand in for it. needs: in words, the motion that
+    shows it. coordinate: of the evidence plot, one of `velocity`, `position`, `load`, `time`, `acceleration`, `drive`,
+    `temperature`. claims_at_rest: whether it may be claimed from samples at rest.
+    """
+
+    name: ClassVar[str]
+    sentence: ClassVar[str]
+    coefficients: ClassVar[tuple[Quantity, ...]]
+    shapes: ClassVar[tuple[Shape, ...]]
+    confounds: ClassVar[tuple[str, ...]]
+    needs: ClassVar[str]
+    coordinate: ClassVar[str]
+
+    def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, C) torque delivered to the joint per unit of each coefficient, friction negative. Not low-passed: who
+        calls passes each column through the filter that the drive has passed."""
+        ...
+
+    def applies(self, signals: AxisSignals) -> bool:
+        """Whether the log holds what the effect needs (a temperature, motion, load …)."""
+        ...
