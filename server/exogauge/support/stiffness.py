@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.band_fit import (
+    NULL,
     BandFit,
     Belief,
     Layout,
     Reduced,
+    at,
     fit_bands,
     layout,
     null_directions,
@@ -26,6 +28,7 @@ from exogauge.support.band_samples import BandSamples, band_samples
 from exogauge.support.evidence import Evidence
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 SHARE = 0.2  # of a unit direction: a parameter with more is part of it
@@ -46,6 +49,11 @@ def identify_bands(
     samples = band_samples(evidences, approach)
     plan, fit, left, notes = _fit(device, samples, sigma)
     beliefs = _beliefs(device.bands, plan)
+    if beliefs:
+        left = left * _overstated(
+            model, approach, at(plan, fit.reduced, fit.theta), samples, left, evidences, null_logs
+        )
+        fit = fit_bands(plan, Reduced(samples.weighted(left)), beliefs)
     blind = {name for direction in null_directions(fit) for name in _involved(plan, direction)}
     blind |= _without_pull(plan, fit, beliefs)
     doubt = covariance(model, approach, fit, samples, left, evidences, null_logs, beliefs)
@@ -94,6 +102,27 @@ def _weighed_fit(bands: Sequence[Band], plan: Layout, samples: BandSamples, sigm
     return fit, weights
 
 
+def _overstated(
+    model: RobotModel,
+    approach: Approach,
+    alone: BandFit,
+    samples: BandSamples,
+    sigma: Array,
+    evidences: Sequence[Evidence],
+    null_logs: Sequence[NullLog],
+) -> float:
+    """By how much too small sigma is for what the data alone tell, at least 1. alone: the fit without beliefs in it.
+
+    Errors last, and those of the robot's parameters are alike at every sample; a bench test must be weighed against
+    what the data are worth, not against their number.
+    """
+    doubt = covariance(model, approach, alone, samples, sigma, evidences, null_logs, ())
+    scale = alone.layout.scale
+    H = alone.hessian * np.outer(scale, scale)
+    seen = int(np.sum(np.linalg.eigvalsh(H) > NULL * np.trace(H)))
+    return float(np.sqrt(max(1.0, np.trace(alone.hessian @ doubt) / max(seen, 1))))
+
+
 def _inseparable(plan: Layout, fit: BandFit, device: Device, tied: frozenset[str]) -> str | None:
     """A group whose natural lengths alone make up a direction that the data do not see."""
     for direction in null_directions(fit):
@@ -111,9 +140,14 @@ def _involved(plan: Layout, direction: Array) -> list[str]:
 
 def _without_pull(plan: Layout, fit: BandFit, beliefs: Sequence[Belief]) -> set[str]:
     """What belongs to bands that pull nowhere alone: any stiffness explains that, if only they are long enough."""
-    pulls = fit.tension.max(axis=0) > LEAST_PULL
+    pulls = _pulling(fit)
     known = {*plan.stiffness[pulls].tolist(), *plan.natural_length[pulls].tolist(), *(b.index for b in beliefs)}
     return {name for index, name in enumerate(plan.names) if index not in known}
+
+
+def _pulling(fit: BandFit) -> BoolArray:
+    """(W,) which bands pull anywhere."""
+    return np.asarray(fit.tension.max(axis=0) > LEAST_PULL)
 
 
 def _beliefs(bands: Sequence[Band], plan: Layout) -> list[Belief]:
@@ -157,14 +191,7 @@ def _estimate(
         error_percent=None if truth is None else 100.0 * (value - truth) / truth,
         identifiable=bool(k_known),
         length_identifiable=l_known,
-        note=_note(
-            band,
-            bool(fit.tension[:, k].max() > LEAST_PULL),
-            [plan.names[k_at], plan.names[l_at]],
-            blind,
-            k_known,
-            l_known,
-        ),
+        note=_note(band, bool(_pulling(fit)[k]), [plan.names[k_at], plan.names[l_at]], blind, k_known, l_known),
     )
 
 
