@@ -13,20 +13,24 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 import pytest
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, lfilter, sosfiltfilt
 
 from exogauge.devices.device import Band, Device, ViaPoint
+from exogauge.devices.routing import Routing
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters
 from exogauge.identification.preparation import RestDetection
+from exogauge.identification.result import Prediction
 from exogauge.identification.settings import Settings
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.row_blocks import row_blocks
 from exogauge.robots.urdf import load_tree
+from exogauge.support.evidence import Evidence
+from exogauge.support.settings import WornLog
 
 RATE = 100.0
 CUTOFF = 20.0
@@ -398,3 +402,46 @@ def low_passed() -> Callable[[np.ndarray], np.ndarray]:
 def inner() -> slice:
     """Samples that no filter's end touches."""
     return slice(round(RATE), -round(RATE))
+
+
+@pytest.fixture(scope="session")
+def make_evidence(biped: Biped) -> Callable[..., Evidence]:
+    """What a log with a device says, with its true torque as that of all approaches, errors on top, and no doubt that
+    comes from the robot. noise: [N·m] std of errors that last 0.2 s; gain: on all torques; unused: joints left out.
+    """
+
+    size = biped.known().equations.size
+
+    def make(
+        device: Device, course: Course, noise: float = 0.0, gain: float = 1.0, seed: int = 0, unused: Sequence[str] = ()
+    ) -> Evidence:
+        routing = Routing(biped.robot.tree, device.bands)
+        geometry = routing.geometry(course.q)
+        pull = [
+            b.stiffness * np.maximum(x - b.natural_length, 0)
+            for b, x in zip(device.bands, geometry.length.T, strict=True)
+        ]
+        torque = -np.einsum("twd,wt->td", geometry.jacobian, pull)
+        torque = gain * (torque + noise * lasting(np.random.default_rng(seed), torque.shape, 0.2))
+        nothing, always = np.zeros_like(torque), np.ones(torque.shape, dtype=bool)
+        used = always & ~np.isin(routing.joints, list(unused))
+        kept = np.arange(0, len(torque), 2)
+        slope = np.zeros((len(kept[::20]), torque.shape[1], size), dtype=np.float32)
+        return Evidence(
+            worn=WornLog(Log("worn", course.time, {}), "motion", device), reference="plain", found=None,
+            time=course.time, q=course.q[:, routing.columns], posture=course.q, main=0,
+            phase=np.zeros(len(torque), dtype=np.intp), a=torque, b=torque, a_priori=torque, std_a=nothing,
+            std_b=nothing, half_a=nothing, half_b=nothing, low_b=torque, compared=used, steady=used, rest=~always,
+            length=geometry.length, jacobian=geometry.jacobian, kept=kept, sloped=kept[::20], slope_b=slope,
+            slope_a=slope, prediction=Prediction("worn", True, course.time, {}, {}, {}, {}),
+        )  # fmt: skip
+
+    return make
+
+
+def lasting(rng: np.random.Generator, shape: tuple[int, int], seconds: float) -> np.ndarray:
+    """(T, D) of unit variance, with a memory of that length."""
+    rho = np.exp(-1.0 / (seconds * RATE))
+    white = rng.normal(size=shape)
+    white[0] /= np.sqrt(1.0 - rho**2)
+    return np.asarray(lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white, axis=0))

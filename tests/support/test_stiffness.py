@@ -1,0 +1,210 @@
+"""Bands from supporting torque: what comes back, what cannot be told, and how far to believe the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
+from exogauge.support.stiffness import identify_bands, true_stiffness
+
+SIGMA = np.array([0.3, 0.3])
+NAMES = ["torso_pitch", "torso_yaw"]
+
+
+def belly(name="belly", natural_length=0.39):
+    """Over the front: a bend makes it shorter, a twist longer."""
+    points = (("chest", 0.1, 0.1, 0.1), ("waist", 0.12, 0.0, 0.0), ("pelvis", 0.1, -0.1, 0.0))
+    return Band(name, "belly", tuple(ViaPoint(link, (x, y, z)) for link, x, y, z in points), 800.0, natural_length)
+
+
+def told_nothing(device: Device) -> Device:
+    return replace(device, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in device.bands))
+
+
+@pytest.fixture(scope="module")
+def identified(biped, suit, stoop, make_evidence):
+    """The result for a device worn in courses, from torques that it gives, with coloured noise on top."""
+    model = biped.known()
+
+    def identify(device=suit, courses=None, noise=0.0, approach="A", gain=1.0, seed=0, known=None, null_logs=()):
+        evidences = [
+            make_evidence(device, course, noise=noise, gain=gain, seed=seed + 100 * k)
+            for k, course in enumerate([stoop(1)] if courses is None else courses)
+        ]
+        known = told_nothing(device) if known is None else known
+        return identify_bands(model, known, approach, evidences, SIGMA, null_logs, NAMES)
+
+    return identify
+
+
+def test_stiffness_and_lengths_come_back_with_what_is_left(identified, suit):
+    found = identified()
+    assert found.parameters == ("stiffness[back]", "natural_length[left]", "natural_length[right]")
+    for estimate, band in zip(found.bands, suit.bands, strict=True):
+        assert (estimate.band, estimate.group) == (band.name, "back")
+        assert estimate.stiffness.value == pytest.approx(band.stiffness, rel=1e-6)
+        assert estimate.natural_length.value == pytest.approx(band.natural_length, rel=1e-6)
+        assert estimate.identifiable
+        assert estimate.length_identifiable
+        assert not estimate.note
+    assert max(found.rms.values()) < 1e-4
+    assert not found.notes
+
+
+def test_several_logs_count_together(identified, stoop, wander):
+    one, both = identified(noise=0.5), identified(noise=0.5, courses=[stoop(1), wander(3)])
+    assert both.samples > 1.3 * one.samples
+    assert both.bands[0].stiffness.std < one.bands[0].stiffness.std
+
+
+def test_where_the_truth_is_known_the_error_is_given(identified, suit):
+    bench = BenchTest((0.6, 0.7, 0.8), (0.0, 48.0, 208.0), is_truth=True)  # 1600 N/m, natural length 0.67
+    known = replace(
+        suit, bands=(replace(suit.bands[0], stiffness=1400.0, ground_truth=True), replace(suit.bands[1], bench=bench))
+    )
+    left, right = identified(known=known).bands
+    assert (left.true_stiffness, right.true_stiffness) == (1400.0, pytest.approx(1600.0))
+    assert left.error_percent == pytest.approx(100.0 * 100.0 / 1400.0, abs=1e-3)
+    assert right.error_percent == pytest.approx(-100.0 * 100.0 / 1600.0, abs=1e-3)
+    assert true_stiffness(suit.bands[0]) is None  # a nominal value is no truth
+    assert identified().bands[0].error_percent is None
+
+
+def test_a_torque_gain_goes_into_stiffness_alone(identified):
+    right, less = identified(noise=0.3), identified(noise=0.3, gain=0.95)
+    assert less.bands[0].stiffness.value == pytest.approx(0.95 * right.bands[0].stiffness.value, rel=1e-4)
+    for k in range(2):
+        assert less.bands[k].natural_length.value == pytest.approx(right.bands[k].natural_length.value, rel=1e-5)
+
+
+def bent_only(stoop):
+    """A bend without any twist."""
+    course = stoop(1, turn=0.0)
+    assert not course.q[:, 3].any()
+    return course
+
+
+def test_a_bend_seen_by_the_bends_torque_alone_ties_left_and_right_and_says_so(
+    identified, suit, stoop, make_evidence, biped
+):
+    alike = replace(suit, bands=tuple(replace(band, natural_length=0.675) for band in suit.bands))
+    evidence = make_evidence(alike, bent_only(stoop), noise=0.1, unused=["torso_yaw"])
+    found = identify_bands(biped.known(), told_nothing(alike), "A", [evidence], SIGMA, [], NAMES)
+    assert found.parameters == ("stiffness[back]", "natural_length[back]")
+    (note,) = found.notes
+    assert "left and right" in note
+    assert "twist" in note
+    for estimate in found.bands:
+        assert estimate.stiffness.value == pytest.approx(1500.0, rel=0.05)
+        assert estimate.natural_length.value == pytest.approx(0.675, abs=2e-3)
+        assert estimate.length_identifiable
+
+
+def test_a_twist_unties_them(identified, suit):
+    assert not identified(noise=0.1).notes
+    assert identified(known=replace(told_nothing(suit), tied=frozenset({"back"}))).parameters[1:] == (
+        "natural_length[back]",
+    )
+
+
+def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, suit):
+    worn = replace(suit, bands=(*suit.bands, belly(natural_length=2.0)))
+    found = identified(device=worn)
+    estimate = found.bands[2]
+    assert not estimate.identifiable
+    assert not estimate.length_identifiable
+    assert np.isinf(estimate.stiffness.std)
+    assert np.isinf(estimate.natural_length.std)
+    assert estimate.stiffness_interval == (0.0, np.inf)
+    assert "slack" in estimate.note
+    assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=1e-6)
+    assert found.bands[0].identifiable
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_noise_does_not_decide_a_band_that_is_slack_throughout(identified, suit, seed):
+    """Whatever noise makes of it: no upper end, or an interval that holds almost no pull; and words for it."""
+    worn = replace(suit, bands=(*suit.bands, belly(natural_length=2.0)))
+    found = identified(device=worn, noise=0.3, seed=seed)
+    estimate = found.bands[2]
+    assert not estimate.identifiable
+    assert estimate.note
+    if not np.isfinite(estimate.stiffness.std):
+        assert estimate.stiffness_interval == (0.0, np.inf)
+    assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=0.2)
+
+
+def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_and_no_length(identified, suit):
+    loose = replace(suit, bands=(suit.bands[0], replace(suit.bands[1], natural_length=2.0)))
+    left, right = identified(device=loose).bands
+    assert right.stiffness.value == left.stiffness.value == pytest.approx(1500.0, rel=1e-4)
+    assert right.identifiable
+    assert np.isinf(right.natural_length.std)
+    assert not right.length_identifiable
+    assert "right" in right.note
+    assert not left.note
+
+
+def test_two_bands_on_one_path_cannot_be_told_apart(identified, suit):
+    twins = replace(suit, bands=(suit.bands[0], replace(suit.bands[0], name="twin", group="twin")))
+    found = identified(device=twins)
+    for estimate in found.bands:
+        assert not estimate.identifiable
+        assert "stiffness[back]" in estimate.note
+        assert "stiffness[twin]" in estimate.note
+
+
+def benched(device, k=1520.0, l_0=0.6755):
+    """Measured on a bench, without scatter; that counts for 1 %, which is 15 N/m, and 2 mm."""
+    length = np.array([0.60, 0.65, 0.70, 0.75, 0.80])
+    bench = BenchTest(tuple(length), tuple(k * np.maximum(length - l_0, 0.0)))
+    return replace(device, bands=tuple(replace(band, bench=bench) for band in told_nothing(device).bands))
+
+
+@pytest.mark.parametrize("noise", [0.3, 1.0, 6.0])
+def test_a_bench_test_weighs_what_it_is_worth_against_what_the_data_are_worth(identified, suit, noise):
+    """Errors last 0.2 s, so there are far fewer of them than samples. Both together are known at least as well as
+    either, and lie where their doubts say."""
+    alike = tuple(replace(band, natural_length=0.675) for band in suit.bands)
+    worn = replace(suit, bands=alike, tied=frozenset({"back"}))
+    for seed in range(4):
+        alone, both = (
+            identified(device=worn, noise=noise, seed=seed, known=known).bands[0].stiffness
+            for known in (told_nothing(worn), benched(worn))
+        )
+        bench = 0.01 * 1520.0
+        assert both.std < 1.1 * min(alone.std, bench)
+        assert abs(both.value - 1500.0) < 3.0 * both.std
+        if alone.std > 10.0 * bench:
+            assert abs(both.value - 1520.0) < bench
+
+
+def test_a_bench_test_leaves_good_data_alone(identified, suit):
+    estimate = identified(noise=0.01, known=benched(suit)).bands[0]
+    assert estimate.stiffness.value == pytest.approx(1500.0, rel=0.01)
+
+
+def test_joints_that_the_bands_do_not_explain_count_for_less(identified, biped, suit, stoop, make_evidence):
+    """The yaw joint shows torque that no band could give; weighed by what is left, it hardly bends the estimate."""
+    evidence = make_evidence(suit, stoop(1))
+    strange = evidence.a.copy()
+    strange[:, 1] += 5.0 * np.sin(3.0 * evidence.time)
+    found = identify_bands(biped.known(), told_nothing(suit), "A", [replace(evidence, a=strange)], SIGMA, [], NAMES)
+    assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=0.01)
+    assert found.rms["torso_yaw"] == pytest.approx(5.0 / np.sqrt(2), rel=0.1)
+    assert found.rms["torso_pitch"] < 0.2
+
+
+def test_doubt_grows_with_the_noise(identified):
+    stds = [identified(noise=noise).bands[0].stiffness.std for noise in (0.1, 0.4)]
+    assert stds[1] == pytest.approx(4.0 * stds[0], rel=0.1)
+
+
+def test_correlation_is_that_of_the_doubt(identified):
+    found = identified(noise=0.3)
+    np.testing.assert_allclose(np.diag(found.correlation), 1.0)
+    np.testing.assert_allclose(found.correlation, found.correlation.T, atol=1e-12)
+    assert found.correlation[0, 1] > 0.3  # stiffer and longer explain a bend alike
