@@ -27,7 +27,7 @@ class Place:
 @final
 @dataclass(frozen=True)
 class HeldOut:
-    """RMSE of one channel in the regime where the model claims to hold (steady motion), on logs that were not fitted."""
+    """RMSE of one channel in the regime where the model claims to hold (steady motion), on held-out logs."""
 
     channel: str
     unit: str
@@ -134,7 +134,7 @@ class Lineage:
 @final
 @dataclass(frozen=True)
 class Discrepancy:
-    """before_after: quantity name -> (before, after), of supporting torque and stiffness with the named effects added."""
+    """before_after: quantity name -> (before, after), of supporting torque and stiffness."""
 
     verdict: Verdict
     findings: tuple[Finding, ...]
