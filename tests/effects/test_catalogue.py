@@ -8,20 +8,20 @@ import exogauge.effects as package
 from exogauge.effects.catalogue import all_effects, choose
 from exogauge.errors import BadInput
 
-STRIBECK = '''
+CREAK = '''
 """Extra friction at the start of motion."""
 import numpy as np
 from exogauge.effects.effect import Quantity
 
-class Stribeck:
-    name = "stribeck"
+class Creak:
+    name = "creak"
     sentence = "Friction is larger at the start of motion."
-    coefficient = Quantity("tau_b", "N·m", low=0.0)
+    coefficient = Quantity("tau_x", "N·m", low=0.0)
 
     def column(self, signals):
         return -signals.direction * np.exp(-np.abs(signals.velocity) / 0.1)
 
-EFFECT = Stribeck()
+EFFECT = Creak()
 '''
 
 
@@ -38,11 +38,11 @@ def folder_of_effects(tmp_path, monkeypatch):
 
 
 def test_adding_one_file_is_all_it_takes(folder_of_effects):
-    assert "stribeck" not in all_effects()
-    (folder_of_effects / "stribeck.py").write_text(STRIBECK, encoding="utf-8")
+    assert "creak" not in all_effects()
+    (folder_of_effects / "creak.py").write_text(CREAK, encoding="utf-8")
     all_effects.cache_clear()
-    assert all_effects()["stribeck"].coefficient.name == "tau_b"
-    assert [effect.name for effect in choose(["viscous", "stribeck"])] == ["viscous", "stribeck"]
+    assert all_effects()["creak"].coefficient.name == "tau_x"
+    assert [effect.name for effect in choose(["viscous", "creak"])] == ["viscous", "creak"]
 
 
 def test_a_file_without_an_effect_is_no_effect(folder_of_effects):

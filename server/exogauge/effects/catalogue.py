@@ -7,18 +7,26 @@ import pkgutil
 from collections.abc import Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
+from typing import Any
 
 import exogauge.effects as package
 from exogauge.effects.effect import JointEffect
+from exogauge.effects.shaped import ShapedEffect
 from exogauge.errors import BadInput, Fault
 
 
 @cache
 def all_effects() -> Mapping[str, JointEffect]:
-    """Identifier -> effect, found by looking into the package: adding one file is all it takes."""
-    modules = (importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__))
-    effects: list[JointEffect] = [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
-    return MappingProxyType({effect.name: effect for effect in effects})
+    """Identifier -> effect that a model is fitted with (it has one `column`), found by looking into the package."""
+    found: list[JointEffect] = [effect for effect in _offered() if hasattr(effect, "column")]
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
+def shaped_effects() -> Mapping[str, ShapedEffect]:
+    """Identifier -> effect that may be missing (it has `columns`), found likewise: adding one file is all it takes."""
+    found: list[ShapedEffect] = [effect for effect in _offered() if hasattr(effect, "columns")]
+    return MappingProxyType({effect.name: effect for effect in found})
 
 
 def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:
@@ -29,3 +37,8 @@ def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:
         advice = f"Known effects: {', '.join(sorted(known))}."
         raise BadInput([Fault(f"there is no effect {name!r}", "unknown_effect", advice) for name in unknown])
     return tuple(known[name] for name in names)
+
+
+def _offered() -> list[Any]:
+    modules = (importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__))
+    return [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
