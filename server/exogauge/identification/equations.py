@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.description import Robot
 from exogauge.robots.row_blocks import Rows
+
+if TYPE_CHECKING:
+    from exogauge.identification.added import AddedColumn
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -44,9 +47,9 @@ class Chunk:
 @final
 @dataclass(frozen=True)
 class Equations:
-    """Which parameters each row holds. P = B + A·K parameters x = [φ_b (B), ξ (A, K) axis by axis].
+    """Which parameters each row holds. P = B + A·K + E parameters x = [φ_b (B), ξ (A, K) axis by axis, ζ (E)].
 
-    blocks: regressor rows in the parameters of base. effects: K.
+    blocks: regressor rows in the parameters of base. effects: K, on every axis. added: E, on one axis each.
     Row kinds: 6 base axes if floating, then A actuator axes in steady motion, then the same A axes at rest, where
     friction is known less well. Around starts, stops and turns, where a joint may stick for longer than a low-passed
     velocity can show, an axis gives no row.
@@ -56,6 +59,7 @@ class Equations:
     blocks: Rows
     base: BaseParameters
     effects: Sequence[JointEffect]
+    added: Sequence[AddedColumn] = ()
 
     @property
     def base_size(self) -> int:
@@ -63,6 +67,10 @@ class Equations:
 
     @property
     def size(self) -> int:
+        return self.first_added + len(self.added)
+
+    @property
+    def first_added(self) -> int:
         return self.base_size + len(self.robot.joints) * len(self.effects)
 
     @property
@@ -73,10 +81,17 @@ class Equations:
         """Indices in x of the K coefficients of one axis."""
         return self.base_size + axis * len(self.effects) + np.arange(len(self.effects))
 
+    def added_on(self, axis: int) -> IntArray:
+        """Which of the added columns are in the rows of one axis."""
+        return np.array([e for e, column in enumerate(self.added) if column.axis == axis], dtype=np.intp)
+
     def columns(self) -> list[IntArray]:
         """Indices in x of every row kind."""
         base, axes = self.blocks.columns[: self.first_axis], self.blocks.columns[self.first_axis :]
-        full = [np.concatenate([c, self.effect_columns(axis)]) for axis, c in enumerate(axes)]
+        full = [
+            np.concatenate([c, self.effect_columns(axis), self.first_added + self.added_on(axis)])
+            for axis, c in enumerate(axes)
+        ]
         return [*base, *full, *full]
 
     def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Chunk]]]:
@@ -96,7 +111,7 @@ class Equations:
         for start in range(0, len(prepared.kept), CHUNK):
             which = slice(start, min(start + CHUNK, len(prepared.kept)))
             samples, everyone = prepared.kept[which], np.arange(which.start, which.stop)
-            reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + 1, reused)
+            reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + len(self.added) + 1, reused)
             blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=False)]
             external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
             for kind, block in enumerate(blocks):
@@ -106,7 +121,9 @@ class Equations:
                 kind = self.first_axis + axis
                 block, steady = blocks[kind], prepared.steady[samples, axis]
                 signals = replace(signals, rest=np.where(steady, 0.0, signals.rest))  # filters ring
-                self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind))
+                for place, e in enumerate(self.added_on(axis), len(self.blocks.columns[kind]) + len(self.effects)):
+                    np.negative(prepared.added[samples, e], out=block[:, place])
+                self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind), len(self.added_on(axis)))
                 if not steady.all():
                     rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
                     resting = ~steady & (signals.rest > AT_REST)
@@ -161,12 +178,12 @@ class Equations:
                     if joint.actuation == "current":
                         yield kind, len(self.blocks.columns[kind]) + k
 
-    def _fill_effects(self, signals: JointSignals, block: Array, x: Array, gain: int | None) -> None:
+    def _fill_effects(self, signals: JointSignals, block: Array, x: Array, gain: int | None, added: int) -> None:
         """Write the effects' columns of one axis. x: (k_r,) the row's parameters of the pass before.
 
-        gain: place of k_T in the row where the current is logged.
+        gain: place of k_T in the row where the current is logged. added: columns behind the effects', filled already.
         """
-        first = block.shape[1] - 1 - len(self.effects)
+        first = block.shape[1] - 1 - len(self.effects) - added
         if signals.rest.any():
             without_friction = replace(signals, direction=np.zeros_like(signals.direction))
             for k, effect in enumerate(self.effects):

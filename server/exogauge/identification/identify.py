@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exogauge.effects.catalogue import choose
 from exogauge.errors import BadStudy, Fault
 from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
@@ -19,7 +20,7 @@ from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
 from exogauge.identification.preparation import Prepared, RestDetection, prepare, rest_detection
-from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
@@ -46,9 +47,11 @@ def identify(
     recordings: Sequence[Recording],
     settings: Settings,
     progress: Progress = lambda _fraction, _phrase: None,
+    extension: Extension | None = None,
 ) -> Identification:
     """Identify `robot` from the recordings that are not held out; predict all of them.
 
+    extension: effects to add to the model of an earlier identification, whose bandwidth is kept.
     Raises BadStudy without a log to fit, BadLog for a log that lacks a channel or has gaps in time; `progress` may
     raise to stop.
     """
@@ -59,12 +62,22 @@ def identify(
     progress(0.0, "choosing the bandwidth")
     base = find_base_parameters(robot.tree)
     blocks = row_blocks(robot.tree, base, robot.axes_from_joints)
-    equations = Equations(robot, blocks, base, choose(settings.effects))
-    cutoff_hz = settings.cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
+    added = extension.columns if extension else ()
+    equations = Equations(robot, blocks, base, choose(settings.effects), added)
+    cutoff_hz = extension.parent.cutoff_hz if extension else settings.cutoff_hz
+    cutoff_hz = cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
     progress(0.05, "filtering and differentiating")
     at_rest = rest_detection(robot, fitted_logs, cutoff_hz)
-    fitted = [prepare(robot, log, cutoff_hz, at_rest) for log in fitted_logs]
-    prior = per_parameter(robot, base, equations.effects, scales(robot, fitted))
+
+    def ready(log: Log) -> Prepared:
+        prepared = prepare(robot, log, cutoff_hz, at_rest)
+        return extension.attach(prepared) if extension else prepared
+
+    fitted = [ready(log) for log in fitted_logs]
+    seen = scales(robot, fitted)
+    prior = per_parameter(
+        robot, base, equations.effects, seen, added_std(fitted, [column.axis for column in added], seen)
+    )
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
 
@@ -89,9 +102,7 @@ def identify(
         standard = fill_in(standard)
         warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
-    predictions, validation = _validate(
-        equations, recordings, fitted, cutoff_hz, at_rest, (identified, before), progress
-    )
+    predictions, validation = _validate(equations, recordings, fitted, ready, at_rest, (identified, before), progress)
     condition, rank = solution.solved.condition_and_rank()
     if solution.sticking.lower_bounds:
         warnings.append(
@@ -116,7 +127,17 @@ def identify(
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
         warnings=tuple(warnings),
-        model=RobotModel(equations, identified, before, doubt, prior.seen_covariance, at_rest, cutoff_hz),
+        model=RobotModel(
+            equations=equations,
+            identified=identified,
+            a_priori=before,
+            covariance=doubt,
+            a_priori_covariance=prior.seen_covariance,
+            at_rest=at_rest,
+            cutoff_hz=cutoff_hz,
+            solution=solution,
+            extension=extension,
+        ),
     )
 
 
@@ -137,7 +158,7 @@ def _validate(
     equations: Equations,
     recordings: Sequence[Recording],
     fitted: Sequence[Prepared],
-    cutoff_hz: float,
+    prepared_anew: Callable[[Log], Prepared],
     at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
     progress: Progress,
@@ -149,7 +170,7 @@ def _validate(
     validation: list[ChannelFit] = []
     for index, recording in enumerate(recordings):
         progress(0.85 + 0.15 * index / len(recordings), f"predicting {recording.log.name}")
-        prepared = ready.get(id(recording.log)) or prepare(equations.robot, recording.log, cutoff_hz, at_rest)
+        prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
         predictions.append(prediction)
         floors = noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction)

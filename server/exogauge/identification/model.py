@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import Parameters, motor_gain
 from exogauge.identification.preparation import Prepared, RestDetection, prepare
+from exogauge.identification.solution import Solution
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
+
+if TYPE_CHECKING:
+    from exogauge.identification.added import Extension
 
 Array = NDArray[np.float64]
 
@@ -23,7 +27,8 @@ class RobotModel:
     """x = [φ_b; ξ]: (P,) in the parameters of `equations`.
 
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
-    truth; static friction is not in them (see `identification.static_friction`).
+    truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
+    extension: effects that were added to a parent model, None for a first one.
     """
 
     equations: Equations
@@ -33,6 +38,8 @@ class RobotModel:
     a_priori_covariance: Array
     at_rest: RestDetection
     cutoff_hz: float
+    solution: Solution
+    extension: Extension | None = None
 
     @property
     def robot(self) -> Robot:
@@ -45,4 +52,5 @@ class RobotModel:
 
     def prepare(self, log: Log) -> Prepared:
         """A further log, filtered and differentiated as the identified ones were."""
-        return prepare(self.robot, log, self.cutoff_hz, self.at_rest)
+        prepared = prepare(self.robot, log, self.cutoff_hz, self.at_rest)
+        return self.extension.attach(prepared) if self.extension else prepared

@@ -72,6 +72,8 @@ def with_noise(
         rest=prepared.rest,
         steady=prepared.steady,
         raw_direction=prepared.raw_direction,
+        added=prepared.added,
+        raw_added=prepared.raw_added,
     )
 
 

@@ -39,6 +39,9 @@ def describe(
     for joint in robot.joints:
         names += [f"{effect.coefficient.name}[{joint.name}]" for effect in effects]
         units += [coefficient_unit(effect.coefficient.unit, joint.actuation) for effect in effects]
+    for column in equations.added:
+        names.append(f"{column.name}[{robot.joints[column.axis].name}]")
+        units.append(column.coefficient.unit)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     for i, name in enumerate(names):
         std[i] = min(std[i], sticking.std.get(name, np.inf))

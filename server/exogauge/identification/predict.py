@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -21,17 +21,19 @@ BASE_CHANNELS = ("base.fx", "base.fy", "base.fz", "base.mx", "base.my", "base.mz
 @final
 @dataclass(frozen=True)
 class Parameters:
-    """phi: (N, 10). xi: (A, K) in the order of the equations' effects."""
+    """phi: (N, 10). xi: (A, K) in the order of the equations' effects. added: (E,) of their added columns."""
 
     phi: Array
     xi: Array
+    added: Array = field(default_factory=lambda: np.zeros(0))
 
 
 def split(equations: Equations, standard: Array) -> Parameters:
     """standard: (S,) [φ; ξ]."""
     phi = equations.robot.tree.phi
-    xi = standard[phi.size :].reshape(len(equations.robot.joints), len(equations.effects))
-    return Parameters(standard[: phi.size].reshape(phi.shape), xi)
+    own = phi.size + len(equations.robot.joints) * len(equations.effects)
+    xi = standard[phi.size : own].reshape(len(equations.robot.joints), len(equations.effects))
+    return Parameters(standard[: phi.size].reshape(phi.shape), xi, standard[own:])
 
 
 def motor_gain(equations: Equations, parameters: Parameters) -> Array:
@@ -94,12 +96,14 @@ def _friction_and_offset(
     gain = sum(c for effect, c in model if effect.name == "motor_gain")
     others = [(effect, c) for effect, c in model if effect.name != "motor_gain"]
     signals, none = prepared.raw_signals(axis, which, np.zeros(len(needed))), np.zeros(len(needed))
-    torque = sum((effect.column(signals) * c for effect, c in others), start=none)
+    on = equations.added_on(axis)
+    added = none + prepared.raw_added[which][:, on] @ parameters.added[on] if len(on) else none
+    torque = sum((effect.column(signals) * c for effect, c in others), start=added)
     if not signals.rest.any():
         return torque
     r = gain * prepared.drive[which, axis] + torque - needed
     signals = replace(signals, stick=signals.rest * np.sign(r))
-    return sum((effect.column(signals) * c for effect, c in others), start=none)
+    return sum((effect.column(signals) * c for effect, c in others), start=added)
 
 
 def _named(equations: Equations, predicted: Array) -> Mapping[str, Array]:

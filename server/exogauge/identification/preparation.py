@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -49,6 +49,7 @@ class Prepared:
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     raw_drive, raw_direction, raw_wrenches: not filtered.
     kept: samples that enter a fit (settled ends left out, decimated).
+    added, raw_added: (T, E) torque per unit of each added coefficient (`identification.added`), filtered and not.
     """
 
     log: Log
@@ -65,6 +66,8 @@ class Prepared:
     raw_direction: Array
     raw_wrenches: Array
     kept: NDArray[np.intp]
+    added: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def signals(self, axis: int, samples: slice | NDArray[np.intp], stick: Array) -> JointSignals:
         """What the effects of one axis see of the low-passed log."""

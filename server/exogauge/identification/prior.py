@@ -19,6 +19,7 @@ from exogauge.robots.description import Joint, Robot
 
 Array = NDArray[np.float64]
 
+NOTHING_ADDED = np.zeros(0)
 INERTIAL_STD = 0.25  # relative, where the maker gives none
 GAIN_STD = 0.2  # relative, of k_T
 GYRATION_FLOOR_M = 0.03  # a link is not a point, even if its file says so
@@ -59,11 +60,24 @@ def joint_prior(joint: Joint, name: str) -> float:
     return float(joint.prior.get(name, 0.0))
 
 
-def per_parameter(robot: Robot, base: BaseParameters, effects: Sequence[JointEffect], seen: Scales) -> Prior:
-    """A standard deviation for every parameter: the maker's where given, else a spread that its size suggests."""
-    mean = np.concatenate([robot.tree.phi.ravel(), _joint_means(robot, effects).ravel()])
-    std = np.concatenate([inertial_std(robot).ravel(), _joint_stds(robot, effects, seen).ravel()])
-    return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects)))
+def per_parameter(
+    robot: Robot, base: BaseParameters, effects: Sequence[JointEffect], seen: Scales, added: Array = NOTHING_ADDED
+) -> Prior:
+    """A standard deviation for every parameter: the maker's where given, else a spread that its size suggests.
+
+    added: (E,) standard deviations of added coefficients, of which nothing was known before.
+    """
+    mean = np.concatenate([robot.tree.phi.ravel(), _joint_means(robot, effects).ravel(), np.zeros(len(added))])
+    std = np.concatenate([inertial_std(robot).ravel(), _joint_stds(robot, effects, seen).ravel(), added])
+    return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects) + len(added)))
+
+
+def added_std(logs: Sequence[Prepared], axes: Sequence[int], seen: Scales) -> Array:
+    """(E,) as large as the torque that was seen on each column's axis could make its coefficient."""
+    if not axes:
+        return NOTHING_ADDED
+    columns = np.vstack([log.added[log.kept] for log in logs])
+    return np.asarray(seen.torque[list(axes)] / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-12))
 
 
 def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weights: Array) -> Prior:
@@ -77,12 +91,15 @@ def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weigh
     D, inertial, B, K = prior.seen, equations.robot.tree.phi.size, equations.base_size, len(equations.effects)
     regroup = D[:B, :inertial]
     largest = np.linalg.eigvalsh(regroup.T @ G[:B, :B] @ regroup)[-1]
-    information = np.diag(G)[B:].reshape(-1, K).max(axis=0)  # σ_max of Λ_T, Λ_d, both diagonal
+    own = len(equations.robot.joints) * K
+    information = np.diag(G)[B : B + own].reshape(-1, K).max(axis=0)  # σ_max of Λ_T, Λ_d, both diagonal
     signs = [k for k, effect in enumerate(equations.effects) if effect.coefficient.name in ("tau_c", "tau_s", "tau_o")]
     information[signs] = statistics.count.max() * weights[equations.first_axis :].max()
     std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
     uniform = np.tile(1.0 / np.sqrt(np.where(information > 0.0, information, 1.0)), len(equations.robot.joints))
-    std[inertial:] = np.where(np.tile(information > 0.0, len(equations.robot.joints)), uniform, prior.std[inertial:])
+    seen = np.tile(information > 0.0, len(equations.robot.joints))
+    std[inertial:] = prior.std[inertial:]
+    std[inertial : inertial + own] = np.where(seen, uniform, prior.std[inertial : inertial + own])
     return Prior(prior.mean, np.where(prior.std == 0.0, 0.0, std), D)
 
 

@@ -19,7 +19,7 @@ def solve_within_ranges(
     equations: Equations, statistics: Statistics, weights: Array, prior: Prior, strength: float
 ) -> tuple[PriorLeastSquares, tuple[str, ...]]:
     """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again."""
-    first = statistics.size - len(equations.robot.joints) * len(equations.effects)
+    first = equations.base_size
     low, high = _ranges(equations)
     held = np.zeros(len(low), dtype=bool)
     slack = SLACK * prior.std[-len(low) :]
@@ -38,19 +38,22 @@ def solve_within_ranges(
 
 
 def clip_to_ranges(equations: Equations, xi: Array) -> Array:
-    """xi: (A·K,) joint parameters, each moved to the nearest possible value."""
+    """xi: (A·K + E,) joint parameters, each moved to the nearest possible value."""
     return np.asarray(np.clip(xi, *_ranges(equations)))
 
 
 def _ranges(equations: Equations) -> tuple[Array, Array]:
-    """(A·K,) lowest and highest value of every joint parameter."""
+    """(A·K + E,) lowest and highest value of every joint parameter."""
     axes = len(equations.robot.joints)
     low = np.tile([effect.coefficient.low for effect in equations.effects], axes)
     high = np.tile([effect.coefficient.high for effect in equations.effects], axes)
-    return low, high
+    return (
+        np.concatenate([low, [column.coefficient.low for column in equations.added]]),
+        np.concatenate([high, [column.coefficient.high for column in equations.added]]),
+    )
 
 
 def _names(equations: Equations) -> list[str]:
-    return [
-        f"{effect.coefficient.name}[{joint.name}]" for joint in equations.robot.joints for effect in equations.effects
-    ]
+    joints = equations.robot.joints
+    own = [f"{effect.coefficient.name}[{joint.name}]" for joint in joints for effect in equations.effects]
+    return own + [f"{column.name}[{joints[column.axis].name}]" for column in equations.added]
