@@ -14,6 +14,7 @@ from exogauge.devices.result import Approach
 from exogauge.identification.model import RobotModel
 from exogauge.support.band_samples import BandSamples, counted
 from exogauge.support.evidence import Evidence
+from exogauge.support.score_doubt import score_covariance
 
 Array = NDArray[np.float64]
 
@@ -47,12 +48,11 @@ def covariance(
 ) -> Array:
     """(P, P) of the estimate about the truth, inf on the diagonal where the data hold nothing.
 
-    H^-1 (S + G C G^T + n n^T) H^-1 with H the curvature; S from sums over blocks of residuals (they are coloured);
+    H^-1 (S + G C G^T + n n^T) H^-1 with H the curvature; S what errors of this kind make of the score (they last);
     C the covariance of the robot's parameters and G how the score moves with them; n the score that the approach finds
     on logs without the device, where it ought to be zero: what the model lacks there it lacks with the device too.
     """
-    scores = fit.scores(samples.blocks(fit))
-    meat = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
+    meat = score_covariance(fit, samples, sigma)
     for belief in beliefs:
         meat[belief.index, belief.index] += belief.std**-2
     G = sum(_moved(fit, approach, each, sigma) for each in evidences)
