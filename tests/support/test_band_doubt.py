@@ -1,0 +1,223 @@
+"""How far identified bands can be believed: against finite differences, repeated draws and what a model lacks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import toeplitz
+from scipy.signal import lfilter
+
+from exogauge.devices.band_fit import Reduced, fit_bands, layout, tension_and_pull
+from exogauge.devices.device import Device
+from exogauge.identification.predict import Parameters
+from exogauge.support.band_doubt import NullLog
+from exogauge.support.band_samples import band_samples
+from exogauge.support.evaluate import estimate_support
+from exogauge.support.score_doubt import autocovariance, score_covariance
+from exogauge.support.settings import PlainLog, WornLog
+from exogauge.support.stiffness import identify_bands
+
+SIGMA = np.array([0.3, 0.3])
+NAMES = ["torso_pitch", "torso_yaw"]
+TRUE = 1500.0
+
+
+def told_nothing(device: Device) -> Device:
+    return replace(device, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in device.bands))
+
+
+def in_order(estimates):
+    return np.array([estimates[0].stiffness.value, *(each.natural_length.value for each in estimates)])
+
+
+@pytest.fixture(scope="module")
+def logs(biped, suit, wander):
+    """One run without and one with the suit, in other motions of the base."""
+    plain, worn = biped.record(wander(1, base_seed=7), "plain"), biped.record(wander(1), "worn", bands=suit.bands)
+    return [PlainLog(plain.log, "wander", True)], [WornLog(worn.log, "wander", told_nothing(suit))]
+
+
+def moved(biped, model, direction, size):
+    """The model with other parameters, and the step in those of its equations. direction: random φ and ξ."""
+    phi, xi = (size * each for each in direction)
+    x = np.concatenate([model.equations.base.regroup @ phi.ravel(), xi.ravel()])
+    return replace(model, identified=Parameters(model.identified.phi + phi, model.identified.xi + xi)), x
+
+
+@pytest.mark.parametrize("approach", ["A", "B"])
+def test_doubt_of_the_robots_parameters_reaches_the_bands_as_the_estimate_follows_them(biped, suit, logs, approach):
+    """Their covariance along one random direction; the estimate moved along it, by so little that the joints keep
+    their weights."""
+    model, rng = biped.known(), np.random.default_rng(0)
+    relative = 0.05 * rng.normal(size=model.identified.xi.shape)
+    direction = 0.02 * rng.normal(size=biped.phi.shape), relative * model.identified.xi
+
+    def bands(of):
+        return next(each for each in estimate_support(of, *logs)[1] if each.approach == approach).bands
+
+    ahead, behind = (in_order(bands(moved(biped, model, direction, size)[0])) for size in (1e-3, -1e-3))
+    slope = (ahead - behind) / 2e-3
+    x = moved(biped, model, direction, 1.0)[1]
+    doubtful = replace(model, covariance=np.outer(x, x))
+    found = bands(doubtful)
+    std = np.array([found[0].stiffness.std, *(each.natural_length.std for each in found)])
+    np.testing.assert_allclose(std, np.abs(slope), rtol=0.1)
+    assert std[0] > 10.0
+
+
+def test_what_a_model_lacks_in_logs_without_the_device_counts_as_doubt_of_b(biped, suit, stoop, wander):
+    """Friction that no model knows, in both runs: B's stiffness is wrong by it, and says so; A takes it off."""
+
+    def extra(speed):
+        return 1.5 * np.tanh(speed / 0.2) ** 3
+
+    model = biped.known()
+    plain = [PlainLog(biped.record(stoop(k), f"plain{k}", extra=extra).log, "stoop", True) for k in range(2)]
+    worn = [WornLog(biped.record(stoop(5), "worn", bands=suit.bands, extra=extra).log, "stoop", told_nothing(suit))]
+    results = {each.approach: each for each in estimate_support(model, plain, worn)[1]}
+    a, b = (results[approach].bands[0].stiffness for approach in "AB")
+    assert abs(a.value - TRUE) < 0.002 * TRUE
+    for estimate, true in zip(results["B"].bands, suit.bands, strict=True):
+        assert abs(estimate.stiffness.value - TRUE) < 2.5 * estimate.stiffness.std
+        assert abs(estimate.natural_length.value - true.natural_length) < 2.5 * estimate.natural_length.std
+    assert b.std > 3.0 * a.std
+
+
+def test_the_score_of_a_log_without_the_device_is_the_bias_that_its_error_makes(biped, suit, make_evidence, stoop):
+    """A constant torque that is not the device's, the same on both logs: the doubt grows by the shift it causes."""
+    evidence = make_evidence(suit, stoop(1))
+    offset = np.array([0.4, -0.2])
+    wrong = replace(evidence, b=evidence.b + offset)
+    kept = evidence.kept
+    null = NullLog(
+        evidence.length[kept],
+        evidence.jacobian[kept],
+        np.broadcast_to(offset, (len(kept), 2)),
+        np.zeros((len(kept), 2)),
+        np.ones((len(kept), 2), dtype=bool),
+        1.0,
+    )
+    model, device = biped.known(), told_nothing(suit)
+
+    def identified(torque, null_logs):
+        bands = identify_bands(model, device, "B", [torque], SIGMA, null_logs, NAMES).bands
+        stds = [bands[0].stiffness.std, *(each.natural_length.std for each in bands)]
+        return in_order(bands), np.array(stds)
+
+    (right, _), (found, alone), (_, doubled) = (
+        identified(*case) for case in ((evidence, []), (wrong, []), (wrong, [replace(null, share=2.0)]))
+    )
+    std = identified(wrong, [null])[1]
+    assert abs(found - right)[0] > 5.0
+    np.testing.assert_allclose(np.sqrt(std**2 - alone**2), np.abs(found - right), rtol=0.25)
+    np.testing.assert_allclose(doubled**2 - alone**2, 4.0 * (std**2 - alone**2), rtol=1e-6)
+
+
+def test_blocks_are_long_against_the_memory_of_the_errors_and_never_span_two_logs(
+    biped, suit, make_evidence, stoop, wander
+):
+    evidences = [make_evidence(suit, course, noise=0.3, seed=k) for k, course in enumerate([stoop(1), wander(2)])]
+    samples = band_samples(evidences, "A")
+    plan = layout(suit.bands)
+    blocks = samples.blocks(fit_bands(plan, Reduced(samples.weighted(SIGMA))))
+    assert np.all(np.diff(blocks) >= 0)
+    assert len(np.unique(blocks)) == blocks.max() + 1
+    assert not set(blocks[samples.log == 0]) & set(blocks[samples.log == 1])
+    lengths = np.bincount(blocks)[:5] / 50.0
+    assert lengths.min() > 0.45
+    assert len(lengths) >= 5
+
+
+def test_samples_that_do_not_count_are_left_out_by_approach(biped, suit, make_evidence, stoop):
+    evidence = make_evidence(suit, stoop(1))
+    steady, compared = evidence.steady.copy(), evidence.compared.copy()
+    steady[:600], compared[700:] = False, False
+    a = np.where(np.arange(len(evidence.time))[:, None] < 100, np.nan, evidence.a)
+    evidence = replace(evidence, steady=steady, compared=compared, a=a)
+    time = evidence.time[evidence.kept]
+    for approach, chosen in (("A", (time >= 1.0) & (time < 7.0)), ("B", time >= 6.0), ("prior", time >= 6.0)):
+        samples = band_samples([evidence], approach)
+        np.testing.assert_array_equal(samples.used.all(axis=1), chosen)
+        assert np.isfinite(samples.torque).all()
+
+
+def test_autocovariance_is_that_of_errors_with_a_memory_gaps_or_not():
+    rng, rho = np.random.default_rng(0), 0.9
+    e = lfilter([np.sqrt(1 - rho**2)], [1.0, -rho], rng.normal(size=200_000))
+    used = np.ones(len(e), dtype=bool)
+    used[rng.integers(0, len(e), 40_000)] = False
+    for mask in (np.ones(len(e), dtype=bool), used):
+        found = autocovariance(2.0 * e * mask, mask)
+        np.testing.assert_allclose(found[:20], 4.0 * rho ** np.arange(20), atol=0.1)
+    assert len(autocovariance(rng.normal(size=400), np.ones(400, dtype=bool))) < 20
+
+
+def test_the_doubt_of_the_score_is_no_less_than_either_of_its_two_estimates_says(suit, make_evidence, stoop):
+    samples = band_samples([make_evidence(suit, stoop(1), noise=0.5)], "A")
+    fit = fit_bands(layout(suit.bands), Reduced(samples.weighted(SIGMA)))
+    scores = fit.scores(samples.blocks(fit))
+    found, size = score_covariance(fit, samples, SIGMA), np.sqrt(np.sum(scores**2, axis=0))
+    more = (found - scores.T @ scores) / np.outer(size, size)
+    assert np.linalg.eigvalsh(more).min() > -1e-9
+    # errors of one joint, alike at all times: Σ g^T C g, with C written out
+    pull = tension_and_pull(fit.layout, samples.length, fit.theta)[1]
+    expected = np.zeros((3, 3))
+    for joint in range(2):
+        e = samples.residual(fit)[:, joint]
+        c = autocovariance(e, np.ones(len(e), dtype=bool))
+        C = toeplitz(np.r_[c, np.zeros(len(e) - len(c))])
+        g = -np.einsum("nwp,nw->np", pull, samples.jacobian[:, :, joint]) / SIGMA[joint] ** 2
+        expected += g.T @ C @ g
+    assert np.linalg.eigvalsh((found - expected) / np.outer(size, size)).min() > -1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.25, 1.0])
+def test_95_percent_intervals_hold_the_truth_in_95_of_100_draws(biped, suit, make_evidence, stoop, wander, noise):
+    """Errors last 0.2 s. Two hundred draws: in 90 of a hundred and more, in 98 at most."""
+    courses, model, hits = [stoop(1), wander(4)], biped.known(), []
+    for draw in range(200):
+        evidences = [make_evidence(suit, c, noise=noise, seed=1000 * draw + k) for k, c in enumerate(courses)]
+        left, right = identify_bands(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES).bands
+        hits.append([
+            left.stiffness_interval[0] <= TRUE <= left.stiffness_interval[1],
+            left.natural_length_interval[0] <= 0.67 <= left.natural_length_interval[1],
+            right.natural_length_interval[0] <= 0.68 <= right.natural_length_interval[1],
+        ])  # fmt: skip
+    share = np.mean(hits, axis=0)
+    assert np.all(share >= 0.90), share
+    assert share[0] <= 0.98
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_though_errors_grow_with_the_pull(biped, suit, make_evidence, stoop):
+    """As an error of the motor constant would: four times as large at the deepest bend."""
+    courses, model, hits = [stoop(k) for k in range(3)], biped.known(), []
+    for draw in range(200):
+        evidences = []
+        for k, course in enumerate(courses):
+            clean, noisy = (make_evidence(suit, course, noise=noise, seed=1000 * draw + k) for noise in (0.0, 0.3))
+            growing = 1.0 + 3.0 * np.abs(clean.a) / np.abs(clean.a).max()
+            evidences.append(replace(noisy, a=clean.a + growing * (noisy.a - clean.a)))
+        low, high = (
+            identify_bands(model, told_nothing(suit), "A", evidences, SIGMA, [], NAMES).bands[0].stiffness_interval
+        )
+        hits.append(low <= TRUE <= high)
+    assert 0.88 <= np.mean(hits) <= 0.98
+
+
+@pytest.mark.slow
+def test_where_doubt_is_skewed_the_profile_holds_the_truth_at_least_as_often(biped, suit, make_evidence, stoop):
+    """Errors as large as the pull."""
+    model, profile, symmetric = biped.known(), [], []
+    course = stoop(1, depth=0.5)
+    for draw in range(200):
+        evidence = make_evidence(suit, course, noise=2.5, seed=draw)
+        band = identify_bands(model, told_nothing(suit), "A", [evidence], SIGMA, [], NAMES).bands[0]
+        low, high = band.stiffness_interval
+        profile.append(low <= TRUE <= high)
+        symmetric.append(abs(band.stiffness.value - TRUE) <= 1.96 * band.stiffness.std)
+    assert np.mean(profile) >= np.mean(symmetric)
+    assert np.mean(profile) >= 0.90
