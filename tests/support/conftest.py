@@ -7,7 +7,7 @@ outside forces at their via points, and the motors give what is then missing, fr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -251,15 +251,17 @@ class Biped:
         xi = np.column_stack([wrong.get(name, self.xi[name]) for name in XI])
         nothing = np.zeros((equations.size, equations.size))
         maker = np.column_stack([[joint.prior.get(name, 0.0) for joint in self.robot.joints] for name in XI])
-        return RobotModel(
-            equations=equations,
-            identified=Parameters(self.phi, xi),
-            a_priori=Parameters(self.robot.tree.phi, maker),
-            covariance=nothing,
-            a_priori_covariance=nothing,
-            at_rest=RestDetection(CUTOFF, np.full(len(ORDER), 2e-3)),
-            cutoff_hz=CUTOFF,
-        )
+        support_never_asks_for = {each.name: None for each in fields(RobotModel)}
+        known = {
+            "equations": equations,
+            "identified": Parameters(self.phi, xi),
+            "a_priori": Parameters(self.robot.tree.phi, maker),
+            "covariance": nothing,
+            "a_priori_covariance": nothing,
+            "at_rest": RestDetection(CUTOFF, np.full(len(ORDER), 2e-3)),
+            "cutoff_hz": CUTOFF,
+        }
+        return RobotModel(**(support_never_asks_for | known))
 
 
 def make_biped(coupled: bool) -> Biped:
