@@ -33,7 +33,8 @@ class AxisSignals:
     time: (T,) [s] from the log's start. position [rad], velocity [rad/s], acceleration [rad/s²]. direction: sign of the
     velocity, 0 at rest. drive: (T,) torque of the motor k_T u [N·m]. load: (T,) torque that the model's body and
     outside forces ask of the joint, Y_j φ - F_j [N·m]. temperature: (T,) [°C] or None where it is not logged.
-    speed_scale, torque_scale, range: the axis' own rms velocity, rms load and range of position, for scale-free shapes.
+    speed_scale, torque_scale, range: of the axis over all fitted logs: rms velocity, rms torque and range of
+    position, for scale-free shapes; the same in every log.
     """
 
     time: Array

@@ -70,6 +70,13 @@ class PriorLeastSquares:
         full[np.ix_(free, free)] = 0.5 * (outer + outer.T)
         return full
 
+    def divided(self, columns: Array) -> Array:
+        """(P, m) H^{-1} columns, H the curvature of data and prior together. columns: (P, m)."""
+        free = self.prior.free
+        out = np.zeros_like(columns)
+        out[free] = sl.solve_triangular(self._root, sl.solve_triangular(self._root, columns[free], trans="T"))
+        return out
+
     def condition_and_rank(self) -> tuple[float, int]:
         """Condition number and rank of the column-scaled information of the data alone."""
         norms = np.linalg.norm(self.information, axis=0)

@@ -92,9 +92,9 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 drive=drive[:, place],
                 load=load[:, place],
                 temperature=temperature,
-                speed_scale=_rms(dq[:, place]),
-                torque_scale=_rms(load[:, place]),
-                range=float(np.ptp(q[:, place])),
+                speed_scale=float(model.sizes.velocity[axis]),
+                torque_scale=float(model.sizes.torque[axis]),
+                range=float(model.sizes.range[axis]),
             )
         )
     return result
@@ -111,7 +111,3 @@ def loads(model: RobotModel, prepared: Prepared) -> Array:
         external = contacts.effect(motion.q, prepared.wrenches[which])
         load[which] = (equations.blocks.predict(motion, phi_base) - external)[:, first:]
     return load
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

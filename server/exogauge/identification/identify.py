@@ -14,7 +14,7 @@ from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
-from exogauge.identification.model import RobotModel
+from exogauge.identification.model import AxisSizes, RobotModel
 from exogauge.identification.noise_bias import noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
@@ -136,8 +136,17 @@ def identify(
             at_rest=at_rest,
             cutoff_hz=cutoff_hz,
             solution=solution,
+            sizes=AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted)),
             extension=extension,
         ),
+    )
+
+
+def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
+    """(A,) of each axis' position over all logs."""
+    positions = [log.motion.q @ robot.axes_from_joints.T for log in logs]
+    return np.asarray(
+        np.max([q.max(axis=0) for q in positions], axis=0) - np.min([q.min(axis=0) for q in positions], axis=0)
     )
 
 

@@ -23,11 +23,22 @@ Array = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True)
+class AxisSizes:
+    """Of the axes in the fitted logs, (A,): rms velocity [rad/s] and torque [N·m], range of position [rad]."""
+
+    velocity: Array
+    torque: Array
+    range: Array
+
+
+@final
+@dataclass(frozen=True)
 class RobotModel:
     """x = [φ_b; ξ]: (P,) in the parameters of `equations`.
 
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
+    sizes: of the fitted motions.
     extension: effects that were added to a parent model, None for a first one.
     """
 
@@ -39,6 +50,7 @@ class RobotModel:
     at_rest: RestDetection
     cutoff_hz: float
     solution: Solution
+    sizes: AxisSizes
     extension: Extension | None = None
 
     @property
