@@ -40,6 +40,11 @@ def test_a_shift_comes_back_to_a_fraction_of_a_sample(shift):
     assert found.worst == "equal"
 
 
+def test_a_run_covers_all_of_one_that_is_as_long():
+    found = matched(run(angles), run(angles, noise=1e-5))
+    assert (found.first, found.last) == (0, run(angles).samples)
+
+
 @pytest.mark.parametrize(("rate", "other_rate"), [(200.0, 125.0), (100.0, 500.0), (250.0, 240.0)])
 @pytest.mark.parametrize(("seconds", "other_seconds"), [(12.0, 20.0), (20.0, 9.0)])
 def test_rates_and_lengths_may_differ_and_clocks_begin_anywhere(rate, other_rate, seconds, other_seconds):

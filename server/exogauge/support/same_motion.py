@@ -29,6 +29,7 @@ OVERLAP = 0.5  # of the shorter log, at least
 MOVES = 0.02  # rms velocity above which a joint counts as moving [rad/s]
 STANDS_APART = 0.1  # rms angle between two runs above which a joint that hardly moves is doubtful [rad]
 REFINEMENTS = 20
+RESOLVED_S = 1e-6  # of a lag; logs that end together do so within it
 VALLEY_S = 0.2  # a shift is the best within that [s]
 ALIKE = 0.02  # of the motions' own size: two shifts of a periodic motion explain it alike
 
@@ -121,13 +122,14 @@ def _refined(this: Posture, other: Posture, lag: float) -> float:
         step = float(np.sum(slope * (this.dq[first:last] - dq)) / max(float(np.sum(slope**2)), 1e-300))
         step = float(np.clip(step, -2.0 / this.rate, 2.0 / this.rate))
         lag += step
-        if abs(step) < 1e-6:
+        if abs(step) < RESOLVED_S:
             break
     return lag
 
 
 def _covered(this: Posture, other: Posture, lag: float) -> tuple[int, int]:
-    inside = np.flatnonzero((this.time + lag >= 0.0) & (this.time + lag <= other.time[-1]))
+    time = this.time + lag
+    inside = np.flatnonzero((time >= -RESOLVED_S) & (time <= other.time[-1] + RESOLVED_S))
     return (int(inside[0]), int(inside[-1]) + 1) if inside.size else (0, len(this.time))
 
 
