@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.studies.notices import notice, repeats
 from exogauge.studies.rounding import significant, with_std
 from exogauge.support_text import stiffness_text, support_text
@@ -32,7 +33,8 @@ SORTS = {"single": "inertial parameters of single links", "base": "combinations 
 def result_text(result: Mapping[str, Any]) -> str:
     """The whole of it, in parts with a heading each."""
     found = result["identification"]
-    parts = [errors(found), joints(found), unknown(found), support_text(result), stiffness_text(result)]
+    parts = [lead_text(result), errors(found), joints(found), unknown(found), discrepancy_text(result)]
+    parts += [support_text(result), stiffness_text(result)]
     if result["warnings"]:
         parts.append("\n".join(notes(result)))
     return "\n\n".join(part for part in parts if part)

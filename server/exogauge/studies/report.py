@@ -10,9 +10,10 @@ import jinja2
 from markupsafe import Markup
 
 from exogauge.identification.result import Identification, Prediction
+from exogauge.studies.discrepancy_section import discrepancy_view
 from exogauge.studies.figures import draw_curve, draw_series, label
 from exogauge.studies.notices import by_sort, notice, repeats
-from exogauge.studies.report_head import device_lead, kicker, lead, tiles
+from exogauge.studies.report_head import kicker, lead, leads, tiles
 from exogauge.studies.report_tables import (
     base_table,
     figure_channels,
@@ -62,7 +63,8 @@ def render_report(evaluation: Evaluation) -> str:
         synthetic="synthetic" in evaluation.name.lower(),
         kicker=kicker(evaluation),
         lead=lead(evaluation, pooled),
-        device_lead=device_lead(evaluation),
+        leads=leads(evaluation),
+        gap=discrepancy_view(evaluation.discrepancy, content),
         support_views=motion_views(evaluation.support) if evaluation.support else [],
         stiffness_views=device_views(evaluation.stiffness),
         tile_rows=tiles(evaluation, pooled),

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from typing import final
 
 from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.studies.discrepancy_results import discrepancy_entry
+from exogauge.studies.discrepancy_sentences import verdict_sentence
 from exogauge.studies.figures import label
 from exogauge.studies.results import Evaluation, Summary
 from exogauge.studies.rounding import rounded, significant, with_std
@@ -77,6 +79,15 @@ def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
         if not held_out:
             text += " No log was held out, so this says how well the model fits, not how well it predicts."
     return text
+
+
+def leads(evaluation: Evaluation) -> list[str]:
+    """The first sentences. What the model lacks comes first, for it bears on all else; that it lacks nothing, last."""
+    device, entry = device_lead(evaluation), discrepancy_entry(evaluation.discrepancy)
+    if entry is None:
+        return device
+    gap = [verdict_sentence(entry)]
+    return device + gap if entry["verdict"] == "none" else gap + device
 
 
 def device_lead(evaluation: Evaluation) -> list[str]:

@@ -11,11 +11,13 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, final
 
 from exogauge.devices.result import StiffnessResult
+from exogauge.discrepancy.result import Discrepancy
 from exogauge.identification.result import ChannelFit, Identification, Parameter
 from exogauge.identification.settings import Settings
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.bundle import Input
 from exogauge.studies.csv_table import csv_table
+from exogauge.studies.discrepancy_results import discrepancy_entry
 from exogauge.studies.open import Step
 from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries
 from exogauge.studies.support_results import support_entries
@@ -34,6 +36,7 @@ class Evaluation:
 
     findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
+    discrepancy: None where that step was skipped.
     """
 
     name: str
@@ -47,6 +50,7 @@ class Evaluation:
     files: Mapping[str, str]
     support: SupportResult | None = None
     stiffness: Sequence[StiffnessResult] = ()
+    discrepancy: Discrepancy | None = None
 
 
 @final
@@ -104,6 +108,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "support": support_entries(support) if support else [],
         "stiffness": stiffness_entries(evaluation.stiffness),
         "stiffness_details": stiffness_details(evaluation.stiffness),
+        "discrepancy": discrepancy_entry(evaluation.discrepancy),
         "files": dict(evaluation.files),
     }
     cleaned = finite(content)

@@ -1,0 +1,102 @@
+"""Where model and measurement disagree, of results.json, as text for a terminal."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from exogauge.studies.discrepancy_sentences import at, channel, figure, left_sentence, looked_at, verdict_sentence
+from exogauge.studies.effect_words import capital, listed
+from exogauge.studies.rounding import with_std
+from exogauge.terminal import text_table
+
+WIDTH = 100
+SHOWN = 3  # alternatives, and channels that stay unexplained
+
+
+def lead_text(result: Mapping[str, Any]) -> str:
+    """The first sentence: which effect the model lacks. Empty where nothing was named or looked for."""
+    entry = result.get("discrepancy")
+    return filled(verdict_sentence(entry)) if entry and entry["verdict"] != "none" else ""
+
+
+def discrepancy_text(result: Mapping[str, Any]) -> str:
+    """Verdict, what was looked at, each finding with its evidence, and the chain down to the noise floor."""
+    entry = result.get("discrepancy")
+    if not entry:
+        return ""
+    said = " ".join(part for part in (verdict_sentence(entry), left_sentence(entry)) if part)
+    parts = [f"DISAGREEMENT between model and measurement\n\n{filled(said)}\n{filled(looked_at(result))}"]
+    if entry["chain"]:
+        parts.append(chain(entry["chain"]))
+    parts += ["\n".join(finding(each)) for each in entry["findings"]]
+    if entry["unexplained"]:
+        parts.append(unexplained(entry["unexplained"]))
+    if entry["before_after"]:
+        parts.append(changes(entry["before_after"]))
+    parts += [filled(note, "- ") for note in entry["notes"]]
+    return "\n\n".join(parts)
+
+
+def chain(links: Sequence[Mapping[str, Any]]) -> str:
+    """RMSE of each model, and the channel furthest above its floor."""
+    rows = [
+        [
+            *(each["step"], figure(each["rmse"]), figure(each["noise_floor"])),
+            *(channel(each["worst"]), figure(each["worst_rmse"]), figure(each["worst_floor"])),
+        ]
+        for each in links
+    ]
+    columns = ("model", "RMSE N·m", "noise floor", "furthest above its floor", "RMSE", "floor")
+    return f"All joint torques in steady motion on held-out logs:\n\n{text_table(columns, rows, widest=60)}"
+
+
+def finding(found: Mapping[str, Any]) -> Iterator[str]:
+    yield filled(f"{found['rank']}. {capital(at(found))}", "", "   ")
+    yield filled(found["evidence"], "   ", "   ")
+    values = (f"{name} {quantity(value)}" for name, value in found["parameters"].items())
+    yield filled(", ".join(values), "   ", "   ")
+    beaten = sorted(found["alternatives"], key=lambda each: -(each["score"] or 0.0))[:SHOWN]
+    if beaten:
+        named = ", ".join(f"{at(each)}{percent(each['score'])}" for each in beaten)
+        yield filled(f"Explains{percent(found['score']) or ' part'} of the excess. Next best: {named}.", "   ", "   ")
+    if found["also_possible"]:
+        named = listed([at(each) for each in found["also_possible"]])
+        yield filled(f"These data cannot tell it from {named}.", "   ", "   ")
+    if found["motion"]:
+        told = "The motion that would tell" if found["also_possible"] else "To be surer"
+        yield filled(f"{told}: {found['motion']}", "   ", "   ")
+
+
+def quantity(found: Mapping[str, Any]) -> str:
+    """`3.00 ± 0.20 N·m`."""
+    if found["value"] is None:
+        return "unknown"
+    value, std = with_std(found["value"], found["std"] or 0.0)
+    return f"{value}{'' if std == '–' else f' ± {std}'} {found['unit']}".rstrip()
+
+
+def percent(score: float | None) -> str:
+    return "" if score is None else f" {100 * max(score, 0.0):.0f} %"
+
+
+def unexplained(found: Sequence[Mapping[str, Any]]) -> str:
+    ordered = sorted(found, key=lambda each: -(each["z"] or 0.0))
+    rows = [
+        [channel(each["channel"]), figure(each["rmse"]), figure(each["noise_floor"]), each["unit"], each["where"]]
+        for each in ordered[:SHOWN]
+    ]
+    more = f"\n… and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    table = text_table(("left unexplained", "RMSE", "noise floor", "unit", "where"), rows, widest=60)
+    return f"{table}{more}"
+
+
+def changes(found: Mapping[str, Mapping[str, Any]]) -> str:
+    rows = [[name, quantity(pair["before"]), quantity(pair["after"])] for name, pair in found.items()]
+    return text_table(("with the device", "without the effect", "with it"), rows, widest=60)
+
+
+def filled(text: str, first: str = "", other: str | None = None) -> str:
+    indent = " " * len(first) if other is None else other
+    return textwrap.fill(text, WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

@@ -1,0 +1,109 @@
+"""Two drawings: the chain of errors down to the noise floor, and the residual over what an effect depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from exogauge.discrepancy.result import Evidence, Link
+from exogauge.studies.figures import COLOURS, STYLE, draw_line, sheet, svg_text
+from exogauge.studies.rounding import significant
+
+FLOOR = "noise floor"
+ROW = 0.5  # [inch] height of a bar with its label
+BAR = 0.36  # of a row
+CUT = 2.5  # a first bar longer than this times the next is cut, or nothing could be told of the others
+BREAK = (0.90, 0.915)  # where a cut bar has its gap
+FAINT = 0.22  # opacity of the spread
+DOUBT = 2.0  # standard errors drawn
+MARKED = 40  # most points that are drawn as such
+
+
+def draw_chain(chain: Sequence[Link], key: str) -> str:
+    """One bar per model: grey what noise explains, coloured what is above it. key: see figures."""
+    models = [link for link in chain if link.step.lower() != FLOOR]
+    floor = chain[-1].noise_floor
+    end = _end([*(link.rmse for link in models), floor])
+    with matplotlib.rc_context({**STYLE, "text.parse_math": False}):
+        figure = sheet(9.0, ROW * (len(models) + 1), 1, top=0.08)
+        axis = figure.subplots()
+        axis.grid(axis="x")
+        axis.set_axisbelow(True)
+        for row, link in enumerate(models):
+            first = row == 0 and len(models) > 1
+            _bar(axis, row, link.rmse, link.noise_floor, "--prior" if first else "--identified", end)
+            _words(axis, row, link.step, _worst(link))
+        _bar(axis, len(models), floor, floor, "--measured", end)
+        _words(axis, len(models), FLOOR, "what the sensors’ own noise leaves of a perfect model")
+        axis.axvline(floor, color=COLOURS["--ink"], linewidth=0.9, linestyle=(0, (3.0, 1.6)))
+        axis.set_xlim(0.0, 1.12 * end)
+        axis.set_ylim(len(models) + 0.75, -0.62)
+        axis.set_yticks([])
+        axis.spines["left"].set_visible(False)
+        axis.set_xlabel("RMSE on held-out logs [N·m]")
+        axis.xaxis.set_major_locator(MaxNLocator(6))
+        return svg_text(figure, key)
+
+
+def _end(lengths: Sequence[float]) -> float:
+    """Longest length drawn: that of the longest bar, unless the first is far longer than the others."""
+    finite = [length for length in lengths if np.isfinite(length)] or [1.0]
+    others = max(finite[1:], default=finite[0])
+    return min(finite[0], CUT * others) if finite[0] > others > 0.0 else max(others, 1e-12)
+
+
+def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float) -> None:
+    middle, noise, stop = row + 0.16, min(rmse, floor), min(rmse, end)
+    parts = [(0.0, noise, "--measured"), (noise, stop, colour)]
+    if rmse > end:
+        parts[1:] = [(noise, BREAK[0] * end, colour), (BREAK[1] * end, end, colour)]
+    for start, stop, shade in parts:
+        if stop > start:
+            axis.barh(middle, stop - start, BAR, start, color=COLOURS[shade], linewidth=0)
+    axis.annotate(
+        significant(rmse), (min(rmse, end), middle), (5, 0), textcoords="offset points", va="center", fontweight="bold"
+    )
+
+
+def _words(axis: Any, row: int, step: str, note: str) -> None:
+    transform, height = axis.get_yaxis_transform(), row - 0.1
+    axis.text(0.0, height, step, transform=transform, va="bottom", fontsize=9.5, color=COLOURS["--ink"])
+    axis.text(1.0, height, note, transform=transform, va="bottom", ha="right", fontsize=8.5, color=COLOURS["--muted"])
+
+
+def _worst(link: Link) -> str:
+    if not link.worst:
+        return ""
+    name = link.worst.removeprefix("tau.")
+    return f"furthest above its floor: {name}, {significant(link.worst_rmse)} over {significant(link.worst_floor)}"
+
+
+def draw_evidence(evidence: Evidence, words: Mapping[str, str], key: str) -> str:
+    """Mean residual before (thick, grey) and after (thin), the effect's own torque (dashed), two standard errors.
+
+    words: coordinate -> what the axis says of it.
+    """
+    with matplotlib.rc_context({**STYLE, "text.parse_math": False}):
+        figure = sheet(9.0, 2.3, 1, top=0.12)
+        axis = figure.subplots()
+        axis.grid(axis="y")
+        axis.axhline(0.0, color=COLOURS["--muted"], linewidth=0.6)
+        doubt = DOUBT * np.nan_to_num(evidence.spread)
+        for values, colour in ((evidence.before, "--measured"), (evidence.after, "--identified")):
+            low, high = values - doubt, values + doubt
+            axis.fill_between(evidence.at, low, high, color=COLOURS[colour], alpha=FAINT, linewidth=0)
+            draw_line(axis, evidence.at, values, colour)
+            if evidence.at.size <= MARKED:
+                size = 4.5 if colour == "--measured" else 2.6
+                axis.plot(evidence.at, values, "o", markersize=size, color=COLOURS[colour], markeredgewidth=0)
+        axis.plot(evidence.at, evidence.model, color=COLOURS["--ink"], linewidth=1.6, linestyle=(0, (3.0, 1.6)))
+        unit = f" [{evidence.unit}]" if evidence.unit else ""
+        axis.set_xlabel(f"{words.get(evidence.coordinate, evidence.coordinate.replace('_', ' '))}{unit}")
+        axis.set_ylabel("[N·m]")
+        axis.yaxis.set_major_locator(MaxNLocator(5))
+        axis.margins(x=0.01)
+        return svg_text(figure, key)

@@ -1,0 +1,77 @@
+"""What the search for missing effects found, as results.json holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from exogauge.devices.result import Estimate
+from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Finding, Place
+from exogauge.studies.support_results import number
+
+TORQUE = "N·m"
+
+
+def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
+    """`discrepancy`: None where the step was skipped; `steps[]` then says why."""
+    if found is None:
+        return None
+    return {
+        "verdict": found.verdict,
+        "findings": [_finding(each) for each in found.findings],
+        "chain": [{**asdict(each), "unit": TORQUE} for each in found.chain],
+        "located": [asdict(each) for each in found.located],
+        "unexplained": [asdict(each) for each in found.unexplained],
+        "rejected": [_alternative(each) for each in found.rejected],
+        "lineage": [asdict(each) for each in found.lineage],
+        "candidates": found.candidates,
+        "notes": list(found.notes),
+        "before_after": {
+            quantity: {"before": number(before), "after": number(after)}
+            for quantity, (before, after) in found.before_after.items()
+        },
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "rank": finding.rank,
+        "effect": finding.effect,
+        "where": where(finding.place),
+        "parameters": numbers(finding.parameters),
+        "held_out": asdict(finding.held_out),
+        "score": finding.score,
+        "evidence": finding.sentence,
+        "alternatives": [_alternative(each) for each in finding.alternatives],
+        "also_possible": [_alternative(each) for each in finding.also_possible],
+        "motion": finding.motion,
+        "curve": _curve(finding.evidence),
+    }
+
+
+def where(place: Place) -> dict[str, str]:
+    """`{"joint": "torso_pitch"}`."""
+    return {place.kind: place.name}
+
+
+def numbers(found: Mapping[str, Estimate]) -> dict[str, dict[str, Any]]:
+    return {name: number(each) for name, each in found.items()}
+
+
+def _alternative(other: Alternative) -> dict[str, Any]:
+    return {
+        "effect": other.effect,
+        "where": where(other.place),
+        "score": other.score,
+        "reason": other.reason,
+    }
+
+
+def _curve(evidence: Evidence) -> dict[str, Any]:
+    """What the report draws as evidence: mean residuals over the coordinate that the effect depends on."""
+    return {
+        "coordinate": {"name": evidence.coordinate, "unit": evidence.unit, "values": evidence.at},
+        "unit": TORQUE,
+        **{name: getattr(evidence, name) for name in ("before", "after", "spread", "model")},
+    }

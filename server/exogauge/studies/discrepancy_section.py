@@ -1,0 +1,235 @@
+"""The report's section on missing effects: verdict, chain, each finding with its evidence, and what is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+from markupsafe import Markup
+
+from exogauge.devices.result import Estimate
+from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding
+from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence
+from exogauge.studies.discrepancy_sentences import left_sentence, looked_at, verdict_sentence
+from exogauge.studies.effect_words import at_place, capital
+from exogauge.studies.rounding import significant, with_std
+from exogauge.studies.support_section import plus_minus
+
+COORDINATES = {"position": "angle", "drive": "torque of the motor", "load": "load on the joint"}
+MOST_LETTERS = 3  # of a symbol: longer ones are words
+
+
+@final
+@dataclass(frozen=True)
+class Picture:
+    """An inline SVG, the words that stand in for it, and its caption."""
+
+    svg: Markup
+    words: str
+    caption: str
+
+
+@final
+@dataclass(frozen=True)
+class ParameterRow:
+    """symbol: whether `name` is a letter with an index rather than a word."""
+
+    name: str
+    symbol: bool
+    value: str
+    std: str
+    unit: str
+
+
+@final
+@dataclass(frozen=True)
+class CandidateRow:
+    """name in words; effect: its identifier; share: of the excess explained, in per cent; bar: the same, 0 to 100."""
+
+    name: str
+    effect: str
+    share: str
+    bar: float
+    reason: str
+    chosen: bool = False
+
+
+@final
+@dataclass(frozen=True)
+class FindingView:
+    title: str
+    effect: str
+    sentence: str
+    channel: str
+    before: str
+    after: str
+    floor: str
+    unit: str
+    picture: Picture
+    parameters: tuple[ParameterRow, ...]
+    beaten: tuple[CandidateRow, ...]
+    alike: tuple[CandidateRow, ...]
+    motion: str
+
+
+@final
+@dataclass(frozen=True)
+class ExcessRow:
+    channel: str
+    rmse: str
+    floor: str
+    ratio: str
+    z: str
+    unit: str
+    where: str
+
+
+@final
+@dataclass(frozen=True)
+class ChangeRow:
+    """A quantity of support or stiffness without and with the named effects; change in per cent."""
+
+    quantity: str
+    before: str
+    after: str
+    unit: str
+    change: str
+
+
+@final
+@dataclass(frozen=True)
+class DiscrepancyView:
+    """drawn: number of figures."""
+
+    verdict: str
+    sentence: str
+    left: str
+    looked_at: str
+    chain: Picture | None
+    findings: tuple[FindingView, ...]
+    located: tuple[ExcessRow, ...]
+    unexplained: tuple[ExcessRow, ...]
+    rejected: tuple[CandidateRow, ...]
+    changes: tuple[ChangeRow, ...]
+    lineage: tuple[tuple[str, str, str], ...]
+    notes: tuple[str, ...]
+    drawn: int
+
+
+def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> DiscrepancyView | None:
+    """content: of results.json. None where the step was skipped."""
+    if found is None:
+        return None
+    entry = content["discrepancy"]
+    findings = tuple(_finding(each, f"d{each.rank}") for each in found.findings)
+    chain = _chain(found) if found.chain else None
+    return DiscrepancyView(
+        verdict=found.verdict,
+        sentence=verdict_sentence(entry),
+        left=left_sentence(entry),
+        looked_at=looked_at(content),
+        chain=chain,
+        findings=findings,
+        located=_excesses(found.located),
+        unexplained=_excesses(found.unexplained),
+        rejected=tuple(_candidate(each) for each in sorted(found.rejected, key=_by_score)),
+        changes=tuple(_change(quantity, *pair) for quantity, pair in found.before_after.items()),
+        lineage=tuple((each.version, each.parent or "", each.added) for each in found.lineage),
+        notes=tuple(dict.fromkeys(found.notes)),
+        drawn=len(findings) + (chain is not None),
+    )
+
+
+def _chain(found: Discrepancy) -> Picture:
+    steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in found.chain)
+    floor = significant(found.chain[-1].noise_floor)
+    words = f"RMSE of all joint torques in steady motion on held-out logs, N·m: {steps}; noise floor {floor}."
+    caption = (
+        "From the first model to the noise floor: RMSE of all joint torques in steady motion on held-out logs. Grey: "
+        "what noise explains; coloured: what is above it."
+    )
+    return Picture(Markup(draw_chain(found.chain, "dc")), words, caption)
+
+
+def _finding(finding: Finding, key: str) -> FindingView:
+    held = finding.held_out
+    title = at_place(finding.effect, finding.place.kind, finding.place.name)
+    own = CandidateRow(capital(title), finding.effect, *_share(finding.score), "the one named", chosen=True)
+    others = sorted(finding.alternatives, key=_by_score)
+    return FindingView(
+        title=capital(title),
+        effect=finding.effect,
+        sentence=finding.sentence,
+        channel=held.channel.removeprefix("tau."),
+        before=significant(held.rmse_before),
+        after=significant(held.rmse_after),
+        floor=significant(held.noise_floor),
+        unit=held.unit,
+        picture=_evidence(finding.evidence, held.channel.removeprefix("tau."), title, key),
+        parameters=tuple(_parameter(name, each) for name, each in finding.parameters.items()),
+        beaten=(own, *(_candidate(each) for each in others)),
+        alike=tuple(_candidate(each) for each in finding.also_possible),
+        motion=finding.motion,
+    )
+
+
+def _evidence(evidence: Evidence, channel: str, title: str, key: str) -> Picture:
+    over = COORDINATES.get(evidence.coordinate, evidence.coordinate.replace("_", " "))
+    words = (
+        f"Mean residual of {channel} over {over}: before, after, and the torque of {title}. Before, it reaches "
+        f"{_largest(evidence.before)} N·m, after {_largest(evidence.after)} N·m."
+    )
+    caption = f"Mean of measured minus predicted torque of {channel} over {over}, without and with {title}."
+    return Picture(Markup(draw_evidence(evidence, COORDINATES, key)), words, caption)
+
+
+def _largest(values: Iterable[float]) -> str:
+    return significant(max((abs(float(value)) for value in values if math.isfinite(value)), default=math.nan), 2)
+
+
+def _parameter(name: str, found: Estimate) -> ParameterRow:
+    symbol = len(name.partition("_")[0]) <= MOST_LETTERS
+    value, std = with_std(found.value, found.std)
+    return ParameterRow(name if symbol else name.replace("_", " "), symbol, value, std, found.unit)
+
+
+def _candidate(other: Alternative) -> CandidateRow:
+    title = at_place(other.effect, other.place.kind, other.place.name)
+    return CandidateRow(capital(title), other.effect, *_share(other.score), other.reason)
+
+
+def _share(score: float) -> tuple[str, float]:
+    if not math.isfinite(score):
+        return "–", 0.0
+    return f"{100 * max(score, 0.0):.0f} %", 100 * min(max(score, 0.0), 1.0)
+
+
+def _by_score(other: Alternative) -> float:
+    return -other.score if math.isfinite(other.score) else math.inf
+
+
+def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
+    """The furthest above its floor first."""
+    ordered = sorted(found, key=lambda each: -each.z if math.isfinite(each.z) else math.inf)
+    return tuple(
+        ExcessRow(
+            each.channel.removeprefix("tau."),
+            significant(each.rmse),
+            significant(each.noise_floor),
+            significant(each.rmse / each.noise_floor, 2) if each.noise_floor > 0.0 else "–",
+            significant(each.z, 2),
+            each.unit,
+            each.where,
+        )
+        for each in ordered
+    )
+
+
+def _change(quantity: str, before: Estimate, after: Estimate) -> ChangeRow:
+    change = ""
+    if math.isfinite(before.value) and math.isfinite(after.value) and before.value != 0.0:
+        percent = 100 * (abs(after.value) / abs(before.value) - 1.0)
+        change = f"{'+' if percent > 0 else '−' if percent < 0 else ''}{abs(percent):.0f} %"
+    return ChangeRow(quantity, plus_minus(before), plus_minus(after), after.unit, change)

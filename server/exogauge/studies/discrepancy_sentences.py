@@ -1,0 +1,124 @@
+"""The verdict of the search for missing effects in plain sentences, from what results.json holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from exogauge.studies.effect_words import at_place, listed, place_words
+from exogauge.studies.rounding import significant
+
+NAMED = 3  # effects that the sentence names; it counts the others
+
+
+def verdict_sentence(entry: Mapping[str, Any]) -> str:
+    """entry: `discrepancy` of results.json."""
+    if entry["findings"]:
+        return _effects(entry["findings"])
+    if entry["verdict"] == "unexplained":
+        return _unexplained(entry)
+    return (
+        "No effect is missing as far as these logs can show: "
+        f"{none_of(entry['candidates'])} explains more than noise does on held-out logs."
+    )
+
+
+def _effects(findings: Sequence[Mapping[str, Any]]) -> str:
+    names = [at(each) for each in findings]
+    if len(names) == 1:
+        held = findings[0]["held_out"]
+        return (
+            f"The identified model lacks {names[0]}. With it the error of {channel(held['channel'])} on held-out logs "
+            f"{falls(held)} (noise floor {figure(held['noise_floor'])})."
+        )
+    shown = [f"{name} ({_change(each)})" for name, each in zip(names, findings, strict=True)][:NAMED]
+    more = len(names) - len(shown)
+    text = f"The identified model lacks {len(names)} effects: {listed([*shown, f'{more} more'] if more else shown)}."
+    return f"{text} The errors are those on held-out logs, without and with the effect."
+
+
+def falls(held: Mapping[str, Any]) -> str:
+    """`falls from 2.25 to 1.08 N·m RMSE`."""
+    before, after = held["rmse_before"], held["rmse_after"]
+    verb = "rises" if before is not None and after is not None and after > before else "falls"
+    return f"{verb} from {figure(before)} to {figure(after)} {held['unit']} RMSE"
+
+
+def _change(finding: Mapping[str, Any]) -> str:
+    """`2.25 → 1.08 N·m, noise floor 1.02`; with the channel where it is not named like the place."""
+    held = finding["held_out"]
+    name = channel(held["channel"])
+    text = f"{figure(held['rmse_before'])} → {figure(held['rmse_after'])} {held['unit']}"
+    text += f", noise floor {figure(held['noise_floor'])}"
+    return text if name == place(finding) else f"{name}: {text}"
+
+
+def _unexplained(entry: Mapping[str, Any]) -> str:
+    text = "Measurement and model disagree by more than noise explains"
+    worst = furthest(entry["unexplained"] or entry["located"])
+    if worst:
+        text += f", most at {channel(worst['channel'])} ({excess(worst)})"
+    return f"{text}, and {none_of(entry['candidates'])} explains it on held-out logs."
+
+
+def furthest(found: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+    """The excess with the most standard errors above its floor."""
+    return max(found, key=lambda each: -math.inf if each["z"] is None else each["z"], default=None)
+
+
+def excess(found: Mapping[str, Any]) -> str:
+    """`1.31 N·m RMSE, noise floor 1.02`."""
+    return f"{figure(found['rmse'])} {found['unit']} RMSE, noise floor {figure(found['noise_floor'])}"
+
+
+def left_sentence(entry: Mapping[str, Any]) -> str:
+    """What is above the noise after all that was named; empty where the verdict has said it."""
+    left = entry["unexplained"]
+    if not left or not entry["findings"]:
+        return ""
+    worst = furthest(left)
+    assert worst is not None
+    count = "One channel stays" if len(left) == 1 else f"{len(left)} channels stay"
+    where = "" if len(left) == 1 else "most "
+    return f"{count} above the noise, {where}at {channel(worst['channel'])} ({excess(worst)})."
+
+
+def looked_at(result: Mapping[str, Any]) -> str:
+    """How many candidates, channels and logs, and in which regime. result: all of results.json."""
+    fits = [each for each in result["identification"]["validation"] if each["held_out"]]
+    torques = dict.fromkeys(each["channel"] for each in fits if each["channel"].startswith("tau."))
+    logs = dict.fromkeys(each["log"] for each in fits)
+    return (
+        f"Looked at: {counted(len(torques), 'joint torque')} in steady motion on {counted(len(logs), 'held-out log')}; "
+        f"{counted(result['discrepancy']['candidates'], 'candidate')}, each one effect at one place, fitted together "
+        "with the whole model."
+    )
+
+
+def none_of(candidates: int) -> str:
+    return f"none of {counted(candidates, 'candidate')}"
+
+
+def counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def at(found: Mapping[str, Any]) -> str:
+    """`Stribeck friction at torso_pitch`, of a finding or an alternative."""
+    ((kind, name),) = found["where"].items()
+    return at_place(found["effect"], kind, str(name))
+
+
+def place(found: Mapping[str, Any]) -> str:
+    ((kind, name),) = found["where"].items()
+    return place_words(kind, str(name))
+
+
+def channel(name: str) -> str:
+    """`tau.torso_pitch` -> `torso_pitch`; others as in the log."""
+    return name.removeprefix("tau.")
+
+
+def figure(value: float | None) -> str:
+    return significant(math.nan if value is None else value)

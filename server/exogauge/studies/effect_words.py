@@ -1,0 +1,76 @@
+"""What the identifiers of effects and places mean, in a person's words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+EFFECTS = {
+    "motor_gain": "motor gain",
+    "viscous": "viscous friction",
+    "coulomb": "Coulomb friction",
+    "static_friction": "static friction",
+    "motor_offset": "motor offset",
+    "stribeck": "Stribeck friction",
+    "load_coulomb": "load-dependent friction",
+    "asym_viscous": "direction-dependent viscous friction",
+    "nonlinear_viscous": "nonlinear viscous friction",
+    "presliding": "presliding friction",
+    "backlash": "backlash",
+    "elasticity": "elasticity of the drive",
+    "joint_spring": "a spring on the joint",
+    "torque_ripple": "torque ripple",
+    "rotor_inertia": "rotor inertia",
+    "kt_gain": "a wrong torque constant",
+    "kt_saturation": "a torque constant that falls with current",
+    "thermal_viscous": "temperature-dependent friction",
+    "torque_offset_drift": "a drifting torque offset",
+    "torque_delay": "a delay of the torque",
+    "friction_shift": "friction that changed since the reference log",
+    "coupling": "coupling of the motor axes",
+    "payload": "a payload",
+    "link_mass": "a wrong link mass",
+    "contact": "an unannounced contact",
+    "base_tilt": "a tilted base",
+    "ft_gain": "a wrong gain of the force sensor",
+    "ft_crosstalk": "crosstalk of the force sensor",
+    "ft_drift": "a drifting force sensor",
+    "imu_delay": "a delay of the IMU",
+    "band_stiffness": "a wrong band stiffness",
+    "band_length": "a wrong natural length of a band",
+    "band_viscous": "viscous damping of a band",
+    "band_relaxation": "relaxation of a band",
+    "band_hardening": "hardening of a band",
+    "band_slip": "a band that slipped",
+    "band_via_friction": "friction of a band at its via points",
+    "extra_band": "a further band",
+    "band_limited_log": "signals low-passed before they were stored",
+}
+
+
+def effect_words(effect: str) -> str:
+    """`stribeck` -> `Stribeck friction`; an identifier that is not known here, with spaces."""
+    return EFFECTS.get(effect, effect.replace("_", " "))
+
+
+def place_words(kind: str, name: str) -> str:
+    """`torso_pitch`; with its kind where the name alone does not say what it is."""
+    if name in ("", kind, "true"):
+        return f"the {kind}"
+    if name == "all":
+        return f"every {kind}"
+    return name if kind in ("joint", "link") else f"{kind} {name}"
+
+
+def at_place(effect: str, kind: str, name: str) -> str:
+    """`Stribeck friction at torso_pitch`."""
+    return f"{effect_words(effect)} at {place_words(kind, name)}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def capital(text: str) -> str:
+    """The first letter large: names of joints stay as they are."""
+    return text[:1].upper() + text[1:]
