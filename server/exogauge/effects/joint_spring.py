@@ -1,0 +1,38 @@
+"""A harness that pulls the joint back."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Array, AxisSignals, Shape
+
+
+@final
+class JointSpring:
+    """τ = -k_h (θ - θ_h) - k_3 (θ - θ_h)³: cables, hoses and covers that turn with the joint.
+
+    θ_h is the same in every log. It shows only in the cubic part: with k_3 = 0 it is a constant torque, which is the
+    motor's offset. It acts between two links, so the base rows do not see it.
+    """
+
+    name = "joint_spring"
+    sentence = "A harness or cover pulls the joint back, more the further it turns."
+    coefficients = (Quantity("k_h", "N·m/rad", low=0.0), Quantity("k_3", "N·m/rad³", low=0.0))
+    shapes = (Shape("theta_h", "rad", -3.0, 3.0, (-1.5, 0.0, 1.5)),)
+    confounds = ("motor_offset",)
+    needs = "Slow motion through the whole range of the joint, with the links beyond it in several postures."
+    coordinate = "position"
+    claims_at_rest = False
+
+    def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        x = signals.position - shape[0]
+        return np.stack([-x, -(x**3)], axis=1)
+
+    def applies(self, signals: AxisSignals) -> bool:
+        return signals.range > 0.0
+
+
+EFFECT = JointSpring()

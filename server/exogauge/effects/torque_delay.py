@@ -1,0 +1,38 @@
+"""A torque that comes later than its log says, or is logged later than it comes."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from exogauge.effects.effect import Quantity
+from exogauge.effects.rates import rate_of_change
+from exogauge.effects.shaped import Array, AxisSignals, Shape
+
+
+@final
+class TorqueDelay:
+    """τ = -δ u̇, u the motor's torque: u(t - δ) ≈ u - δ u̇, in error by at most ½ δ² |ü|. Also a first-order lag.
+
+    δ > 0: the torque acts later than it is logged (an amplifier's lag). δ < 0: it is logged later than it acts (a slow
+    or filtered torque sensor). The motor's torque and not the load, because friction is delayed with it.
+    """
+
+    name = "torque_delay"
+    sentence = "The torque acts later than its log says, or is logged later than it acts."
+    coefficients = (Quantity("delta", "s", low=-0.1, high=0.1),)
+    shapes: tuple[Shape, ...] = ()
+    confounds = ("viscous",)
+    needs = "Quick changes of the load, and reversals at speed."
+    coordinate = "acceleration"
+    claims_at_rest = False
+
+    def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        return -rate_of_change(signals.drive, signals.time)[:, None]
+
+    def applies(self, signals: AxisSignals) -> bool:
+        return bool(np.any(signals.direction != 0.0)) and signals.torque_scale > 0.0
+
+
+EFFECT = TorqueDelay()

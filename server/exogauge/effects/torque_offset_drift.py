@@ -1,0 +1,41 @@
+"""An offset of the torque that changes slowly."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Array, AxisSignals, Shape
+
+LEAST_DURATION = 5.0  # [s]
+
+
+@final
+class TorqueOffsetDrift:
+    """τ = r (t - t̄) + a (e^{-t/t_d} - mean), t from the log's start and both of zero mean over the log.
+
+    An amplifier or a torque sensor that warms up after it was zeroed: each log drifts alike from its start.
+    """
+
+    name = "torque_offset_drift"
+    sentence = "The offset of the torque changes slowly while the robot runs."
+    coefficients = (Quantity("ramp", "N·m/s"), Quantity("settling", "N·m"))
+    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)),)
+    confounds = ("motor_offset",)
+    needs = "The same motion again after minutes, and a moment in a known posture at the start and the end."
+    coordinate = "time"
+    claims_at_rest = False
+
+    def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        if len(signals.time) == 0:
+            return np.zeros((0, 2))
+        both = np.stack([signals.time, np.exp(-signals.time / shape[0])], axis=1)
+        return np.asarray(both - both.mean(axis=0))
+
+    def applies(self, signals: AxisSignals) -> bool:
+        return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION
+
+
+EFFECT = TorqueOffsetDrift()
