@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion
 
-from exogauge.support.at_rest import NEIGHBOURS, between_motions, bridged, scatter_at_rest
+from exogauge.support.at_rest import (
+    NEIGHBOURS,
+    between_motions,
+    bridged,
+    scatter_at_rest,
+    stretched_meanwhile,
+)
 from exogauge.support.balance import balance
 from exogauge.support.repeatability import difference, held_friction
 from exogauge.support.same_motion import Posture, match
@@ -155,3 +161,19 @@ def test_scatter_at_rest_is_the_rms_about_the_line_and_unknown_without_motion():
     scatter = scatter_at_rest(torque, steady, half)
     assert scatter[0] == pytest.approx(np.sqrt(0.5))
     assert np.isnan(scatter[1])
+
+
+def test_the_line_is_not_believed_where_another_joint_stretches_the_band_meanwhile():
+    """Joint 0 moves, holds, moves; in the hold joint 1 swings and takes band 0 with it; band 1 is its own."""
+    t = np.arange(300)
+    steady = np.ones((300, 3), dtype=bool)
+    steady[100:200, 0] = steady[:, 2] = False
+    own, swing = np.clip(t, 0, 100) + np.clip(t - 200, 0, 100), 60.0 * np.sin(np.pi * (t - 120) / 60.0)
+    swing = np.where((t > 120) & (t < 180), swing, 0.0)
+    length = 0.6 + 1e-3 * np.column_stack([own + swing, own])
+    both = stretched_meanwhile(length, np.array([[True, True, False], [True, False, True]]), steady)
+    share = np.abs(swing) / np.ptp(own + swing)
+    assert both[share > 0.13, 0].all()
+    assert not both[share < 0.07, 0].any()
+    assert not both[:, 1:].any()  # one moves itself, the other never
+    assert not stretched_meanwhile(length, np.array([[False] * 3, [True] * 3]), steady).any()

@@ -240,3 +240,17 @@ def test_stated_doubt_of_the_torque_covers_the_error_in_steady_motion(biped, sui
     ):
         ratio = ((estimate - truth) / std)[inner][counts[inner]]
         assert 0.3 < np.sqrt(np.mean(ratio**2)) < 2.0
+
+
+def test_a_number_at_rest_is_believed_no_further_than_it_is_right(biped, suit, recorded, found, truths, inner):
+    """The bend's joint rests while a twist stretches the same bands: the line between its motions does not hold."""
+    errors = []
+    for trial, truth in zip(found[0].trials, truths, strict=True):
+        rest = trial.rest[inner]
+        twisted = rest[:, PITCH] & ~rest[:, YAW]
+        assert twisted.mean() > 0.2
+        error = ((trial.support_b - truth) / trial.support_b_std)[inner]
+        errors.append([np.sqrt(np.mean(error[mask, PITCH] ** 2)) for mask in (twisted, rest[:, PITCH])])
+        held = (trial.time > BENT[0]) & (trial.time < BENT[1])
+        assert trial.support_b_std[held, PITCH].max() < 0.3 * trial.support_b_std[inner][twisted, PITCH].max()
+    assert np.mean(errors, axis=0).max() < 1.7

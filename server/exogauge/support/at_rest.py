@@ -2,7 +2,8 @@
 
 At rest the data give an interval only, as wide as the friction that holds the joint. A passive device pulls alike as
 long as nothing moves, so the value of the interval nearest to the line between the last and the next steady motion is
-the best guess in it. That is an assumption about the device; the interval is not.
+the best guess in it. That is an assumption about the device; the interval is not. Another joint that stretches the
+same bands meanwhile takes it away: then only the interval is left to say how far the number can be believed.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 NEIGHBOURS = 5  # steady samples on either side whose mean the line goes through
+SAME_LENGTH = 0.1  # of a band's range of length: up to there it pulls as it did in the motions on both sides
 
 
 def bridged(torque: Array, steady: BoolArray, half_width: Array) -> Array:
@@ -41,6 +43,19 @@ def between_motions(torque: Array, steady: BoolArray) -> Array | None:
         at += [start, stop - 1]
         value += [float(np.mean(torque[start : start + near])), float(np.mean(torque[stop - near : stop]))]
     return np.asarray(np.interp(np.arange(len(torque)), at, value))
+
+
+def stretched_meanwhile(length: Array, acts: BoolArray, steady: BoolArray) -> BoolArray:
+    """(T, D) where a band that acts on the joint is not as long as in the joint's motions before and after.
+
+    length: (T, W) [m]. acts: (W, D). False for a joint that never moves steadily.
+    """
+    meanwhile, most = np.zeros_like(steady), SAME_LENGTH * np.ptp(length, axis=0)
+    for band, joint in zip(*np.nonzero(acts), strict=True):
+        line = between_motions(length[:, band], steady[:, joint])
+        if line is not None:
+            meanwhile[:, joint] |= np.abs(length[:, band] - line) > most[band]
+    return meanwhile & ~steady
 
 
 def scatter_at_rest(torque: Array, steady: BoolArray, half_width: Array) -> Array:

@@ -15,7 +15,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Prediction
 from exogauge.identification.validate import predict_log
 from exogauge.logs.derivatives import differentiate
-from exogauge.support.at_rest import bridged, scatter_at_rest
+from exogauge.support.at_rest import bridged, scatter_at_rest, stretched_meanwhile
 from exogauge.support.balance import Balance, balance, slopes
 from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability, difference
@@ -100,7 +100,9 @@ def gather(
     slope_b = _slopes(model, prepared, sloped, joints)
     std_b = _spread(model.covariance, slope_b, sloped, own, repeats.by_model_steady, repeats.by_model_other)
     half_b = own.rest * background.held
-    std_b = _with_rest(std_b, own.torque, own.steady, half_b, on_line=True)
+    jacobian = on_joints(geometry.jacobian, routing, joints)
+    stretched = stretched_meanwhile(geometry.length, np.any(jacobian, axis=0), own.steady)
+    std_b = _with_rest(std_b, own.torque, own.steady, half_b, on_line=~stretched)
     a = std_a = slope_a = found = reference = None
     half_a, compared = np.zeros_like(half_b), np.zeros_like(own.steady)
     if background.reference is not None:
@@ -134,7 +136,7 @@ def gather(
         steady=own.steady,
         rest=own.at_rest,
         length=geometry.length,
-        jacobian=on_joints(geometry.jacobian, routing, joints),
+        jacobian=jacobian,
         kept=prepared.kept,
         sloped=sloped,
         slope_b=slope_b,
@@ -158,15 +160,18 @@ def _between_runs(repeats: Repeatability) -> tuple[Array, Array]:
     return repeats.between_runs_steady, repeats.between_runs_other
 
 
-def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array, on_line: bool = False) -> Array:
+def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array, on_line: BoolArray | None = None) -> Array:
     """(T, D) std with what friction at rest may add: for a joint that also moves, how far the torque at rest stands
-    off the line between its motions (nothing where the line itself is taken); for one that never moves, an interval's
-    standard deviation.
+    off the line between its motions; for one that never moves, an interval's standard deviation. on_line: (T, D) where
+    the line itself is taken, for which nothing is added where it holds, and an interval's standard deviation elsewhere.
     """
     scatter = scatter_at_rest(torque, steady, half)
-    most = np.max(half, axis=0, initial=1e-300)
     alone = half / np.sqrt(3.0)
-    moved = (half / most) * (0.0 if on_line else np.nan_to_num(scatter))
+    if on_line is None:
+        most = np.max(half, axis=0, initial=1e-300)
+        moved = (half / most) * np.nan_to_num(scatter)
+    else:
+        moved = np.where(on_line, 0.0, alone)
     return np.asarray(np.hypot(std, np.where(np.isnan(scatter), alone, moved)))
 
 
