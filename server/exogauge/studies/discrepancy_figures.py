@@ -7,20 +7,23 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullLocator
 
 from exogauge.discrepancy.result import Evidence, Link
-from exogauge.studies.figures import COLOURS, STYLE, draw_line, sheet, svg_text
+from exogauge.studies.figures import COLOURS, STYLE, Array, draw_line, sheet, svg_text
 from exogauge.studies.rounding import significant
 
 FLOOR = "noise floor"
+UNIT = "N·m"
 ROW = 0.5  # [inch] height of a bar with its label
 BAR = 0.36  # of a row
 CUT = 2.5  # a first bar longer than this times the next is cut, or nothing could be told of the others
 BREAK = (0.90, 0.915)  # where a cut bar has its gap
+ROOM = 1.25  # of the longest bar: for the number behind it
 FAINT = 0.22  # opacity of the spread
 DOUBT = 2.0  # standard errors drawn
 MARKED = 40  # most points that are drawn as such
+CROWDED = 0.15  # median distance from zero, as a share of the largest, below which the axis is stretched about zero
 
 
 def draw_chain(chain: Sequence[Link], key: str) -> str:
@@ -29,24 +32,24 @@ def draw_chain(chain: Sequence[Link], key: str) -> str:
     floor = chain[-1].noise_floor
     end = _end([*(link.rmse for link in models), floor])
     with matplotlib.rc_context({**STYLE, "text.parse_math": False}):
-        figure = sheet(9.0, ROW * (len(models) + 1), 1, top=0.08)
+        figure = sheet(9.0, ROW * (len(models) + 1), 1, top=0.05)
+        figure.subplots_adjust(left=0.002, bottom=0.0)
         axis = figure.subplots()
-        axis.grid(axis="x")
-        axis.set_axisbelow(True)
         for row, link in enumerate(models):
             first = row == 0 and len(models) > 1
             _bar(axis, row, link.rmse, link.noise_floor, "--prior" if first else "--identified", end)
             _words(axis, row, link.step, _worst(link))
         _bar(axis, len(models), floor, floor, "--measured", end)
         _words(axis, len(models), FLOOR, "what the sensors’ own noise leaves of a perfect model")
-        axis.axvline(floor, color=COLOURS["--ink"], linewidth=0.9, linestyle=(0, (3.0, 1.6)))
-        axis.set_xlim(0.0, 1.12 * end)
-        axis.set_ylim(len(models) + 0.75, -0.62)
-        axis.set_yticks([])
-        axis.spines["left"].set_visible(False)
-        axis.set_xlabel("RMSE on held-out logs [N·m]")
-        axis.xaxis.set_major_locator(MaxNLocator(6))
+        axis.set_xlim(0.0, ROOM * end)
+        axis.set_ylim(len(models) + 0.5, -0.5)
+        axis.set_axis_off()
         return svg_text(figure, key)
+
+
+def is_cut(chain: Sequence[Link]) -> bool:
+    """Whether the first bar is longer than drawn."""
+    return bool(chain[0].rmse > _end([*(link.rmse for link in chain), chain[-1].noise_floor]))
 
 
 def _end(lengths: Sequence[float]) -> float:
@@ -57,6 +60,7 @@ def _end(lengths: Sequence[float]) -> float:
 
 
 def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float) -> None:
+    """With a tick at its floor and the number behind it."""
     middle, noise, stop = row + 0.16, min(rmse, floor), min(rmse, end)
     parts = [(0.0, noise, "--measured"), (noise, stop, colour)]
     if rmse > end:
@@ -64,9 +68,10 @@ def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float
     for start, stop, shade in parts:
         if stop > start:
             axis.barh(middle, stop - start, BAR, start, color=COLOURS[shade], linewidth=0)
-    axis.annotate(
-        significant(rmse), (min(rmse, end), middle), (5, 0), textcoords="offset points", va="center", fontweight="bold"
-    )
+    axis.plot([floor, floor], [middle - 0.5 * BAR, middle + 0.75 * BAR], color=COLOURS["--ink"], linewidth=1.3)
+    place = (max(min(rmse, end), floor), middle)
+    text = f"{significant(rmse)} {UNIT}"
+    axis.annotate(text, place, (6, 0), textcoords="offset points", va="center", fontweight="bold")
 
 
 def _words(axis: Any, row: int, step: str, note: str) -> None:
@@ -103,7 +108,24 @@ def draw_evidence(evidence: Evidence, words: Mapping[str, str], key: str) -> str
         axis.plot(evidence.at, evidence.model, color=COLOURS["--ink"], linewidth=1.6, linestyle=(0, (3.0, 1.6)))
         unit = f" [{evidence.unit}]" if evidence.unit else ""
         axis.set_xlabel(f"{words.get(evidence.coordinate, evidence.coordinate.replace('_', ' '))}{unit}")
+        _stretch(axis, evidence.at)
         axis.set_ylabel("[N·m]")
         axis.yaxis.set_major_locator(MaxNLocator(5))
         axis.margins(x=0.01)
         return svg_text(figure, key)
+
+
+def _stretch(axis: Any, at: Array) -> None:
+    """Where most bins lie close to zero, so does what they show: the axis is logarithmic away from it."""
+    size = np.abs(at[np.isfinite(at)])
+    largest = size.max(initial=0.0)
+    if size.size < 5 or largest <= 0.0 or np.median(size) > CROWDED * largest:
+        return
+    inner = 10.0 ** np.floor(np.log10(max(np.quantile(size, 0.25), 1e-4 * largest)))
+    axis.set_xlabel(f"{axis.get_xlabel()}, stretched about zero")
+    axis.set_xscale("symlog", linthresh=inner, linscale=0.6)
+    decades = inner * 10.0 ** np.arange(np.floor(np.log10(largest / inner)) + 1.0)
+    low, high = axis.get_xlim()
+    ticks = [tick for tick in (*-decades[::-1], 0.0, *decades) if low <= tick <= high]
+    axis.set_xticks(ticks, [significant(tick, 1) for tick in ticks])
+    axis.xaxis.set_minor_locator(NullLocator())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
@@ -11,13 +12,14 @@ from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding
-from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence
+from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
 from exogauge.studies.discrepancy_sentences import left_sentence, looked_at, verdict_sentence
 from exogauge.studies.effect_words import at_place, capital
 from exogauge.studies.rounding import significant, with_std
 from exogauge.studies.support_section import plus_minus
 
 COORDINATES = {"position": "angle", "drive": "torque of the motor", "load": "load on the joint"}
+_UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
 MOST_LETTERS = 3  # of a symbol: longer ones are words
 
 
@@ -150,6 +152,8 @@ def _chain(found: Discrepancy) -> Picture:
         "From the first model to the noise floor: RMSE of all joint torques in steady motion on held-out logs. Grey: "
         "what noise explains; coloured: what is above it."
     )
+    if is_cut(found.chain):
+        caption += " The bar with a gap is longer than drawn."
     return Picture(Markup(draw_chain(found.chain, "dc")), words, caption)
 
 
@@ -161,7 +165,7 @@ def _finding(finding: Finding, key: str) -> FindingView:
     return FindingView(
         title=capital(title),
         effect=finding.effect,
-        sentence=finding.sentence,
+        sentence=typeset(finding.sentence),
         channel=held.channel.removeprefix("tau."),
         before=significant(held.rmse_before),
         after=significant(held.rmse_after),
@@ -171,7 +175,7 @@ def _finding(finding: Finding, key: str) -> FindingView:
         parameters=tuple(_parameter(name, each) for name, each in finding.parameters.items()),
         beaten=(own, *(_candidate(each) for each in others)),
         alike=tuple(_candidate(each) for each in finding.also_possible),
-        motion=finding.motion,
+        motion=typeset(finding.motion),
     )
 
 
@@ -197,7 +201,12 @@ def _parameter(name: str, found: Estimate) -> ParameterRow:
 
 def _candidate(other: Alternative) -> CandidateRow:
     title = at_place(other.effect, other.place.kind, other.place.name)
-    return CandidateRow(capital(title), other.effect, *_share(other.score), other.reason)
+    return CandidateRow(capital(title), other.effect, *_share(other.score), typeset(other.reason))
+
+
+def typeset(text: str) -> str:
+    """A true arrow, and no line break between a number and its unit."""
+    return _UNIT.sub("\u00a0", text.replace("->", "→"))
 
 
 def _share(score: float) -> tuple[str, float]:
@@ -221,7 +230,7 @@ def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
             significant(each.rmse / each.noise_floor, 2) if each.noise_floor > 0.0 else "–",
             significant(each.z, 2),
             each.unit,
-            each.where,
+            typeset(each.where),
         )
         for each in ordered
     )

@@ -1,0 +1,203 @@
+"""The report tells of missing effects what the results say, draws it, and is silent where nobody looked."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Link
+from exogauge.identification.result import Identification
+from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
+from exogauge.studies.discrepancy_section import typeset
+from exogauge.studies.open import open_study
+from exogauge.studies.report import render_report
+from exogauge.studies.results import Evaluation
+
+Render = Callable[[Discrepancy | None], str]
+
+
+@pytest.fixture(scope="module")
+def render(pristine: Path, identification: Identification) -> Render:
+    """The report of the small robot's study."""
+
+    def made(found: Discrepancy | None) -> str:
+        with open_study(pristine) as study:
+            return render_report(
+                Evaluation(
+                    study.name, study.robot, study.settings, study.steps, study.bundle.inputs, [], identification,
+                    [], {}, discrepancy=found,
+                )
+            )  # fmt: skip
+
+    return made
+
+
+@pytest.fixture(scope="module")
+def report(render: Render, discrepancy: Discrepancy) -> str:
+    return render(discrepancy)
+
+
+def words(html: str) -> str:
+    bare = re.sub(r"<[^>]*>", " ", re.sub(r"<style>.*?</style>", "", html, flags=re.S))
+    return re.sub(r"\s+", " ", bare)
+
+
+def section(html: str) -> str:
+    found = re.search(r'<section class="gap".*?</section>', html, re.S)
+    assert found is not None
+    return found.group()
+
+
+def test_the_first_sentence_names_the_effect(report: str) -> None:
+    header = words(report[report.index("<header>") : report.index("</header>")])
+    assert header.index("lacks 2 effects: Stribeck friction at torso_pitch") < header.index("were identified")
+
+
+def test_that_nothing_is_missing_is_said_after_the_rest(render: Render, clean: Discrepancy) -> None:
+    text = words(section(render(clean)))
+    assert "none of 214 candidates explains more than noise does" in text
+    assert "Looked at: 3 joint torques in steady motion on 1 held-out log; 214 candidates" in text
+    assert "No channel is above what noise explains." in text
+    assert "left unexplained" not in text
+
+
+def test_every_finding_stands_with_evidence_numbers_and_rivals(report: str, discrepancy: Discrepancy) -> None:
+    html = section(report)
+    text = words(html)
+    for finding in discrepancy.findings:
+        assert words(typeset(finding.sentence)) in text
+        for other in (*finding.alternatives, *finding.also_possible):
+            assert other.reason in text
+    assert html.count("<article") == 2
+    assert html.count("<svg") == 3  # the chain and two pieces of evidence
+    assert "0.0413 ± 0.0062" in text
+    assert "The motion that would tell: three slow reversals" in text
+    assert "Nothing among what was tried." in text  # the payload has no look-alike
+
+
+def test_rivals_are_ordered_by_what_they_explain(report: str) -> None:
+    table = section(report).partition("What it was tried against")[2]
+    places = [
+        table.index(f"<code>{name}</code>") for name in ("stribeck", "presliding", "nonlinear_viscous", "elasticity")
+    ]
+    assert places == sorted(places)
+
+
+def test_what_is_left_what_changed_and_where_it_came_from(report: str) -> None:
+    text = words(section(report))
+    assert "torso_yaw 0.811 0.622 N·m 1.3 4.1 above 1.2 rad/s, in val_1 only" in text
+    assert "RMSE of support B at torso_pitch, bend 1.83 ± 0.12 0.171 ± 0.020 N·m −91 %" in text
+    assert "Tried and rejected: 3 candidates" in text
+    assert "m1-77c1 m0-3f2a stribeck at torso_pitch" in text
+    assert "no held-out log moves the base" in text
+
+
+def test_a_gap_that_nothing_explains_names_its_places_once(render: Render, unexplained: Discrepancy) -> None:
+    text = words(section(render(unexplained)))
+    assert "Above the noise with the identified model" in text
+    assert text.count("within 0.05 rad/s of rest") == 1
+
+
+def test_nothing_left_is_said_too(render: Render, one: Discrepancy) -> None:
+    assert "With it in the model, no channel is above what noise explains." in words(section(render(one)))
+
+
+def test_without_the_step_there_is_no_such_section(render: Render) -> None:
+    html = render(None)
+    assert 'id="discrepancy"' not in html
+    assert "#discrepancy" not in html
+
+
+def test_ids_stay_unique_captions_complete_and_nothing_is_asked_of_the_world(report: str) -> None:
+    ids = re.findall(r'\bid="([^"]*)"', report)
+    assert len(ids) == len(set(ids))
+    assert not re.search(r"<script|<img|<link|url\((?!#)|(?:src|href)=\"(?!#)", report)
+    assert report.count("<caption>") == len(re.findall(r"<table\b", report))
+    assert set(re.findall(r'href="#([^"]*)"', report)) <= set(ids)
+    numbers = [int(number) for number in re.findall(r"Figure (\d+)\.", report)]
+    assert numbers == list(range(1, len(numbers) + 1))
+
+
+def test_drawings_take_their_colours_from_the_page(report: str) -> None:
+    drawn = "".join(re.findall(r"<svg.*?</svg>", section(report), re.S))
+    assert not re.search(r"#[0-9a-f]{6}\b", drawn)
+    assert {"var(--prior)", "var(--identified)", "var(--measured)", "var(--ink)"} <= set(
+        re.findall(r"var\([^)]*\)", drawn)
+    )
+
+
+def test_markup_in_names_stays_text(render: Render, discrepancy: Discrepancy) -> None:
+    odd = "<i>$x_1$&"
+    finding = dataclasses.replace(
+        discrepancy.findings[0],
+        sentence=odd,
+        motion=odd,
+        alternatives=(Alternative(odd, discrepancy.findings[0].place, 0.1, odd),),
+    )
+    html = render(
+        dataclasses.replace(
+            discrepancy,
+            findings=(finding,),
+            chain=tuple(dataclasses.replace(link, step=odd, worst=odd) for link in discrepancy.chain),
+            notes=(odd,),
+        )
+    )
+    assert "<i>$" not in html
+    assert "&lt;i&gt;$x_1$&amp;" in html
+
+
+def links(*sizes: float) -> list[Link]:
+    return [Link(f"model {k}", size, 0.5, "tau.a", size, 0.5) for k, size in enumerate(sizes)]
+
+
+def test_only_a_first_bar_far_longer_than_the_next_is_cut() -> None:
+    assert is_cut(links(9.0, 1.0))
+    assert not is_cut(links(2.0, 1.0))
+    assert not is_cut(links(9.0, 8.0))
+    assert not is_cut(links(0.4))
+    assert not is_cut(links(1.0, 2.0))
+
+
+@pytest.mark.parametrize("sizes", [(9.0, 1.0), (1.0,), (0.4, 0.45), (float("nan"), 1.0), (0.0, 0.0)])
+def test_every_chain_can_be_drawn(sizes: tuple[float, ...]) -> None:
+    drawn = draw_chain(links(*sizes), "k")
+    assert drawn.count("model ") == len(sizes)
+    assert "noise floor" in drawn
+
+
+def test_a_floor_that_is_a_link_of_the_chain_is_drawn_once() -> None:
+    drawn = draw_chain([*links(2.0, 1.0), Link("noise floor", 0.5, 0.5, "", 0.5, 0.5)], "k")
+    assert drawn.count(">noise floor<") == 1
+
+
+def evidence(at: np.ndarray) -> Evidence:
+    return Evidence("velocity", "rad/s", at, np.sin(at), 0.1 * np.sin(at), np.full(at.size, 0.05), np.sin(at))
+
+
+@pytest.mark.parametrize(
+    ("at", "stretched"),
+    [
+        (np.linspace(-1.0, 1.0, 30), False),
+        (np.concatenate([-np.geomspace(1.0, 0.001, 15), np.geomspace(0.001, 1.0, 15)]), True),
+        (np.array([0.0, 1e-9, 2e-9, 0.0, 0.0, 5.0]), True),
+        (np.zeros(6), False),
+        (np.array([0.3]), False),
+        (np.full(8, np.nan), False),
+        (np.array([]), False),
+    ],
+)
+def test_an_axis_is_stretched_where_the_bins_crowd_about_zero(at: np.ndarray, stretched: bool) -> None:
+    drawn = draw_evidence(evidence(at), {}, "k")
+    assert ("stretched about zero" in drawn) == stretched
+    assert "mathdefault" not in drawn
+
+
+def test_numbers_keep_their_units_on_one_line() -> None:
+    assert typeset("RMSE 2.25 -> 1.08 N·m, 92 % within ± 0.1 rad/s") == (
+        "RMSE 2.25 → 1.08\u00a0N·m, 92\u00a0% within ±\u00a00.1\u00a0rad/s"
+    )

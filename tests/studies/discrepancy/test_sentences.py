@@ -1,0 +1,148 @@
+"""The verdict in one sentence, on paper and in a terminal."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+from exogauge.discrepancy.result import Discrepancy, Excess
+from exogauge.discrepancy_text import discrepancy_text, lead_text
+from exogauge.studies.discrepancy_results import discrepancy_entry
+from exogauge.studies.discrepancy_sentences import left_sentence, verdict_sentence
+from exogauge.studies.effect_words import EFFECTS, at_place, listed, place_words
+from exogauge.studies.results import finite
+
+CONTRACT = """
+motor_gain viscous coulomb static_friction motor_offset stribeck load_coulomb asym_viscous nonlinear_viscous presliding
+backlash elasticity joint_spring torque_ripple rotor_inertia kt_gain kt_saturation thermal_viscous
+torque_offset_drift torque_delay friction_shift coupling payload link_mass contact base_tilt ft_gain ft_crosstalk
+ft_drift imu_delay band_stiffness band_length band_viscous band_relaxation band_hardening band_slip band_via_friction
+extra_band band_limited_log"""
+
+
+def entry(found: Discrepancy) -> dict[str, Any]:
+    made = finite(discrepancy_entry(found))
+    assert isinstance(made, dict)
+    return made
+
+
+def result(found: Discrepancy) -> dict[str, Any]:
+    fits = [
+        {"channel": f"tau.{joint}", "log": log, "held_out": held_out}
+        for joint in ("torso_yaw", "torso_pitch")
+        for log, held_out in (("id_1", False), ("val_1", True), ("val_2", True))
+    ]
+    return {"discrepancy": entry(found), "identification": {"validation": fits}}
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_one_effect_is_named_with_what_it_explains(one: Discrepancy) -> None:
+    assert verdict_sentence(entry(one)) == (
+        "The identified model lacks Stribeck friction at torso_pitch. With it the error of torso_pitch on held-out "
+        "logs falls from 2.25 to 1.08 N·m RMSE (noise floor 1.02)."
+    )
+
+
+def test_several_effects_are_named_in_their_order(discrepancy: Discrepancy) -> None:
+    text = verdict_sentence(entry(discrepancy))
+    assert text.startswith("The identified model lacks 2 effects: Stribeck friction at torso_pitch (2.25 → 1.08 N·m")
+    assert "and a payload at r_arm (r_elbow: 1.31 → 0.644 N·m, noise floor 0.601)." in text
+
+
+def test_of_many_effects_three_are_named_and_the_others_counted(discrepancy: Discrepancy) -> None:
+    many = dataclasses.replace(discrepancy, findings=discrepancy.findings[:1] * 5)
+    assert "lacks 5 effects" in verdict_sentence(entry(many))
+    assert verdict_sentence(entry(many)).count("Stribeck") == 3
+    assert " and 2 more." in verdict_sentence(entry(many))
+
+
+def test_a_named_effect_that_does_not_help_is_not_said_to(one: Discrepancy) -> None:
+    held = dataclasses.replace(one.findings[0].held_out, rmse_after=2.4)
+    worse = dataclasses.replace(one, findings=(dataclasses.replace(one.findings[0], held_out=held),))
+    assert "rises from 2.25 to 2.40 N·m" in verdict_sentence(entry(worse))
+
+
+def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy) -> None:
+    assert verdict_sentence(entry(clean)) == (
+        "No effect is missing as far as these logs can show: none of 214 candidates explains more than noise does on "
+        "held-out logs."
+    )
+
+
+def test_a_gap_that_nothing_explains_is_said_where_it_is_largest(unexplained: Discrepancy) -> None:
+    text = verdict_sentence(entry(unexplained))
+    assert "most at torso_pitch (2.25 N·m RMSE, noise floor 1.02)" in text
+    assert "none of 214 candidates explains it" in text
+
+
+def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, one: Discrepancy) -> None:
+    assert left_sentence(entry(discrepancy)) == (
+        "One channel stays above the noise, at torso_yaw (0.811 N·m RMSE, noise floor 0.622)."
+    )
+    assert left_sentence(entry(one)) == ""
+    two = (*discrepancy.unexplained, Excess("tau.r_elbow", "N·m", 0.9, 0.6, float("nan"), ""))
+    assert left_sentence(entry(dataclasses.replace(discrepancy, unexplained=two))).startswith(
+        "2 channels stay above the noise, most at torso_yaw"
+    )
+
+
+def test_every_effect_of_the_contract_has_words() -> None:
+    assert set(CONTRACT.split()) == EFFECTS.keys()
+    assert len(set(EFFECTS.values())) == len(EFFECTS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "words"),
+    [
+        ("joint", "torso_pitch", "torso_pitch"),
+        ("joint", "all", "every joint"),
+        ("base", "base", "the base"),
+        ("base", "", "the base"),
+        ("band", "A_left", "band A_left"),
+        ("sensor", "wrist", "sensor wrist"),
+        ("log", "val_1", "log val_1"),
+    ],
+)
+def test_a_place_says_what_it_is(kind: str, name: str, words: str) -> None:
+    assert place_words(kind, name) == words
+
+
+def test_an_effect_that_is_not_known_here_keeps_its_name() -> None:
+    assert at_place("moon_phase", "joint", "wrist") == "moon phase at wrist"
+    assert [listed(["a"]), listed(["a", "b"]), listed(["a", "b", "c"])] == ["a", "a and b", "a, b and c"]
+
+
+def test_the_terminal_tells_the_whole_story(discrepancy: Discrepancy) -> None:
+    text = discrepancy_text(result(discrepancy))
+    assert text.startswith("DISAGREEMENT")
+    flat = one_line(text)
+    for said in (
+        "lacks 2 effects",
+        "2 joint torques in steady motion on 2 held-out logs; 214 candidates",
+        "+ stribeck at torso_pitch 0.930 0.620 r_elbow 1.31 0.600",
+        "1. Stribeck friction at torso_pitch torso_pitch: within 0.05 rad/s of rest",
+        "tau_b 3.04 ± 0.21 N·m, v_s 0.0413 ± 0.0062 rad/s",
+        "Explains 92 % of the excess. Next best: presliding friction at torso_pitch 40 %, nonlinear",
+        "These data cannot tell it from presliding friction at torso_pitch.",
+        "The motion that would tell: three slow reversals",
+        "torso_yaw 0.811 0.622 N·m above 1.2 rad/s, in val_1 only",
+        "stiffness of A by B 241.0 ± 6.0 N/m 199.5 ± 4.0 N/m",
+    ):
+        assert said in flat
+    assert max(map(len, text.splitlines())) <= 110
+
+
+def test_the_terminal_opens_with_a_named_effect_only(one: Discrepancy, clean: Discrepancy) -> None:
+    assert one_line(lead_text(result(one))).startswith("The identified model lacks Stribeck friction at torso_pitch.")
+    assert lead_text(result(clean)) == ""
+    assert "No effect is missing" in discrepancy_text(result(clean))
+
+
+def test_without_the_step_the_terminal_says_nothing_of_it() -> None:
+    for without in ({}, {"discrepancy": None}):
+        assert (lead_text(without), discrepancy_text(without)) == ("", "")
