@@ -6,7 +6,15 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.discrepancy_sentences import at, channel, figure, left_sentence, looked_at, verdict_sentence
+from exogauge.studies.discrepancy_sentences import (
+    at,
+    channel,
+    figure,
+    has_held_out,
+    left_sentence,
+    looked_at,
+    verdict_sentence,
+)
 from exogauge.studies.effect_words import capital, listed
 from exogauge.studies.rounding import with_std
 from exogauge.terminal import text_table
@@ -26,7 +34,7 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
     entry = result.get("discrepancy")
     if not entry:
         return ""
-    said = " ".join(part for part in (verdict_sentence(entry), left_sentence(entry)) if part)
+    said = " ".join(part for part in (verdict_sentence(entry, has_held_out(result)), left_sentence(entry)) if part)
     parts = [f"DISAGREEMENT between model and measurement\n\n{filled(said)}\n{filled(looked_at(result))}"]
     if entry["chain"]:
         parts.append(chain(entry["chain"]))
@@ -49,7 +57,9 @@ def chain(links: Sequence[Mapping[str, Any]]) -> str:
         for each in links
     ]
     columns = ("model", "RMSE N·m", "noise floor", "furthest above its floor", "RMSE", "floor")
-    return f"All joint torques in steady motion on held-out logs:\n\n{text_table(columns, rows, widest=60)}"
+    return (
+        f"The joint torques in question, in steady motion on held-out logs:\n\n{text_table(columns, rows, widest=60)}"
+    )
 
 
 def finding(found: Mapping[str, Any]) -> Iterator[str]:
@@ -74,7 +84,8 @@ def quantity(found: Mapping[str, Any]) -> str:
     if found["value"] is None:
         return "unknown"
     value, std = with_std(found["value"], found["std"] or 0.0)
-    return f"{value}{'' if std == '–' else f' ± {std}'} {found['unit']}".rstrip()
+    unit = "" if found["unit"] == "1" else found["unit"]
+    return f"{value}{'' if std == '–' else f' ± {std}'} {unit}".rstrip()
 
 
 def percent(score: float | None) -> str:

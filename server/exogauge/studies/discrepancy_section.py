@@ -13,7 +13,7 @@ from markupsafe import Markup
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding
 from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
-from exogauge.studies.discrepancy_sentences import left_sentence, looked_at, verdict_sentence
+from exogauge.studies.discrepancy_sentences import has_held_out, left_sentence, looked_at, verdict_sentence
 from exogauge.studies.effect_words import at_place, capital
 from exogauge.studies.rounding import significant, with_std
 from exogauge.studies.support_section import plus_minus
@@ -129,14 +129,14 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
     chain = _chain(found) if found.chain else None
     return DiscrepancyView(
         verdict=found.verdict,
-        sentence=verdict_sentence(entry),
+        sentence=verdict_sentence(entry, has_held_out(content)),
         left=left_sentence(entry),
         looked_at=looked_at(content),
         chain=chain,
         findings=findings,
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
-        rejected=tuple(_candidate(each) for each in sorted(found.rejected, key=_by_score)),
+        rejected=_rejected(found.rejected),
         changes=tuple(_change(quantity, *pair) for quantity, pair in found.before_after.items()),
         lineage=tuple((each.version, each.parent or "", each.added) for each in found.lineage),
         notes=tuple(dict.fromkeys(found.notes)),
@@ -147,10 +147,10 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
 def _chain(found: Discrepancy) -> Picture:
     steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in found.chain)
     floor = significant(found.chain[-1].noise_floor)
-    words = f"RMSE of all joint torques in steady motion on held-out logs, N·m: {steps}; noise floor {floor}."
+    words = f"RMSE of the joint torques in question, steady motion, held-out logs, N·m: {steps}; noise floor {floor}."
     caption = (
-        "From the first model to the noise floor: RMSE of all joint torques in steady motion on held-out logs. Grey: "
-        "what noise explains; coloured: what is above it."
+        "From the first model to the noise floor: RMSE of the joint torques in question, in steady motion on held-out "
+        "logs. Grey: what noise explains; coloured: what is above it."
     )
     if is_cut(found.chain):
         caption += " The bar with a gap is longer than drawn."
@@ -182,10 +182,12 @@ def _finding(finding: Finding, key: str) -> FindingView:
 def _evidence(evidence: Evidence, channel: str, title: str, key: str) -> Picture:
     over = COORDINATES.get(evidence.coordinate, evidence.coordinate.replace("_", " "))
     words = (
-        f"Mean residual of {channel} over {over}: before, after, and the torque of {title}. Before, it reaches "
+        f"Torque that {channel} gets and the model lacks, over {over}, and the torque of {title}. Before, it reaches "
         f"{_largest(evidence.before)} N·m, after {_largest(evidence.after)} N·m."
     )
-    caption = f"Mean of measured minus predicted torque of {channel} over {over}, without and with {title}."
+    caption = (
+        f"Torque that acts on {channel} and that the model lacks, over {over}: means of bins, without and with {title}."
+    )
     return Picture(Markup(draw_evidence(evidence, COORDINATES, key)), words, caption)
 
 
@@ -196,12 +198,19 @@ def _largest(values: Iterable[float]) -> str:
 def _parameter(name: str, found: Estimate) -> ParameterRow:
     symbol = len(name.partition("_")[0]) <= MOST_LETTERS
     value, std = with_std(found.value, found.std)
-    return ParameterRow(name if symbol else name.replace("_", " "), symbol, value, std, found.unit)
+    unit = "" if found.unit == "1" else found.unit
+    return ParameterRow(name if symbol else name.replace("_", " "), symbol, value, std, unit)
 
 
 def _candidate(other: Alternative) -> CandidateRow:
     title = at_place(other.effect, other.place.kind, other.place.name)
     return CandidateRow(capital(title), other.effect, *_share(other.score), typeset(other.reason))
+
+
+def _rejected(found: Sequence[Alternative]) -> tuple[CandidateRow, ...]:
+    """Each effect at its place once, with the most that it ever explained: rounds of the search repeat them."""
+    best = {(each.effect, each.place): each for each in sorted(found, key=_by_score, reverse=True)}
+    return tuple(_candidate(each) for each in sorted(best.values(), key=_by_score))
 
 
 def typeset(text: str) -> str:

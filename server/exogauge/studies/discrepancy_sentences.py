@@ -12,12 +12,14 @@ from exogauge.studies.rounding import significant
 NAMED = 3  # effects that the sentence names; it counts the others
 
 
-def verdict_sentence(entry: Mapping[str, Any]) -> str:
-    """entry: `discrepancy` of results.json."""
+def verdict_sentence(entry: Mapping[str, Any], held_out: bool = True) -> str:
+    """entry: `discrepancy` of results.json. held_out: whether any log was; else nothing is claimed."""
     if entry["findings"]:
         return _effects(entry["findings"])
     if entry["verdict"] == "unexplained":
         return _unexplained(entry)
+    if not held_out:
+        return "Whether the model lacks an effect cannot be told: no log was held out."
     return (
         "No effect is missing as far as these logs can show: "
         f"{none_of(entry['candidates'])} explains more than noise does on held-out logs."
@@ -82,6 +84,10 @@ def left_sentence(entry: Mapping[str, Any]) -> str:
     count = "One channel stays" if len(left) == 1 else f"{len(left)} channels stay"
     where = "" if len(left) == 1 else "most "
     return f"{count} above the noise, {where}at {channel(worst['channel'])} ({excess(worst)})."
+
+
+def has_held_out(result: Mapping[str, Any]) -> bool:
+    return any(each["held_out"] for each in result["identification"]["validation"])
 
 
 def looked_at(result: Mapping[str, Any]) -> str:

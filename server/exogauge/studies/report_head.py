@@ -86,7 +86,8 @@ def leads(evaluation: Evaluation) -> list[str]:
     device, entry = device_lead(evaluation), discrepancy_entry(evaluation.discrepancy)
     if entry is None:
         return device
-    gap = [verdict_sentence(entry)]
+    held_out = any(fit.held_out for fit in evaluation.identification.validation)
+    gap = [verdict_sentence(entry, held_out)]
     return device + gap if entry["verdict"] == "none" else gap + device
 
 

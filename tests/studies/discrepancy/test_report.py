@@ -97,6 +97,13 @@ def test_what_is_left_what_changed_and_where_it_came_from(report: str) -> None:
     assert "no held-out log moves the base" in text
 
 
+def test_a_candidate_rejected_in_every_round_is_listed_once(render: Render, discrepancy: Discrepancy) -> None:
+    again = tuple(dataclasses.replace(each, score=0.5 * each.score) for each in discrepancy.rejected)
+    text = words(section(render(dataclasses.replace(discrepancy, rejected=again + discrepancy.rejected))))
+    assert "Tried and rejected: 3 candidates" in text
+    assert "Torque ripple at every joint torque_ripple 6 %" in text
+
+
 def test_a_gap_that_nothing_explains_names_its_places_once(render: Render, unexplained: Discrepancy) -> None:
     text = words(section(render(unexplained)))
     assert "Above the noise with the identified model" in text

@@ -74,6 +74,12 @@ def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy)
     )
 
 
+def test_without_held_out_logs_nothing_is_claimed(clean: Discrepancy) -> None:
+    assert verdict_sentence(entry(clean), held_out=False) == (
+        "Whether the model lacks an effect cannot be told: no log was held out."
+    )
+
+
 def test_a_gap_that_nothing_explains_is_said_where_it_is_largest(unexplained: Discrepancy) -> None:
     text = verdict_sentence(entry(unexplained))
     assert "most at torso_pitch (2.25 N·m RMSE, noise floor 1.02)" in text
