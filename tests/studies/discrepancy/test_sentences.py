@@ -9,6 +9,7 @@ import pytest
 
 from exogauge.discrepancy.result import Discrepancy, Excess
 from exogauge.discrepancy_text import discrepancy_text, lead_text
+from exogauge.effects.catalogue import shaped_effects
 from exogauge.studies.discrepancy_results import discrepancy_entry
 from exogauge.studies.discrepancy_sentences import left_sentence, verdict_sentence
 from exogauge.studies.effect_words import EFFECTS, at_place, listed, place_words
@@ -100,6 +101,10 @@ def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, o
 def test_every_effect_of_the_contract_has_words() -> None:
     assert set(CONTRACT.split()) == EFFECTS.keys()
     assert len(set(EFFECTS.values())) == len(EFFECTS)
+
+
+def test_every_effect_that_can_be_found_missing_has_words() -> None:
+    assert shaped_effects().keys() <= EFFECTS.keys()
 
 
 @pytest.mark.parametrize(
