@@ -62,7 +62,9 @@ def place_words(kind: str, name: str) -> str:
 
 
 def at_place(effect: str, kind: str, name: str) -> str:
-    """`Stribeck friction at torso_pitch`."""
+    """`Stribeck friction at torso_pitch`; of the base, of which there is one, the effect alone."""
+    if kind == "base":
+        return effect_words(effect)
     return f"{effect_words(effect)} at {place_words(kind, name)}"
 
 

@@ -125,6 +125,7 @@ def test_a_place_says_what_it_is(kind: str, name: str, words: str) -> None:
 
 def test_an_effect_that_is_not_known_here_keeps_its_name() -> None:
     assert at_place("moon_phase", "joint", "wrist") == "moon phase at wrist"
+    assert at_place("base_tilt", "base", "base") == "a tilted base"
     assert [listed(["a"]), listed(["a", "b"]), listed(["a", "b", "c"])] == ["a", "a and b", "a, b and c"]
 
 
