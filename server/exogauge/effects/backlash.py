@@ -7,59 +7,87 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.rates import second_rate_of_change
 from exogauge.effects.shaped import Array, AxisSignals, Shape
+
+PRESSED = 0.3  # of the rms load: what counts as a load of one sign and of the other
+WINDOW = 64  # samples of a flight that are looked at together
 
 
 @final
 class Backlash:
-    """τ = ½ b (K s + J s̈), encoder at the motor: the link is half a gap b from where the encoder says.
+    """τ = ½ b (K s + J s̈), encoder at the motor: the link lags by ½ b s, s = ±1 the flank in contact.
 
-    s is the flank in contact, -1…1, and the link is behind by ½ b s: what the model asks for there is too much by the
-    load's change over that way. The flank is left when the load has changed its sign, and the other one is reached
-    when the load has grown to 2 w (a play of half-width w in the load; w is a share of the axis' own rms load).
-    K [N·m/rad] and J [kg·m²] are the slope of gravity and the inertia that the load itself shows in the log, by its
-    least squares on sin θ, cos θ and θ̈.
+    What the model asks for at the encoder's angle is then too much by what gravity (slope K [N·m/rad]) and inertia
+    (J [kg·m²]) make of that lag; both are what the load itself shows in the log, by its least squares on
+    sin θ, cos θ and θ̈. In contact s̈ = 0. Once the load changes its sign the link flies: nothing drives it, s̈ goes
+    with the load, and it lands on the other flank without a rebound (`flight`). t_f is the time that a flight takes
+    under the axis' rms load.
 
-    With an encoder at the link the load is right and only the rotor jumps, by short pulses that steady motion leaves
-    out: there it is not looked for. Where the load never changes its sign, s is constant, and masses explain it.
+    An encoder at the link misses no load, and only the rotor jumps: there backlash is not looked for. Where the load
+    never changes its sign, s is constant, and masses explain it.
     """
 
     name = "backlash"
     sentence = "The gear has play: when the load changes its sign, the link falls to the other side of a gap."
     coefficients = (Quantity("b", "rad", low=0.0, high=0.2),)
-    shapes = (Shape("w", "rms load", 0.01, 0.5, (0.02, 0.1, 0.3)),)
+    shapes = (Shape("t_f", "s", 0.01, 0.3, (0.02, 0.04, 0.08, 0.16)),)
     confounds = ("coulomb", "motor_offset")
-    needs = "Motion in which the joint's load changes its sign many times, such as slow swings through the vertical."
+    needs = "Motion in which the joint's load changes its sign many times, such as swings through the vertical."
     coordinate = "load"
     claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        width = shape[0] * (signals.torque_scale or 1.0)
-        s = np.clip(play(signals.load, width) / width, -1.0, 1.0)
+        (t_f,) = shape
+        kappa = 0.25 * (signals.torque_scale or 1.0) * t_f**2  # ½ b J: 2 = ½ (τ / κ) t_f²
+        s, s_ddot = flight(signals.load / kappa, signals.time)
         sine, cosine = np.sin(signals.position), np.cos(signals.position)
         rigid = np.stack([sine, cosine, signals.acceleration], axis=1)
         a, b, J = np.linalg.lstsq(rigid, signals.load, rcond=None)[0]
         K = a * cosine - b * sine
-        return np.asarray(0.5 * (K * s + J * second_rate_of_change(s, signals.time))[:, None])
+        return np.asarray(0.5 * (K * s + J * s_ddot))[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
-        pressed = np.abs(signals.load) > self.shapes[0].high * signals.torque_scale
-        return bool(np.any(pressed & (signals.load > 0.0)) and np.any(pressed & (signals.load < 0.0)))
+        pressed = np.where(np.abs(signals.load) > PRESSED * signals.torque_scale, np.sign(signals.load), 0.0)
+        return bool(np.any(pressed > 0.0) and np.any(pressed < 0.0))
 
 
-def play(pushed: Array, half_width: float) -> Array:
-    """(T,) what follows `pushed` with play, from 0: y_k = clip(y_{k-1}, pushed_k - w, pushed_k + w).
+def flight(pull: Array, time: Array) -> tuple[Array, Array]:
+    """s and s̈, (T,) each, of what lies against stops at ±1 and follows s̈ = pull (T,) [1/s²] between them.
 
-    Clips joined are a clip, two by two, then four by four: log₂ T passes and no loop over samples.
+    It starts on the side that the pull presses to, leaves when the pull turns, and stops where it lands. The stop is a
+    pulse of s̈ that takes the speed away, shared between the samples before and after it.
     """
-    low, high, reach = pushed - half_width, pushed + half_width, 1
-    while reach < len(pushed):
-        before_low, before_high = low[:-reach].copy(), high[:-reach].copy()
-        floor, ceiling = low[reach:].copy(), high[reach:].copy()
-        low[reach:], high[reach:] = np.clip(before_low, floor, ceiling), np.clip(before_high, floor, ceiling)
-        reach *= 2
-    return np.asarray(np.clip(0.0, low, high))
+    samples = len(pull)
+    s, s_ddot = np.empty(samples), np.zeros(samples)
+    if samples < 2:
+        return np.where(pull < 0.0, -1.0, 1.0), s_ddot
+    h = float(time[-1] - time[0]) / (samples - 1)
+    side = -1.0 if pull[0] < 0.0 else 1.0
+    turns = {1.0: np.flatnonzero(pull < 0.0), -1.0: np.flatnonzero(pull > 0.0)}
+    start = 0
+    while start < samples:
+        later = turns[side][np.searchsorted(turns[side], start) :]
+        leave = int(later[0]) if later.size else samples
+        s[start:leave] = side
+        x, v, start = side, 0.0, leave
+        while start < samples:  # in flight, window by window
+            part = pull[start : start + WINDOW]
+            speed = v + h * np.cumsum(part)
+            place = x + h * np.cumsum(speed)
+            landed = np.flatnonzero((np.abs(place) >= 1.0) & (place * speed > 0.0))
+            k = int(landed[0]) if landed.size else len(part)
+            s[start : start + k], s_ddot[start : start + k] = place[:k], part[:k]
+            if k < len(part):
+                side = 1.0 if place[k] > 0.0 else -1.0
+                before = float(place[k - 1]) if k else x
+                late = (1.0 - side * before) / (side * (float(place[k]) - before))
+                stop = float(speed[k]) / h - (1.0 - late) * part[k]
+                s[start + k], s_ddot[start + k] = side, late * (part[k] - stop)
+                s_ddot[start + k - 1] -= (1.0 - late) * stop
+                start += k + 1
+                break
+            x, v, start = float(place[-1]), float(speed[-1]), start + k
+    return s, s_ddot
 
 
 EFFECT = Backlash()

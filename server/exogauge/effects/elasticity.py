@@ -17,20 +17,22 @@ LEAST_SHARE = 0.01  # of the rms load
 
 @final
 class Elasticity:
-    """τ = c τ̈_load. Encoder at the motor: θ_link = θ - τ_load/k_e, the link's acceleration lacks τ̈_load/k_e, and
-    c = J/k_e = 1/ω² > 0; gravity's part of the same goes with the load and is the motor gain's. Encoder at the link:
-    the rotor turns by τ_load/k_e more, and c = -J_r/k_e < 0.
+    """τ = c τ̈_load, encoder at the motor: θ_link = θ - τ_load/k_e, so the link's acceleration lacks τ̈_load/k_e, and
+    c = J/k_e = 1/ω². Gravity's part of the same goes with the load and is the motor gain's.
+
+    With an encoder at the link the rotor turns by τ_load/k_e more, which is the same column with c < 0. That is not
+    looked for: noise of the positions makes c < 0 by itself.
 
     It cannot be told where the motion is slow against ω (`applies` says so), nor well from rotor inertia where the
     load is mostly gravity, whose second derivative goes with the acceleration.
     """
 
     name = "elasticity"
-    sentence = "The gear gives way like a spring, so motor and link do not move alike."
-    coefficients = (Quantity("c", "s²", low=-SOFTEST, high=SOFTEST),)
+    sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
+    coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
     shapes: tuple[Shape, ...] = ()
     confounds = ("rotor_inertia", "motor_gain")
-    needs = "Fast motion with quick starts and stops, or a second encoder at the other side of the gear."
+    needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
     claims_at_rest = False
 
