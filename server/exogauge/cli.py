@@ -118,6 +118,14 @@ def parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     sample.set_defaults(command=write_sample)
 
+    blind = commands.add_parser("blind", help="studies with hidden effects: how often is what is named right?")
+    steps = blind.add_subparsers(dest="step", required=True, metavar="STEP")
+    make = steps.add_parser("make", help="write the cases and, sealed, what is hidden in them")
+    make.add_argument("out", type=Path, metavar="OUT", help="a new folder")
+    make.add_argument("--seed", type=int, required=True, metavar="N")
+    make.add_argument("--cases", type=int, required=True, metavar="K")
+    make.set_defaults(command=make_blind)
+
     serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
     serve.add_argument("--host", help="address to listen on (EXOGAUGE_HOST)")
     serve.add_argument("--port", type=int, help="port; 0 takes a free one (EXOGAUGE_PORT)")
@@ -210,6 +218,17 @@ def write_sample(options: argparse.Namespace) -> int:
             options.out, options.seed, options.hidden, options.suit, progress, processes=synthetic.processors()
         )
     print(options.out / "study.yaml")
+    return 0
+
+
+def make_blind(options: argparse.Namespace) -> int:
+    from exogauge.blind.generator.make import make
+    from exogauge.synthetic import processors
+    from exogauge.terminal import bar
+
+    with bar("blind make") as progress:
+        make(options.out, options.seed, options.cases, progress, processes=processors())
+    print(options.out / "seal.txt")
     return 0
 
 

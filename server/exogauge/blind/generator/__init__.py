@@ -1,0 +1,1 @@
+"""Makes the cases of the blind benchmark. Shares no code with what evaluates them."""

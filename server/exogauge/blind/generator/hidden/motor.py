@@ -1,0 +1,68 @@
+"""Between the motor's torque and the current that the log reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Self, final
+
+import numpy as np
+from scipy.signal import lfilter
+
+from exogauge.blind.generator.axis_run import AxisRun
+from exogauge.blind.generator.hidden.effect import Array
+from exogauge.blind.generator.motion import RATE_HZ
+
+
+@final
+@dataclass(frozen=True)
+class KtSaturation:
+    """At `full` [N·m], the most this motor gave, it took the share `size` more current; below, by |T/full|^power."""
+
+    full: float
+    power: float
+
+    name: ClassVar[str] = "kt_saturation"
+    linear: ClassVar[bool] = True
+    reported: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        return cls(float(np.quantile(np.abs(run.motor), 0.999)), float(rng.choice([1.4, 2.6, 3.2])))
+
+    def largest(self, run: AxisRun) -> float:
+        return 0.3
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        return np.asarray(size * run.motor * np.abs(run.motor / self.full) ** self.power)
+
+
+@final
+@dataclass(frozen=True)
+class TorqueDelay:
+    """The current is logged size [s] late; or, with lag, through a first-order filter of that time constant."""
+
+    lag: bool
+
+    name: ClassVar[str] = "torque_delay"
+    linear: ClassVar[bool] = False
+    reported: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        return cls(bool(rng.uniform() < 0.4))
+
+    def largest(self, run: AxisRun) -> float:
+        return 0.04
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        return late(run.motor, size, self.lag) - run.motor
+
+
+def late(values: Array, delay: float, lag: bool) -> Array:
+    """(L, T) delayed; before the log began nothing had changed."""
+    if lag:
+        keep = float(np.exp(-1.0 / (RATE_HZ * delay)))
+        filtered, _ = lfilter([1.0 - keep], [1.0, -keep], values, axis=1, zi=keep * values[:, :1])
+        return np.asarray(filtered)
+    time = np.arange(values.shape[1]) / RATE_HZ
+    return np.array([np.interp(time - delay, time, row) for row in values])

@@ -1,0 +1,61 @@
+"""All cases of a benchmark, in as many processes as asked for, and their sealed answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from exogauge.blind.answers import write_answers
+from exogauge.blind.generator.case import write_case
+from exogauge.blind.generator.plan import plan_case
+from exogauge.errors import BadInput, Fault
+
+_README = """\
+SYNTHETIC DATA. Nothing in this folder was measured on a robot.
+
+case_*/          studies of arms of our own in which effects may be hidden (`exogauge run case_0001`)
+answers.json.gz  what is hidden in each; no evaluating code opens it
+seal.txt         SHA-256 of the answers as JSON text
+results/         what an evaluation said of each case, after `exogauge blind run`
+"""
+
+
+def make(
+    out: Path, seed: int, cases: int, progress: Callable[[float, str], None] | None = None, processes: int = 1
+) -> None:
+    """Write `cases` studies, the answers and their seal into `out`, which must be new or empty.
+
+    The same seed gives the same bytes, whatever `processes`; case n is the same however many there are.
+    """
+    if seed < 0 or cases < 1:
+        column, value = ("seed", seed) if seed < 0 else ("cases", cases)
+        detail = "the seed must be 0 or more, and the number of cases 1 or more"
+        raise BadInput(Fault(detail, "blind_numbers", column=column, value=str(value)))
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        advice = "Give a new folder, so that old results never meet new answers."
+        raise BadInput(Fault(f"{out} is not an empty folder", "folder_not_empty", advice))
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "README.txt").write_text(_README, encoding="utf-8")
+    tell, answers = progress or (lambda share, what: None), dict[int, dict[str, Any]]()
+    if min(processes, cases) < 2:
+        for number in range(1, cases + 1):
+            answers[number] = _make(out, seed, number)
+            tell(number / cases, plan_case(seed, number).name)
+    else:
+        with ProcessPoolExecutor(min(processes, cases), get_context("spawn")) as pool:
+            running = {pool.submit(_make, out, seed, number): number for number in range(1, cases + 1)}
+            try:
+                for done in as_completed(running):
+                    answers[running[done]] = done.result()
+                    tell(len(answers) / cases, f"{len(answers)} of {cases} cases")
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+    write_answers(out, seed, [answers[number] for number in sorted(answers)])
+
+
+def _make(out: Path, seed: int, number: int) -> dict[str, Any]:
+    return write_case(out / plan_case(seed, number).name, seed, number)

@@ -1,0 +1,87 @@
+"""robot.urdf and robot.yaml of the a-priori robot: what an evaluation is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+
+from exogauge.blind.generator import sensors
+from exogauge.blind.generator.true_robot import INERTIAL_STD, a_priori, a_priori_std
+from exogauge.synthetic.inertia import of_shape
+from exogauge.synthetic.robot_facts import AXES, Joint, Link
+
+
+def robot_urdf(name: str, links: Sequence[Link]) -> str:
+    robot = Xml.Element("robot", name=name)
+    for link in links:
+        element = Xml.SubElement(robot, "link", name=link.name)
+        if link.mass > 0.0:
+            _inertial(element, link)
+    for link in links:
+        if link.parent is not None:
+            _joint(robot, link, link.parent)
+    Xml.indent(robot)
+    return Xml.tostring(robot, encoding="unicode") + "\n"
+
+
+def robot_file(name: str, links: Sequence[Link], actuation: str) -> Mapping[str, Any]:
+    """robot.yaml as a tree of plain values."""
+    joints = [link.joint for link in links if link.joint is not None]
+    q_std = float(np.sqrt(np.mean([sensors.encoder_std(joint.drive.gear_ratio) ** 2 for joint in joints])))
+    noise = {"q": _number(q_std)} | ({"i": _number(sensors.current_std())} if actuation == "current" else {})
+    return {
+        "version": 1,
+        "name": name,
+        "urdf": "robot.urdf",
+        "base": "fixed",
+        "joints": [_joint_entry(joint, actuation) for joint in joints],
+        "noise": noise,
+        "inertial_prior_std": {"default": INERTIAL_STD},
+    }
+
+
+def _joint_entry(joint: Joint, actuation: str) -> dict[str, Any]:
+    left_out = () if actuation == "current" else ("k_T",)
+    values, spread = (
+        {key: _number(value) for key, value in table.items() if key not in left_out}
+        for table in (a_priori(joint.drive), a_priori_std(joint.drive))
+    )
+    gear = joint.drive.gear_ratio
+    return {"name": joint.name, "actuation": actuation, "gear_ratio": gear, "prior": values, "prior_std": spread}
+
+
+def _inertial(element: Xml.Element, link: Link) -> None:
+    mass = of_shape(link)
+    I = mass.inertia  # noqa: E741
+    inertial = Xml.SubElement(element, "inertial")
+    Xml.SubElement(inertial, "origin", xyz=_text(mass.centre), rpy="0 0 0")
+    Xml.SubElement(inertial, "mass", value=_text([mass.mass]))
+    names = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    Xml.SubElement(inertial, "inertia", {name: _text([I[at]]) for name, at in names.items()})
+
+
+def _joint(robot: Xml.Element, link: Link, parent: str) -> None:
+    joint = link.joint
+    name, kind = (joint.name, "revolute") if joint else (f"{link.name}_fixed", "fixed")
+    element = Xml.SubElement(robot, "joint", name=name, type=kind)
+    Xml.SubElement(element, "parent", link=parent)
+    Xml.SubElement(element, "child", link=link.name)
+    Xml.SubElement(element, "origin", xyz=_text(link.origin), rpy="0 0 0")
+    if joint:
+        limits = (joint.lower, joint.upper, joint.drive.effort, joint.drive.velocity)
+        Xml.SubElement(element, "axis", xyz=_text(AXES[joint.axis]))
+        Xml.SubElement(
+            element, "limit",
+            {key: _text([value]) for key, value in zip(("lower", "upper", "effort", "velocity"), limits, strict=True)},
+        )  # fmt: skip
+
+
+def _text(values: Any) -> str:
+    return " ".join(f"{float(value):.12g}" for value in values)
+
+
+def _number(value: float) -> float:
+    return float(f"{value:.6g}")
