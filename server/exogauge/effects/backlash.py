@@ -23,6 +23,7 @@ class Backlash:
     with the load, and it lands on the other flank without a rebound (`flight`). t_f is the time that a flight takes
     under the axis' rms load.
 
+    b comes out too large, by up to twice where teeth give way and rebound: both delay the landing as a wider gap does.
     An encoder at the link misses no load, and only the rotor jumps: there backlash is not looked for. Where the load
     never changes its sign, s is constant, and masses explain it.
     """

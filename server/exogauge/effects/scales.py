@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from exogauge.effects.shaped import AxisSignals, Shape
-
-OWN_SIZES = ("rms velocity", "rms load", "range", "cycles per range")
-TURN = 2.0 * np.pi
+OWN_SIZES = ("rms velocity", "rms torque", "range", "cycles per range")
 
 
-def in_si(shape: Shape, value: float, signals: AxisSignals) -> tuple[float, str]:
-    """Value and unit of a shape on this axis: 0.1 rms velocity -> (0.04, rad/s). Others are as they are."""
+def in_si(unit: str, speed_scale: float, torque_scale: float, span: float) -> tuple[float, str]:
+    """What a value in this unit of a shape is multiplied by on an axis, and the unit it then has.
+
+    speed_scale, torque_scale, span: the axis' rms velocity [rad/s], rms torque [N·m] and range [rad] (`AxisSignals`).
+    Other units than `OWN_SIZES` stay as they are.
+    """
     sizes = {
-        "rms velocity": (signals.speed_scale, "rad/s"),
-        "rms load": (signals.torque_scale, "N·m"),
-        "range": (signals.range, "rad"),
-        "cycles per range": (TURN / (signals.range or 1.0), "1/rev"),
+        "rms velocity": (speed_scale, "rad/s"),
+        "rms torque": (torque_scale, "N·m"),
+        "range": (span, "rad"),
+        "cycles per range": (2.0 * math.pi / span if span else 0.0, "1/rev"),
     }
-    size, unit = sizes.get(shape.unit, (1.0, shape.unit))
-    return value * size, unit
+    return sizes.get(unit, (1.0, unit))

@@ -16,7 +16,7 @@ STEP = 0.8  # cycles per range between tried orders: a range of motion tells ord
 class TorqueRipple:
     """τ = A_s sin Nθ + A_c cos Nθ, with N cycles per revolution of the joint, not necessarily whole (a gear's is not).
 
-    N is tried from 2 to 29 cycles over the axis' own range: below are gravity and springs; far above, a joint that
+    N is tried from 2 to 28 cycles over the axis' own range: below are gravity and springs; far above, a joint that
     moves at a useful speed makes a ripple faster than encoders can follow. One order at a time: the strongest is found
     first, further ones as findings of their own.
     """
@@ -25,7 +25,7 @@ class TorqueRipple:
     sentence = "The torque comes and goes with the position, as gear teeth and magnets pass by."
     coefficients = (Quantity("ripple_sin", "N·m"), Quantity("ripple_cos", "N·m"))
     shapes = (
-        Shape("cycles_per_revolution", "cycles per range", 1.5, 40.0, tuple(2.0 + STEP * k for k in range(34))),
+        Shape("cycles", "cycles per range", 1.5, 40.0, tuple(2.0 + STEP * k for k in range(34))),
     )  # fmt: skip
     confounds = ("motor_offset",)
     needs = "Slow steady motion over a wide range of positions, in both directions."
