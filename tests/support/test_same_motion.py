@@ -68,15 +68,39 @@ def test_of_equal_shifts_of_a_periodic_motion_the_smallest_is_taken():
         assert abs(matched(run(swing), run(swing, start=-shift)).lag_s - shift) < 1e-3
 
 
-def test_a_smaller_shift_does_not_win_by_leaving_the_motion_out():
-    """One bend in a long stand: any shift that lays stand upon stand would leave less to differ."""
+def bend(at, height=1.0):
+    """One bend of 3 s in a long stand."""
 
-    def bend(t):
-        s = np.clip(1.0 - np.abs(t - 5.0) / 1.5, 0.0, 1.0)
-        return np.outer(s**2 * (3 - 2 * s), [0.8, 0.1])
+    def motion(t):
+        s = np.clip(1.0 - np.abs(t - at) / 1.5, 0.0, 1.0)
+        return np.outer(height * s**2 * (3 - 2 * s), [0.8, 0.1])
 
-    found = matched(run(bend), run(bend, start=-2.5, seconds=16.0))
-    assert abs(found.lag_s - 2.5) < 1e-3
+    return motion
+
+
+@pytest.mark.parametrize(("at", "other_at"), [(9.0, 3.0), (3.0, 9.0), (8.0, 4.0), (5.0, 7.5), (10.0, 2.5)])
+def test_stand_is_not_laid_upon_stand(at, other_at):
+    """Of the shifts that bring no motion together, none is taken, however small and however equal the rest is."""
+    found = matched(run(bend(at)), run(bend(other_at)))
+    assert found.lag_s == pytest.approx(other_at - at, abs=1e-3)
+    assert found.worst == "equal"
+
+
+def test_a_run_is_found_in_a_longer_one_that_holds_larger_motions_too():
+    def several(t):
+        return bend(4.0)(t) + bend(14.0, height=1.6)(t) + bend(20.0, height=0.5)(t)
+
+    found = matched(run(bend(5.0)), run(several, seconds=24.0))
+    assert found.lag_s == pytest.approx(-1.0, abs=1e-3)
+    back = matched(run(several, seconds=24.0), run(bend(5.0)))
+    assert back.lag_s == pytest.approx(1.0, abs=1e-3)
+    assert (found.worst, back.worst) == ("equal", "equal")
+
+
+def test_motions_that_two_logs_do_not_share_are_different():
+    """The bend comes so early in one and so late in the other that too little would be left to compare."""
+    found = matched(run(bend(13.0), seconds=15.0), run(bend(2.0), seconds=15.0))
+    assert found.worst == "different"
 
 
 def test_another_motion_is_different_and_a_slightly_other_one_doubtful():

@@ -25,7 +25,8 @@ from exogauge.support.settings import SupportSettings
 Array = NDArray[np.float64]
 
 SMOOTH_HZ = 8.0  # motions are compared below it
-OVERLAP = 0.5  # of the shorter log, at least
+OVERLAP = 0.3  # of the shorter log, at least
+COMMON = 0.5  # of a joint's motion that two logs must have in common, or it is not the same motion
 MOVES = 0.02  # rms velocity above which a joint counts as moving [rad/s]
 STANDS_APART = 0.1  # rms angle between two runs above which a joint that hardly moves is doubtful [rad]
 REFINEMENTS = 20
@@ -75,16 +76,31 @@ def match(this: Posture, other: Posture, settings: SupportSettings) -> Match:
     lag = _refined(this, other, _coarse_lag(this, other))
     first, last = _covered(this, other, lag)
     q, dq = other.at(this.time[first:last] + lag)
+    missed = _missed(this, other, first, last, dq)
     equality = [
-        _equality(joint, this.q[first:last, j] - q[:, j], this.dq[first:last, j], dq[:, j], settings)
+        _equality(joint, this.q[first:last, j] - q[:, j], this.dq[first:last, j], dq[:, j], float(missed[j]), settings)
         for j, joint in enumerate(this.joints)
     ]
     return Match(lag, tuple(equality), first, last)
 
 
-def _equality(joint: str, apart: Array, dq: Array, dq_other: Array, settings: SupportSettings) -> JointEquality:
-    own = max(_rms(dq), _rms(dq_other))
-    q_rms, dq_rms = _rms(apart), _rms(dq - dq_other)
+def _missed(this: Posture, other: Posture, first: int, last: int, dq: Array) -> Array:
+    """(J,) mean square velocity that both logs hold outside what they share, where that is most of the motion.
+
+    Per sample that they share; dq: the other's velocities there. Stand compared with stand would look equal.
+    """
+    shared = [np.sum(this.dq[first:last] ** 2, axis=0), np.sum(dq**2, axis=0)]
+    whole = [np.sum(this.dq**2, axis=0), np.sum(other.dq**2, axis=0) * this.rate / other.rate]
+    common = np.max([s / np.maximum(w, 1e-300) for s, w in zip(shared, whole, strict=True)], axis=0)
+    outside = np.min([w - s for s, w in zip(shared, whole, strict=True)], axis=0)
+    return np.asarray(np.where(common < COMMON, np.maximum(outside, 0.0), 0.0) / max(last - first, 1))
+
+
+def _equality(
+    joint: str, apart: Array, dq: Array, dq_other: Array, missed: float, settings: SupportSettings
+) -> JointEquality:
+    own = float(np.hypot(max(_rms(dq), _rms(dq_other)), np.sqrt(missed)))
+    q_rms, dq_rms = _rms(apart), float(np.hypot(_rms(dq - dq_other), np.sqrt(missed)))
     share = dq_rms / own if own > MOVES else 0.0
     verdict: Verdict = "equal"
     if share > settings.different:
@@ -95,7 +111,9 @@ def _equality(joint: str, apart: Array, dq: Array, dq_other: Array, settings: Su
 
 
 def _coarse_lag(this: Posture, other: Posture) -> float:
-    """The lag, on this log's clock, at which the mean square difference of the velocities is smallest."""
+    """The lag, on this log's clock, at which least motion is left: the square difference of the velocities where both
+    logs are, and what both hold elsewhere, or stand would be laid upon stand.
+    """
     steps = int(np.floor(other.time[-1] * this.rate)) + 1
     a, b = this.dq, other.at(np.arange(steps) / this.rate)[1]
     cross = sum(fftconvolve(b[:, j], a[::-1, j]) for j in range(a.shape[1]))
@@ -103,12 +121,13 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     start, stop = np.maximum(0, -lags), np.minimum(len(a), len(b) - lags)
     common = stop - start
     fair = common >= OVERLAP * min(len(a), len(b))
-    lags, start, stop, common = lags[fair], start[fair], stop[fair], common[fair]
+    lags, start, stop = lags[fair], start[fair], stop[fair]
     a_sum, b_sum = (np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))]) for x in (a, b))
-    energy = a_sum[stop] - a_sum[start] + b_sum[stop + lags] - b_sum[start + lags]
-    apart = (energy - 2.0 * np.asarray(cross)[fair]) / common
+    of_a, of_b = a_sum[stop] - a_sum[start], b_sum[stop + lags] - b_sum[start + lags]
+    elsewhere = np.minimum(a_sum[-1] - of_a, b_sum[-1] - of_b)
+    apart = of_a + of_b - 2.0 * np.asarray(cross)[fair] + elsewhere
     valley = apart <= minimum_filter1d(apart, 2 * round(VALLEY_S * this.rate) + 1, mode="nearest")
-    good = valley & (apart <= apart.min() + ALIKE * float(np.mean(energy / common)))  # of equals, the smallest shift
+    good = valley & (apart <= apart.min() + ALIKE * min(a_sum[-1], b_sum[-1]))  # of equals, the smallest shift
     return float(lags[good][np.argmin(np.abs(lags[good]))]) / this.rate
 
 
