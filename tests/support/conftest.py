@@ -340,13 +340,14 @@ def waves(rng: np.random.Generator, t: np.ndarray, width: int, size: float, fast
     ]
 
 
-def wander(seed: int, seconds: float = 8.0, base_seed: int | None = None, rate: float = RATE) -> Course:
-    """All joints and the base move all the time. base_seed: another base motion under the same joint motion."""
-    t = np.arange(0.0, seconds, 1.0 / rate)
+def wander(seed: int, seconds: float = 8.0, base_seed: int | None = None, begin: float = 0.0) -> Course:
+    """All joints and the base move all the time. base_seed: another base motion under the same joint motion; begin: [s]
+    into the motion at which the log begins."""
+    t = begin + np.arange(0.0, seconds, 1.0 / RATE)
     rng = np.random.default_rng(seed)
     q, dq, ddq = waves(rng, t, len(ORDER), 0.35)
     rng = np.random.default_rng(1000 + (seed if base_seed is None else base_seed))
-    return Course(t, q, dq, ddq, *waves(rng, t, 3, 0.15), waves(rng, t, 3, 0.1)[2])
+    return Course(t - begin, q, dq, ddq, *waves(rng, t, 3, 0.15), waves(rng, t, 3, 0.1)[2])
 
 
 def ramps(t: np.ndarray, corners: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -364,9 +365,9 @@ def ramps(t: np.ndarray, corners: Sequence[tuple[float, float]]) -> np.ndarray:
     return out
 
 
-def stoop(seed: int = 0, depth: float = 0.8, turn: float = 0.3, rate: float = RATE) -> Course:
+def stoop(seed: int = 0, depth: float = 0.8, turn: float = 0.3) -> Course:
     """Bend, hold, rise, then twist to both sides, with the torso still in between; the legs yield, the base sways."""
-    t = np.arange(0.0, 14.0, 1.0 / rate)
+    t = np.arange(0.0, 14.0, 1.0 / RATE)
     q, dq, ddq = np.zeros((3, len(t), len(ORDER)))
     bend = [(1, 0), (3, depth), (4.5, depth), (6.5, 0), (14, 0)]
     twist = [(1.2, 0), (2.8, 0.3 * turn), (4.7, 0.3 * turn), (6.3, 0), (7.5, 0), (9, turn), (9.5, turn), (12, -turn),
