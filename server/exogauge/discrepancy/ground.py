@@ -61,7 +61,7 @@ def lay_ground(
     model: RobotModel, recordings: Sequence[Recording], effects: Sequence[ShapedEffect], tick: Tick
 ) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones."""
-    axes, x = measured_axes(model), model.solution.solved.x
+    axes, x = measured_axes(model), model.unbounded.x
     fitted, kept_out = Sums(), Sums()
     candidates: dict[int, list[Candidate]] = {}
     residuals: list[LogResiduals] = []

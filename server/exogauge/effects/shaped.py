@@ -31,8 +31,9 @@ class AxisSignals:
     """T samples of one actuator axis of a whole log, at the bandwidth that its encoder can bear.
 
     time: (T,) [s] from the log's start. position [rad], velocity [rad/s], acceleration [rad/s²]. direction: sign of the
-    velocity, 0 at rest. drive: (T,) torque of the motor k_T u [N·m]. load: (T,) torque that the model's body and
-    outside forces ask of the joint, Y_j φ - F_j [N·m]. temperature: (T,) [°C] or None where it is not logged.
+    velocity, 0 at rest. load: (T,) torque that the model's body and outside forces ask of the joint, Y_j φ - F_j [N·m].
+    drive: (T,) torque that the model calls for from the motor [N·m]; not the measured one, whose noise is in the
+    residual too and would explain itself. temperature: (T,) [°C] or None where it is not logged.
     speed_scale, torque_scale, range: of the axis over all fitted logs: rms velocity, rms torque and range of
     position, for scale-free shapes; the same in every log.
     """

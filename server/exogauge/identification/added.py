@@ -77,8 +77,8 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
     q = finest.apply(log.stack([f"q.{joint.name}" for joint in robot.joints])) @ C.T[:, list(axes)]
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
-    drive = finest.apply(prepared.raw_drive[:, list(axes)]) * model.k_T[list(axes)]
     load = loads(model, prepared)[:, list(axes)]
+    drive = load - _beside_the_motor(model, prepared, axes)
     result = []
     for place, axis in enumerate(axes):
         temperature = log.channels.get(f"temp.{robot.joints[axis].name}")
@@ -98,6 +98,18 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
             )
         )
     return result
+
+
+def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> Array:
+    """(T, axes) torque of friction, offset and rotor that the model gives each axis; nothing of what holds at rest."""
+    effects, none = model.equations.effects, np.zeros(prepared.log.samples)
+    out = np.zeros((prepared.log.samples, len(axes)))
+    for place, axis in enumerate(axes):
+        signals = prepared.signals(axis, slice(None), none)
+        for effect, coefficient in zip(effects, model.identified.xi[axis], strict=True):
+            if effect.name != "motor_gain":
+                out[:, place] += effect.column(signals) * coefficient
+    return out
 
 
 def loads(model: RobotModel, prepared: Prepared) -> Array:

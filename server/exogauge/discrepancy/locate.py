@@ -1,0 +1,98 @@
+"""Which channels are off by more than their sensors' noise, on logs that were not fitted, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.discrepancy.ground import LogResiduals
+from exogauge.discrepancy.result import Excess
+from exogauge.identification.result import ChannelFit, Identification
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
+SURE = 3.0  # standard errors
+BLOCK_S = 1.0
+PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
+
+
+def located(robot: Robot, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
+    """Joint torques in steady motion whose held-out error stands above the noise floor; largest ratio first."""
+    result = []
+    for axis, joint in enumerate(robot.joints):
+        channel = f"tau.{joint.name}"
+        fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
+        rmse, floor = pooled(fits)
+        if not np.isfinite(rmse) or rmse < ABOVE * floor:
+            continue
+        z = _sureness(found, residuals, channel, axis, fits)
+        if z > SURE:
+            where = _where([each for each in residuals if each.held_out], axis)
+            result.append(Excess(channel, "N·m", rmse, floor, z, where))
+    return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
+
+
+def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
+    """RMSE in steady motion and noise floor over several logs; NaN where no log has any."""
+    moving = [(fit.rmse_moving, fit.noise_floor) for fit in fits if fit.rmse_moving is not None]
+    if not moving:
+        return float("nan"), float("nan")
+    rmse, floor = np.array(moving).T
+    return float(np.sqrt(np.mean(rmse**2))), float(np.sqrt(np.mean(floor**2)))
+
+
+def _sureness(
+    found: Identification, residuals: Sequence[LogResiduals], channel: str, axis: int, fits: Sequence[ChannelFit]
+) -> float:
+    """Standard errors by which blocks' mean square error stands above the floor's."""
+    floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
+    predictions = {prediction.log: prediction for prediction in found.predictions}
+    excess: list[Array] = []
+    for each in residuals:
+        if not each.held_out or each.log not in floor:
+            continue
+        prediction = predictions[each.log]
+        time = prediction.time - prediction.time[0]
+        at = np.searchsorted(time, each.time[np.isfinite(each.residual[:, axis])])
+        error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
+        block = np.unique((time[np.minimum(at, len(time) - 1)] / BLOCK_S).astype(np.intp), return_inverse=True)[1]
+        if len(block):
+            mean = np.bincount(block, error**2) / np.bincount(block)
+            excess.append(mean - floor[each.log] ** 2)
+    if not excess:
+        return 0.0
+    values = np.concatenate(excess)
+    return float(values.mean() / max(values.std(ddof=1) / np.sqrt(len(values)), 1e-300)) if len(values) > 1 else 0.0
+
+
+def _where(residuals: Sequence[LogResiduals], axis: int) -> str:
+    """The third of speeds, loads, positions or times in which the error is largest, in words."""
+    e, v, q, load, t = (
+        np.concatenate([getattr(each, name)[..., axis] if getattr(each, name).ndim > 1 else getattr(each, name)
+                        for each in residuals])
+        for name in ("residual", "velocity", "position", "load", "time")
+    )  # fmt: skip
+    used = np.isfinite(e)
+    if used.sum() < 30:
+        return "throughout"
+    square = e[used] ** 2
+    words = {
+        "speed": (np.abs(v[used]), "rad/s"),
+        "position": (q[used], "rad"),
+        "load": (np.abs(load[used]), "N·m"),
+        "time since the start": (t[used], "s"),
+    }
+    best, said = PART, "throughout"
+    for name, (values, unit) in words.items():
+        low, high = np.quantile(values, [1 / 3, 2 / 3])
+        for phrase, part in (
+            (f"at a {name} below {low:.3g} {unit}", values <= low),
+            (f"at a {name} above {high:.3g} {unit}", values >= high),
+        ):
+            if part.any() and square[part].mean() / square.mean() > best:
+                best, said = float(square[part].mean() / square.mean()), phrase
+    return said
