@@ -113,13 +113,13 @@ def test_what_is_found_where_there_is_nothing_is_what_the_model_lacks_and_what_d
     steady = plains[0].balance.steady
     expected = [np.sqrt(np.mean(missed[steady[:, d], d] ** 2)) for d in range(2)]
     np.testing.assert_allclose(found.by_model_steady, expected, rtol=0.02)  # ends of filters differ
-    assert found.between_runs_steady.max() < 1e-4
-    assert found.between_runs_other.max() < 1e-4
+    assert found.between_runs_steady.max() < 1e-3
+    assert found.between_runs_other.max() < 1e-3
     shaken = biped.record(wander(1, base_seed=1), "shaken", extra=lambda speed: stribeck(speed) + bump)
     found = repeatability([plains[0], ready(model, shaken, joints)], held, SETTINGS)
     differing = low_passed(bump)[:, joints[0]][steady[:, 0]]
     assert found.between_runs_steady[0] == pytest.approx(np.sqrt(np.mean(differing**2)), rel=0.02)
-    assert found.between_runs_steady[1] < 1e-4
+    assert found.between_runs_steady[1] < 1e-3
 
 
 def test_runs_of_unnamed_or_of_different_motions_are_not_taken_for_repeats(biped, wander):
