@@ -9,7 +9,7 @@ COMPILE := .venv-lock/bin/uv pip compile --quiet --universal --python-version 3.
            --no-emit-index-url --no-header --no-annotate
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install demo serve test check bench lock clean
+.PHONY: help install demo serve test check bench blind lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -47,6 +47,15 @@ check: $(READY)  ## style, types, import layers, migrations and the quick tests,
 
 bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 	$(BIN)/python -m tests.bench
+
+CASES ?= 200
+SEED  ?= 1
+BLIND ?= exogauge-data/blind-$(SEED)-$(CASES)
+
+blind: $(READY)  ## how often a hidden effect is named: CASES=200 SEED=1, in the folder BLIND
+	@test -e $(BLIND)/seal.txt || $(BIN)/exogauge blind make $(BLIND) --seed $(SEED) --cases $(CASES)
+	$(BIN)/exogauge blind run $(BLIND) || test $$? = 1  # 1: a case failed, and counts as silent
+	$(BIN)/exogauge blind score $(BLIND) --json $(BLIND)/score.json
 
 lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)
 	$(PYTHON) -m venv .venv-lock

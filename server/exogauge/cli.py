@@ -125,6 +125,14 @@ def parser() -> argparse.ArgumentParser:
     make.add_argument("--seed", type=int, required=True, metavar="N")
     make.add_argument("--cases", type=int, required=True, metavar="K")
     make.set_defaults(command=make_blind)
+    trial = steps.add_parser("run", help="evaluate every case that has no result of this code yet")
+    trial.add_argument("out", type=Path, metavar="OUT", help="what `blind make` has written")
+    trial.add_argument("--keep", action="store_true", help="do not repeat results of earlier code")
+    trial.set_defaults(command=run_blind)
+    score = steps.add_parser("score", help="compare results and answers, if the seal is whole")
+    score.add_argument("out", type=Path, metavar="OUT", help="what `blind make` has written")
+    score.add_argument("--json", type=Path, metavar="FILE", help="write the score as JSON too")
+    score.set_defaults(command=score_blind)
 
     serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
     serve.add_argument("--host", help="address to listen on (EXOGAUGE_HOST)")
@@ -229,6 +237,31 @@ def make_blind(options: argparse.Namespace) -> int:
     with bar("blind make") as progress:
         make(options.out, options.seed, options.cases, progress, processes=processors())
     print(options.out / "seal.txt")
+    return 0
+
+
+def run_blind(options: argparse.Namespace) -> int:
+    """1 when a case failed."""
+    from exogauge.blind.run import run
+    from exogauge.synthetic import processors
+    from exogauge.terminal import bar
+
+    with bar("blind run") as progress:
+        failed = run(options.out, progress, processors(), keep=options.keep)
+    print(f"{options.out / 'results'}" + (f"\n{len(failed)} cases failed: {', '.join(failed)}" if failed else ""))
+    return 1 if failed else 0
+
+
+def score_blind(options: argparse.Namespace) -> int:
+    import json
+
+    from exogauge.blind.score import score
+    from exogauge.blind.score_text import score_text
+
+    found = score(options.out)
+    print(score_text(found))
+    if options.json is not None:
+        options.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     return 0
 
 

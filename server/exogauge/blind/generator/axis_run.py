@@ -84,9 +84,7 @@ def _links(robot: TrueRobot, motion: Motion) -> tuple[Array, Array]:
         inertia[:, :, j] = _torques(robot, q, none, unit, gravity=0.0)[:, :, j]
         stiffness[:, :, j] = (_torques(robot, q + _NUDGE * unit, none, none) - resting)[:, :, j] / _NUDGE
     every = np.arange(samples)
-    return np.asarray(interp1d(some, inertia, axis=1)(every), float), np.asarray(
-        interp1d(some, stiffness, axis=1)(every), float
-    )
+    return np.asarray(interp1d(some, inertia, axis=1)(every)), np.asarray(interp1d(some, stiffness, axis=1)(every))
 
 
 def _friction(rng: np.random.Generator, drive: TrueDrive, direction: Array, load: Array) -> Array:

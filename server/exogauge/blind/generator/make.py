@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import tempfile
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
@@ -37,24 +40,38 @@ def make(
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         advice = "Give a new folder, so that old results never meet new answers."
         raise BadInput(Fault(f"{out} is not an empty folder", "folder_not_empty", advice))
-    out.mkdir(parents=True, exist_ok=True)
-    (out / "README.txt").write_text(_README, encoding="utf-8")
-    tell, answers = progress or (lambda share, what: None), dict[int, dict[str, Any]]()
-    if min(processes, cases) < 2:
+    out.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    try:
+        (unfinished / "README.txt").write_text(_README, encoding="utf-8")
+        answers = _make_all(unfinished, seed, cases, progress or (lambda share, what: None), min(processes, cases))
+        write_answers(unfinished, seed, answers)
+        unfinished.chmod(0o755)
+        os.replace(unfinished, out)
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
+
+
+def _make_all(
+    out: Path, seed: int, cases: int, tell: Callable[[float, str], None], processes: int
+) -> list[dict[str, Any]]:
+    if processes < 2:
+        answers = []
         for number in range(1, cases + 1):
-            answers[number] = _make(out, seed, number)
-            tell(number / cases, plan_case(seed, number).name)
-    else:
-        with ProcessPoolExecutor(min(processes, cases), get_context("spawn")) as pool:
-            running = {pool.submit(_make, out, seed, number): number for number in range(1, cases + 1)}
-            try:
-                for done in as_completed(running):
-                    answers[running[done]] = done.result()
-                    tell(len(answers) / cases, f"{len(answers)} of {cases} cases")
-            except BaseException:
-                pool.shutdown(cancel_futures=True)
-                raise
-    write_answers(out, seed, [answers[number] for number in sorted(answers)])
+            answers.append(_make(out, seed, number))
+            tell(number / cases, f"{number} of {cases} cases")
+        return answers
+    done: dict[int, dict[str, Any]] = {}
+    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
+        running = {pool.submit(_make, out, seed, number): number for number in range(1, cases + 1)}
+        try:
+            for each in as_completed(running):
+                done[running[each]] = each.result()
+                tell(len(done) / cases, f"{len(done)} of {cases} cases")
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [done[number] for number in sorted(done)]
 
 
 def _make(out: Path, seed: int, number: int) -> dict[str, Any]:

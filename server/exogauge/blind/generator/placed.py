@@ -88,15 +88,16 @@ def motor_torque(run: AxisRun, effects: Sequence[Placed], joint: int) -> Array:
 
 
 def _placed(rng: np.random.Generator, kind: type[HiddenEffect], ratio: float, bench: Bench) -> Placed:
-    """A believable size may fall short of the ratio; enough is half of it that can still be seen, else the largest."""
+    """A believable size may fall short of the ratio: half of it is enough if it is visible where it should be."""
     tried: list[Placed] = []
+    enough = 0.95 * min(ratio, max(0.5 * ratio, VISIBLE if ratio >= VISIBLE else FAINT))
     everywhere = kind.name == "torque_delay" and rng.uniform() < _ALL_JOINTS
     for joint in rng.permutation(len(bench.runs)):
         effect = kind.draw(rng, bench.runs[joint])
         tried.append(
             _sized_everywhere(effect, ratio, bench) if everywhere else _sized(effect, int(joint), ratio, bench)
         )
-        if tried[-1].ratio >= max(0.5 * ratio, min(FAINT, 0.95 * ratio)) or everywhere:
+        if tried[-1].ratio >= enough or everywhere:
             break
     return max(tried, key=lambda each: each.ratio)
 
