@@ -5,17 +5,21 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from exogauge.devices.result import StiffnessResult
+from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.effects.catalogue import shaped_effects
 from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
 from exogauge.robots.export import export_urdf
+from exogauge.studies.before_after import before_after
 from exogauge.studies.contract import STEPS
 from exogauge.studies.examine_logs import examine_logs
 from exogauge.studies.open import Study, open_study, read_recordings, read_worn
@@ -69,13 +73,21 @@ def _evaluate(
             _require_same_motions(study, worn, plain)
         progress(0.10, "examining the logs")
         findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
-        found = identify(study.robot, recordings, study.settings, _part(progress, 0.15, 0.65 if worn else 0.87))
+        spans = _spans(bool(worn), "discrepancy" in doing)
+        found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+        discrepancy = None
+        if "discrepancy" in doing:
+            missing = find_missing_effects(
+                first, recordings, tuple(shaped_effects().values()), study.settings, spans["discrepancy"](progress)
+            )
+            discrepancy, found = missing.discrepancy, missing.identification
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
-            assert found.model is not None
-            support, stiffness = estimate_support(
-                found.model, plain, worn, study.support_settings, _part(progress, 0.65, 0.87)
-            )
+            span = spans["support"](progress)
+            support, stiffness = estimate_support(found.model, plain, worn, study.support_settings, span)
+            if discrepancy is not None and found is not first:
+                earlier = estimate_support(first.model, plain, worn, study.support_settings, span)
+                discrepancy = replace(discrepancy, before_after=before_after(earlier, (support, stiffness)))
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,
@@ -89,6 +101,7 @@ def _evaluate(
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),
+            discrepancy=discrepancy,
         )
         write(study, evaluation, out)
     progress(1.0, "done")
@@ -108,7 +121,19 @@ def _plain(study: Study, recordings: Sequence[Recording]) -> list[PlainLog]:
     return [PlainLog(each.log, motions[each.log.name].motion, each.held_out) for each in recordings]
 
 
-def _part(progress: Progress, start: float, stop: float) -> Progress:
+def _spans(worn: bool, discrepancy: bool) -> dict[str, Callable[[Progress], Progress]]:
+    """Step -> how its own progress 0…1 maps into the whole's, by what each step takes of the time."""
+    weights = {"identify": 2.0, "discrepancy": 4.0 if discrepancy else 0.0, "support": 2.0 if worn else 0.0}
+    total, start = sum(weights.values()), 0.15
+    spans: dict[str, Callable[[Progress], Progress]] = {}
+    for step, weight in weights.items():
+        stop = start + 0.72 * weight / total
+        spans[step] = partial(_part, start, stop)
+        start = stop
+    return spans
+
+
+def _part(start: float, stop: float, progress: Progress) -> Progress:
     return lambda fraction, phrase: progress(start + (stop - start) * fraction, phrase)
 
 

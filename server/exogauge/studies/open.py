@@ -24,7 +24,7 @@ from exogauge.studies.worn_devices import read_devices
 from exogauge.studies.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
 from exogauge.support.settings import SupportSettings, WornLog
 
-NOT_IN_THIS_VERSION = "not part of this version"
+NOTHING_HELD_OUT = "no log was held out (role validation or without_device), so nothing could be claimed"
 MOTION_LIMITS = {"motion_doubtful": "doubtful", "motion_different": "different"}  # key in settings -> of the support's
 
 
@@ -205,7 +205,9 @@ def _steps(file: StudyFile, log_devices: Sequence[str | None], name: str, data: 
     if "stiffness" in asked:
         asked.add("support")
     no_support = None if any(log_devices) else "no log with role with_device"
-    why = {"support": no_support, "stiffness": no_support, "discrepancy": NOT_IN_THIS_VERSION}
+    held_out = any(entry.role in ("validation", "without_device") for entry in file.logs)
+    no_claim = None if held_out else NOTHING_HELD_OUT
+    why = {"support": no_support, "stiffness": no_support, "discrepancy": no_claim}
     return tuple(Step(step, why.get(step)) for step in STEPS if step in asked)
 
 

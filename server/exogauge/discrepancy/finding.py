@@ -1,0 +1,98 @@
+"""A candidate that may be claimed, as a finding: its numbers, its evidence in words, what it beat."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exogauge.discrepancy.axis_rows import collect_rows
+from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.doubt import parameters
+from exogauge.discrepancy.evidence import evidence, strongest
+from exogauge.discrepancy.ground import Ground
+from exogauge.discrepancy.judge import Judgement, apart
+from exogauge.discrepancy.locate import pooled
+from exogauge.discrepancy.result import Alternative, Finding, HeldOut, Place
+from exogauge.effects.shaped import ShapedEffect
+from exogauge.identification.model import RobotModel
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording
+
+TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
+
+
+def place_of(model: RobotModel, candidate: Candidate) -> Place:
+    return Place("joint", model.robot.joints[candidate.axis].name)
+
+
+def rejection(model: RobotModel, judged: Judgement) -> Alternative:
+    candidate = judged.score.candidate
+    return Alternative(candidate.effect.name, place_of(model, candidate), max(judged.explained, 0.0), judged.objection)
+
+
+def name_effect(
+    rank: int,
+    ground: Ground,
+    winner: Judgement,
+    judged: Sequence[Judgement],
+    before: Identification,
+    after: Identification,
+    recordings: Sequence[Recording],
+) -> Finding:
+    model, candidate = ground.model, winner.score.candidate
+    effect, place = candidate.effect, place_of(ground.model, winner.score.candidate)
+    rows = collect_rows(model, recordings, [candidate.axis])[candidate.axis]
+    held_out = _held_out(place.name, before, after)
+    score = _share(held_out)
+    rivals = [each for each in judged if each is not winner and each.score.candidate.axis == candidate.axis]
+    alike = [each for each in rivals if not each.objection and abs(apart(winner, each)) < TELL_APART]
+    shown = evidence(model, winner.score, rows)
+    others = [_alternative(model, each, alike) for each in rivals]
+    return Finding(
+        rank=rank,
+        effect=effect.name,
+        place=place,
+        parameters=parameters(model, winner.score, rows),
+        held_out=held_out,
+        score=score,
+        sentence=_sentence(place.name, effect, strongest(shown), held_out, score, others),
+        alternatives=tuple(others),
+        also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
+        motion=effect.needs if alike else "",
+        evidence=shown,
+    )
+
+
+def _alternative(model: RobotModel, judged: Judgement, alike: Sequence[Judgement]) -> Alternative:
+    reason = judged.objection or (
+        "these data cannot tell it from what was named" if judged in alike else "explains less"
+    )
+    return replace(rejection(model, judged), reason=reason)
+
+
+def _held_out(joint: str, before: Identification, after: Identification) -> HeldOut:
+    channel = f"tau.{joint}"
+    fits = [[fit for fit in each.validation if fit.held_out and fit.channel == channel] for each in (before, after)]
+    (rmse_before, floor), (rmse_after, _) = (pooled(each) for each in fits)
+    return HeldOut(channel, "N·m", rmse_before, rmse_after, floor)
+
+
+def _share(held_out: HeldOut) -> float:
+    """Of the excess over the noise floor that goes."""
+    excess = held_out.rmse_before**2 - held_out.noise_floor**2
+    gone = held_out.rmse_before**2 - held_out.rmse_after**2
+    return float(np.clip(gone / excess, 0.0, 1.0)) if excess > 0.0 else 0.0
+
+
+def _sentence(
+    joint: str, effect: ShapedEffect, where: str, held_out: HeldOut, score: float, others: Sequence[Alternative]
+) -> str:
+    best = max(others, key=lambda each: each.score, default=None)
+    next_best = f" The next best, {best.effect}, explains {100 * best.score:.0f} %." if best else ""
+    return (
+        f"{joint}: {effect.sentence} Without it the model lacks up to {where}. Added, the held-out error falls from "
+        f"{held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE (noise floor "
+        f"{held_out.noise_floor:.2g}), {100 * score:.0f} % of the excess.{next_best}"
+    )
