@@ -233,6 +233,15 @@ def test_torque_five_percent_too_small_makes_stiffness_five_percent_too_small_an
     np.testing.assert_allclose(less[3:], theta[3:], rtol=1e-6)
 
 
+def test_no_band_pushes():
+    """Torque of the wrong sign is left unexplained rather than given to a negative stiffness."""
+    plan, motion = layout(SIDES), moved().only(2)
+    samples = pulled(motion, 250.0, shares(motion, 0.1, 0.3))
+    fit = fit_bands(plan, Reduced(replace(samples, torque=-samples.torque)))
+    assert fit.theta[0] >= 0.0
+    assert fit.cost == pytest.approx(np.sum(samples.weight * samples.torque**2), rel=1e-6)
+
+
 def test_26_as_printed_leaves_each_band_the_torque_of_all_of_them():
     """The sum over bands of norms asks every single band for the whole torque; its minimum is elsewhere."""
     motion = moved().only(2)

@@ -99,8 +99,9 @@ def test_a_run_is_found_in_a_longer_one_that_holds_larger_motions_too():
 
 def test_motions_that_two_logs_do_not_share_are_different():
     """The bend comes so early in one and so late in the other that too little would be left to compare."""
-    found = matched(run(bend(13.0), seconds=15.0), run(bend(2.0), seconds=15.0))
-    assert found.worst == "different"
+    found = matched(run(bend(13.4), seconds=15.0), run(bend(1.6), seconds=15.0))
+    assert [each.verdict for each in found.equality] == ["different"] * 2
+    assert all(each.dq_share > 0.9 for each in found.equality)
 
 
 def test_another_motion_is_different_and_a_slightly_other_one_doubtful():
