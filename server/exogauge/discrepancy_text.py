@@ -9,10 +9,12 @@ from typing import Any
 from exogauge.studies.discrepancy_sentences import (
     at,
     channel,
+    counted,
     figure,
     has_held_out,
     left_sentence,
     looked_at,
+    moves,
     verdict_sentence,
 )
 from exogauge.studies.effect_words import capital, listed
@@ -20,6 +22,7 @@ from exogauge.studies.rounding import with_std
 from exogauge.terminal import text_table
 
 WIDTH = 100
+LEAST = 0.005  # share of the excess: below, it explains none of it
 SHOWN = 3  # alternatives, and channels that stay unexplained
 
 
@@ -49,17 +52,19 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
 
 def chain(links: Sequence[Mapping[str, Any]]) -> str:
     """RMSE of each model, and the channel furthest above its floor."""
-    rows = [
-        [
-            *(each["step"], figure(each["rmse"]), figure(each["noise_floor"])),
-            *(channel(each["worst"]), figure(each["worst_rmse"]), figure(each["worst_floor"])),
-        ]
-        for each in links
-    ]
+    rows = [[each["step"], figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links]
     columns = ("model", "RMSE N·m", "noise floor", "furthest above its floor", "RMSE", "floor")
     return (
         f"The joint torques in question, in steady motion on held-out logs:\n\n{text_table(columns, rows, widest=60)}"
     )
+
+
+def furthest(link: Mapping[str, Any]) -> list[str]:
+    """Channel, RMSE and floor; blank where all are at their floors or below."""
+    rmse, floor = link["worst_rmse"], link["worst_floor"]
+    if rmse is None or floor is None or rmse <= floor:
+        return ["none", "", ""]
+    return [channel(link["worst"]), figure(rmse), figure(floor)]
 
 
 def finding(found: Mapping[str, Any]) -> Iterator[str]:
@@ -67,16 +72,22 @@ def finding(found: Mapping[str, Any]) -> Iterator[str]:
     yield filled(found["evidence"], "   ", "   ")
     values = (f"{name} {quantity(value)}" for name, value in found["parameters"].items())
     yield filled(", ".join(values), "   ", "   ")
-    beaten = sorted(found["alternatives"], key=lambda each: -(each["score"] or 0.0))[:SHOWN]
-    if beaten:
-        named = ", ".join(f"{at(each)}{percent(each['score'])}" for each in beaten)
-        yield filled(f"Explains{percent(found['score']) or ' part'} of the excess. Next best: {named}.", "   ", "   ")
+    yield filled(f"Explains{percent(found['score']) or ' part'} of the excess. {next_best(found)}", "   ", "   ")
     if found["also_possible"]:
         named = listed([at(each) for each in found["also_possible"]])
         yield filled(f"These data cannot tell it from {named}.", "   ", "   ")
     if found["motion"]:
         told = "The motion that would tell" if found["also_possible"] else "To be surer"
         yield filled(f"{told}: {found['motion']}", "   ", "   ")
+
+
+def next_best(found: Mapping[str, Any]) -> str:
+    some = [each for each in found["alternatives"] if each["score"] and each["score"] >= LEAST]
+    ordered = sorted(some, key=lambda each: -each["score"])[:SHOWN]
+    if not ordered:
+        return "Nothing else that was judged explains any."
+    named = ", ".join(at(each) + percent(each["score"]) for each in ordered)
+    return f"Next best: {named}."
 
 
 def quantity(found: Mapping[str, Any]) -> str:
@@ -104,8 +115,14 @@ def unexplained(found: Sequence[Mapping[str, Any]]) -> str:
 
 
 def changes(found: Mapping[str, Mapping[str, Any]]) -> str:
-    rows = [[name, quantity(pair["before"]), quantity(pair["after"])] for name, pair in found.items()]
-    return text_table(("with the device", "without the effect", "with it"), rows, widest=60)
+    """Those that change, and how many do not."""
+    changed = {name: pair for name, pair in found.items() if moves(pair["before"], pair["after"])}
+    rows = [[name, quantity(pair["before"]), quantity(pair["after"])] for name, pair in changed.items()]
+    others = len(found) - len(changed)
+    if not rows:
+        return f"{counted(others, 'number')} on the device, none of which it changes."
+    more = f"\n… and {others} that hardly change" if others else ""
+    return text_table(("with the device", "without the effect", "with it"), rows, widest=60) + more
 
 
 def filled(text: str, first: str = "", other: str | None = None) -> str:

@@ -17,7 +17,7 @@ FLOOR = "noise floor"
 UNIT = "N·m"
 ROW = 0.5  # [inch] height of a bar with its label
 BAR = 0.36  # of a row
-CUT = 2.5  # a first bar longer than this times the next is cut, or nothing could be told of the others
+CUT = 4.0  # a first bar longer than this times the next is cut, or nothing could be told of the others
 BREAK = (0.90, 0.915)  # where a cut bar has its gap
 ROOM = 1.25  # of the longest bar: for the number behind it
 FAINT = 0.22  # opacity of the spread
@@ -83,6 +83,8 @@ def _words(axis: Any, row: int, step: str, note: str) -> None:
 def _worst(link: Link) -> str:
     if not link.worst:
         return ""
+    if link.worst_rmse <= link.worst_floor:
+        return "every joint at its floor or below"
     name = link.worst.removeprefix("tau.")
     return f"furthest above its floor: {name}, {significant(link.worst_rmse)} over {significant(link.worst_floor)}"
 

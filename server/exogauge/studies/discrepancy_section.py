@@ -13,14 +13,17 @@ from markupsafe import Markup
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding
 from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
-from exogauge.studies.discrepancy_sentences import has_held_out, left_sentence, looked_at, verdict_sentence
+from exogauge.studies.discrepancy_sentences import has_held_out, left_sentence, looked_at, moves, verdict_sentence
 from exogauge.studies.effect_words import at_place, capital
 from exogauge.studies.rounding import significant, with_std
+from exogauge.studies.support_results import number
 from exogauge.studies.support_section import plus_minus
 
 COORDINATES = {"position": "angle", "drive": "torque of the motor", "load": "load on the joint"}
+_MINUS = re.compile(r"(?<![^\s(±])-(?=\d)")
 _UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
 MOST_LETTERS = 3  # of a symbol: longer ones are words
+GREEK = {"beta": "β", "delta": "δ", "mu": "μ", "theta": "θ"}
 
 
 @final
@@ -115,6 +118,7 @@ class DiscrepancyView:
     unexplained: tuple[ExcessRow, ...]
     rejected: tuple[CandidateRow, ...]
     changes: tuple[ChangeRow, ...]
+    unchanged: tuple[ChangeRow, ...]
     lineage: tuple[tuple[str, str, str], ...]
     notes: tuple[str, ...]
     drawn: int
@@ -127,6 +131,7 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
     entry = content["discrepancy"]
     findings = tuple(_finding(each, f"d{each.rank}") for each in found.findings)
     chain = _chain(found) if found.chain else None
+    pairs = found.before_after.items()
     return DiscrepancyView(
         verdict=found.verdict,
         sentence=verdict_sentence(entry, has_held_out(content)),
@@ -137,8 +142,9 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
         rejected=_rejected(found.rejected),
-        changes=tuple(_change(quantity, *pair) for quantity, pair in found.before_after.items()),
-        lineage=tuple((each.version, each.parent or "", each.added) for each in found.lineage),
+        changes=tuple(_change(quantity, *pair) for quantity, pair in pairs if moves(*map(number, pair))),
+        unchanged=tuple(_change(quantity, *pair) for quantity, pair in pairs if not moves(*map(number, pair))),
+        lineage=tuple((each.version, each.parent or "–", each.added or "–") for each in found.lineage),
         notes=tuple(dict.fromkeys(found.notes)),
         drawn=len(findings) + (chain is not None),
     )
@@ -196,10 +202,12 @@ def _largest(values: Iterable[float]) -> str:
 
 
 def _parameter(name: str, found: Estimate) -> ParameterRow:
-    symbol = len(name.partition("_")[0]) <= MOST_LETTERS
+    head, under, index = name.partition("_")
+    head = GREEK.get(head, head)
+    symbol = len(head) <= MOST_LETTERS
     value, std = with_std(found.value, found.std)
     unit = "" if found.unit == "1" else found.unit
-    return ParameterRow(name if symbol else name.replace("_", " "), symbol, value, std, unit)
+    return ParameterRow(head + under + index if symbol else name.replace("_", " "), symbol, value, std, unit)
 
 
 def _candidate(other: Alternative) -> CandidateRow:
@@ -214,8 +222,8 @@ def _rejected(found: Sequence[Alternative]) -> tuple[CandidateRow, ...]:
 
 
 def typeset(text: str) -> str:
-    """A true arrow, and no line break between a number and its unit."""
-    return _UNIT.sub("\u00a0", text.replace("->", "→"))
+    """True arrows and minus signs, and no line break between a number and its unit."""
+    return _UNIT.sub("\u00a0", _MINUS.sub("−", text.replace("->", "→")))
 
 
 def _share(score: float) -> tuple[str, float]:
@@ -248,6 +256,6 @@ def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
 def _change(quantity: str, before: Estimate, after: Estimate) -> ChangeRow:
     change = ""
     if math.isfinite(before.value) and math.isfinite(after.value) and before.value != 0.0:
-        percent = 100 * (abs(after.value) / abs(before.value) - 1.0)
-        change = f"{'+' if percent > 0 else '−' if percent < 0 else ''}{abs(percent):.0f} %"
+        percent = round(100 * (abs(after.value) / abs(before.value) - 1.0))
+        change = f"{'+' if percent > 0 else '−' if percent < 0 else ''}{abs(percent)} %"
     return ChangeRow(quantity, plus_minus(before), plus_minus(after), after.unit, change)

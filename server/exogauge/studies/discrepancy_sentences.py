@@ -9,6 +9,7 @@ from typing import Any
 from exogauge.studies.effect_words import at_place, listed, place_words
 from exogauge.studies.rounding import significant
 
+CHANGED = 0.1  # share of a quantity's doubt, below which it counts as unchanged
 NAMED = 3  # effects that the sentence names; it counts the others
 
 
@@ -97,9 +98,20 @@ def looked_at(result: Mapping[str, Any]) -> str:
     logs = dict.fromkeys(each["log"] for each in fits)
     return (
         f"Looked at: {counted(len(torques), 'joint torque')} in steady motion on {counted(len(logs), 'held-out log')}; "
-        f"{counted(result['discrepancy']['candidates'], 'candidate')}, each one effect at one place, fitted together "
-        "with the whole model."
+        f"{counted(result['discrepancy']['candidates'], 'candidate')}, each an effect at one place in one shape, "
+        "fitted together with the whole model."
     )
+
+
+def moves(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
+    """Whether a quantity changes by more than a tenth of its doubt (of itself where that is not known), or its doubt
+    by more than a tenth."""
+    numbers = [each[key] for each in (before, after) for key in ("value", "std")]
+    if not all(number is not None and math.isfinite(number) for number in numbers):
+        return True
+    value, std, later, later_std = numbers
+    doubt = max(std, later_std)
+    return bool(abs(later - value) > CHANGED * (doubt or abs(value)) or abs(later_std - std) > CHANGED * doubt)
 
 
 def none_of(candidates: int) -> str:
@@ -107,7 +119,7 @@ def none_of(candidates: int) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", "\u202f")
 
 
 def at(found: Mapping[str, Any]) -> str:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import pytest
 
+from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Discrepancy, Excess
 from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.discrepancy_sentences import left_sentence, verdict_sentence
+from exogauge.studies.discrepancy_sentences import left_sentence, moves, verdict_sentence
 from exogauge.studies.effect_words import EFFECTS, at_place, listed, place_words
 from exogauge.studies.results import finite
 
@@ -158,3 +160,45 @@ def test_the_terminal_opens_with_a_named_effect_only(one: Discrepancy, clean: Di
 def test_without_the_step_the_terminal_says_nothing_of_it() -> None:
     for without in ({}, {"discrepancy": None}):
         assert (lead_text(without), discrepancy_text(without)) == ("", "")
+
+
+def test_a_model_at_its_floor_has_no_worst_joint(one: Discrepancy) -> None:
+    at_floor = dataclasses.replace(one.chain[-1], worst_rmse=0.5)
+    text = discrepancy_text(result(dataclasses.replace(one, chain=(*one.chain[:-1], at_floor))))
+    assert re.search(r"\+ payload at r_arm +0\.670 +0\.620 +none$", text, re.M)
+
+
+def test_rivals_that_explain_nothing_are_not_the_next_best(one: Discrepancy) -> None:
+    rivals = tuple(dataclasses.replace(each, score=0.001) for each in one.findings[0].alternatives)
+    text = discrepancy_text(
+        result(dataclasses.replace(one, findings=(dataclasses.replace(one.findings[0], alternatives=rivals),)))
+    )
+    assert "Explains 92 % of the excess. Nothing else that was judged explains any." in one_line(text)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "changed"),
+    [
+        ((200.0, 2.0), (200.1, 2.0), False),
+        ((200.0, 2.0), (201.0, 2.0), True),
+        ((200.0, 2.0), (200.0, 0.6), True),
+        ((0.40, 0.0), (0.12, 0.0), True),
+        ((0.40, 0.0), (0.41, 0.0), False),
+        ((float("nan"), 0.0), (0.1, 0.0), True),
+        ((90.0, float("inf")), (90.0, float("inf")), True),
+        ((0.0, 0.0), (0.0, 0.0), False),
+    ],
+)
+def test_a_quantity_is_unchanged_within_a_tenth_of_its_doubt(
+    before: tuple[float, float], after: tuple[float, float], changed: bool
+) -> None:
+    first, second = (dict(zip(("value", "std"), pair, strict=True)) for pair in (before, after))
+    assert moves(first, second) == changed
+
+
+def test_only_what_changes_on_the_device_is_tabled(one: Discrepancy) -> None:
+    same = Estimate(0.092, 0.0, "N·m")
+    found = {**one.before_after, "RMSE of B at l_hip_pitch": (same, same)}
+    text = discrepancy_text(result(dataclasses.replace(one, before_after=found)))
+    assert "l_hip_pitch" not in text
+    assert "… and 1 that hardly change" in text
