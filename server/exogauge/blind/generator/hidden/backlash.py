@@ -11,7 +11,7 @@ from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.hidden.effect import Array
 from exogauge.blind.generator.motion import RATE_HZ
 
-SUBSTEPS = 3
+SUBSTEPS = 5  # of one sample
 
 
 @final
@@ -38,7 +38,10 @@ class Backlash:
         return 0.02
 
     def torque(self, run: AxisRun, size: float) -> Array:
-        """What the link's own movement r beyond the motor asks: I r_ddot + K r, from I r_ddot = tooth - load - K r."""
+        """What the link's own movement r beyond the motor asks: I r_ddot + K r, from I r_ddot = tooth - load - K r.
+
+        A mean over each sample's time, as a current controller shows it: landings are shorter than a sample.
+        """
         step, logs, samples = 1.0 / (RATE_HZ * SUBSTEPS), *run.q.shape
         inertia = run.inertia
         k = (2 * np.pi * self.frequency) ** 2 * float(inertia.mean())
@@ -47,18 +50,17 @@ class Backlash:
         r = -np.sign(run.load[:, 0]) * half - run.load[:, 0] / k
         v = np.zeros(logs)
         rise = np.diff(run.load, axis=1, append=run.load[:, -1:]) / SUBSTEPS
-        out = np.empty((logs, samples))
+        out = np.zeros((logs, samples))
         for n in range(samples):
             I, K, load = inertia[:, n], run.stiffness[:, n], run.load[:, n]  # noqa: E741
             resting = I + step * friction + step**2 * K
-            for sub in range(SUBSTEPS):
+            for _ in range(SUBSTEPS):
                 over = r - np.minimum(np.maximum(r, -half), half)
                 touching = over != 0.0
                 damping = c * touching + friction
                 pull = k * (over + step * v * touching) + damping * v + load + K * (r + step * v)
                 acc = -pull / (resting + (step * c + step**2 * k) * touching)
-                if sub == 0:
-                    out[:, n] = I * acc + K * r
+                out[:, n] += (I * acc + K * r) / SUBSTEPS
                 v = v + step * acc
                 r = r + step * v
                 load = load + rise[:, n]

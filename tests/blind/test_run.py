@@ -1,0 +1,68 @@
+"""From cases to results by the product's own entry, in processes of their own."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from exogauge.blind.generator.make import make
+from exogauge.blind.generator.plan import plan_case
+from exogauge.blind.run import RESULTS, run
+from exogauge.errors import BadInput
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Settings
+from exogauge.studies.open import open_study, read_recordings
+
+CLEAN_SEED = next(seed for seed in range(100) if not plan_case(seed, 1).kinds and not plan_case(seed, 1).clutter)
+
+
+def silent(share: float, what: str) -> None:
+    pass
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One case in which nothing is hidden."""
+    out = tmp_path_factory.mktemp("blind") / "clean"
+    make(out, CLEAN_SEED, 1)
+    return out
+
+
+@pytest.mark.slow
+def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(clean: Path) -> None:
+    """In steady motion, on logs that were not fitted. So what is above the noise elsewhere is what was hidden there."""
+    with open_study(clean / "case_0001") as study:
+        found = identify(study.robot, read_recordings(study), Settings(), silent)
+    held_out = [fit for fit in found.validation if fit.held_out]
+    assert len(held_out) == 12
+    for fit in held_out:
+        assert fit.rmse_moving is not None
+        assert fit.rmse_moving < 1.1 * fit.noise_floor, fit
+
+
+@pytest.mark.slow
+def test_a_case_that_fails_does_not_stop_the_others_and_is_tried_again(clean: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(clean, out)
+    shutil.copytree(out / "case_0001", out / "case_0002")
+    (out / "case_0002" / "logs" / "id_1.parquet").write_bytes(b"no log")
+    assert run(out, silent, 2) == ["case_0002"]
+    good, bad = (json.loads((out / RESULTS / f"case_000{n}.json").read_bytes()) for n in (1, 2))
+    assert good["error"] is None
+    assert good["seconds"] > 0.0
+    assert good["discrepancy"] is not None or good["why"]
+    assert "id_1" in bad["error"]
+
+    before = (out / RESULTS / "case_0001.json").stat().st_mtime_ns
+    shutil.copy(clean / "case_0001" / "logs" / "id_1.parquet", out / "case_0002" / "logs" / "id_1.parquet")
+    assert run(out, silent, 2) == []
+    assert (out / RESULTS / "case_0001.json").stat().st_mtime_ns == before, "what is known is not computed again"
+    assert not list((out / RESULTS).glob("*.started"))
+
+
+def test_a_folder_without_cases_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="no cases"):
+        run(tmp_path, silent, 1)
