@@ -58,7 +58,7 @@ def test_a_case_that_fails_does_not_stop_the_others_and_is_tried_again(clean: Pa
 
     before = (out / RESULTS / "case_0001.json").stat().st_mtime_ns
     shutil.copy(clean / "case_0001" / "logs" / "id_1.parquet", out / "case_0002" / "logs" / "id_1.parquet")
-    assert run(out, silent, 2) == []
+    assert run(out, silent, 2, keep=True) == []
     assert (out / RESULTS / "case_0001.json").stat().st_mtime_ns == before, "what is known is not computed again"
     assert not list((out / RESULTS).glob("*.started"))
 
