@@ -1,11 +1,8 @@
 """Effects are found by looking; what is not there is named."""
 
-import sys
-
 import pytest
 
-import exogauge.effects as package
-from exogauge.effects.catalogue import all_effects, choose
+from exogauge.effects.catalogue import all_effects, choose, shaped_effects
 from exogauge.errors import BadInput
 
 CREAK = '''
@@ -25,31 +22,20 @@ EFFECT = Creak()
 '''
 
 
-@pytest.fixture
-def folder_of_effects(tmp_path, monkeypatch):
-    """A folder that counts as part of the package while a test runs."""
-    monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    all_effects.cache_clear()
-    yield tmp_path
-    all_effects.cache_clear()
-    for path in tmp_path.glob("*.py"):
-        sys.modules.pop(f"{package.__name__}.{path.stem}", None)
-        vars(package).pop(path.stem, None)
-
-
 def test_adding_one_file_is_all_it_takes(folder_of_effects):
     assert "creak" not in all_effects()
-    (folder_of_effects / "creak.py").write_text(CREAK, encoding="utf-8")
-    all_effects.cache_clear()
+    (folder_of_effects.path / "creak.py").write_text(CREAK, encoding="utf-8")
+    folder_of_effects.look_again()
     assert all_effects()["creak"].coefficient.name == "tau_x"
+    assert "creak" not in shaped_effects()
     assert [effect.name for effect in choose(["viscous", "creak"])] == ["viscous", "creak"]
 
 
 def test_a_file_without_an_effect_is_no_effect(folder_of_effects):
-    before = set(all_effects())
-    (folder_of_effects / "notes.py").write_text('"""Nothing here."""\n', encoding="utf-8")
-    all_effects.cache_clear()
-    assert set(all_effects()) == before
+    before = set(all_effects()) | set(shaped_effects())
+    (folder_of_effects.path / "notes.py").write_text('"""Nothing here."""\n', encoding="utf-8")
+    folder_of_effects.look_again()
+    assert set(all_effects()) | set(shaped_effects()) == before
 
 
 def test_effects_come_in_the_order_asked_for():
@@ -70,3 +56,9 @@ def test_an_unknown_effect_is_named_and_the_known_ones_offered():
 def test_nobody_can_change_the_catalogue_in_passing():
     with pytest.raises(TypeError):
         all_effects()["magic"] = object()
+
+
+def test_what_a_model_is_fitted_with_and_what_it_may_miss_are_told_apart():
+    assert not set(all_effects()) & set(shaped_effects())
+    with pytest.raises(BadInput):
+        choose(["torque_ripple"])

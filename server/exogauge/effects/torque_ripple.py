@@ -25,7 +25,7 @@ class TorqueRipple:
     sentence = "The torque comes and goes with the position, as gear teeth and magnets pass by."
     coefficients = (Quantity("ripple_sin", "N·m"), Quantity("ripple_cos", "N·m"))
     shapes = (
-        Shape("cycles", "cycles per range", 1.5, 40.0, tuple(2.0 + STEP * k for k in range(34))),
+        Shape("cycles", "cycles per range", 1.5, 40.0, tuple(2.0 + STEP * k for k in range(33))),
     )  # fmt: skip
     confounds = ("motor_offset",)
     needs = "Slow steady motion over a wide range of positions, in both directions."

@@ -1,0 +1,142 @@
+"""What single effects do, against loops, closed forms and their own claims about when they cannot be told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.effects.backlash import flight
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.presliding import relaxed
+from exogauge.effects.shaped import AxisSignals
+
+EFFECTS = shaped_effects()
+
+
+def axis(t, q, load, drive=None, temperature=None):
+    v = np.gradient(q, t)
+    return AxisSignals(
+        t, q, v, np.gradient(v, t), np.sign(v), load if drive is None else drive, load, temperature,
+        float(np.sqrt(np.mean(v**2))), float(np.sqrt(np.mean(load**2))), float(np.ptp(q)),
+    )  # fmt: skip
+
+
+def test_presliding_is_dahls_friction_stepped_sample_by_sample():
+    rng = np.random.default_rng(3)
+    kept, gained = rng.uniform(0.2, 1.0, 777), rng.normal(size=777)
+    x, slow = 0.0, []
+    for a, b in zip(kept, gained, strict=True):
+        x = a * x + b
+        slow.append(x)
+    np.testing.assert_allclose(relaxed(kept, gained), slow, rtol=1e-10, atol=1e-12)
+
+
+def test_presliding_friction_builds_up_exponentially_with_the_way_and_turns_over_twice_that():
+    t = np.linspace(0.0, 2.0, 2001)
+    q = np.where(t < 1.0, t, 2.0 - t)  # one radian there and back, range 1 rad
+    F = EFFECTS["presliding"].columns(axis(t, q, np.sin(q)), (0.05,))[:, 0]
+    np.testing.assert_allclose(F[:1001], -(1.0 - np.exp(-q[:1001] / 0.05)), atol=1e-9)
+    back = 1.0 - q[1000:]
+    np.testing.assert_allclose(F[1000:], 1.0 - 2.0 * np.exp(-back / 0.05), atol=1e-6)
+
+
+def test_presliding_does_not_depend_on_how_fast_the_way_is_covered():
+    slow, fast = np.linspace(0.0, 20.0, 2001), np.linspace(0.0, 2.0, 2001)
+    q = np.sin(np.linspace(0.0, 9.0, 2001))
+    columns = [EFFECTS["presliding"].columns(axis(t, q, q), (0.1,)) for t in (slow, fast)]
+    np.testing.assert_allclose(columns[0], columns[1], atol=1e-12)
+
+
+def test_a_flight_through_the_gap_takes_the_time_of_a_free_fall():
+    """Pull -a from side +1: two units of way in sqrt(4 / a) seconds, then rest at -1."""
+    t, a = np.arange(0.0, 2.0, 1e-3), 40.0
+    s, _ = flight(np.where(t < 0.5, 1.0, -a), t)
+    fall = np.sqrt(4.0 / a)
+    inside = (t >= 0.5) & (t < 0.5 + fall - 0.002)
+    np.testing.assert_allclose(s[inside], 1.0 - 0.5 * a * (t[inside] - 0.5) ** 2, atol=0.02)
+    np.testing.assert_array_equal(s[t < 0.499], 1.0)
+    np.testing.assert_array_equal(s[t > 0.5 + fall + 0.002], -1.0)
+
+
+def test_a_flight_ends_at_rest_and_the_stop_takes_all_the_speed_away():
+    t = np.arange(0.0, 20.0, 1e-3)
+    pull = 60.0 * np.sin(2.0 * np.pi * 0.7 * t) + 5.0 * np.cos(9.0 * t)
+    s, s_ddot = flight(pull, t)
+    speed = np.cumsum(s_ddot) * 1e-3
+    assert np.abs(s).max() <= 1.0
+    assert np.abs(speed[np.abs(s) == 1.0]).max() < 0.1  # landing between samples leaves less than a sample's pull
+    assert np.count_nonzero(np.diff(np.sign(s))) == np.count_nonzero(np.diff(np.sign(pull)))
+
+
+def test_a_pull_that_comes_back_in_time_keeps_the_flank():
+    t = np.arange(0.0, 3.0, 1e-3)
+    s, _ = flight(np.where((t > 1.0) & (t < 1.05), -50.0, 50.0), t)
+    assert s.min() > 0.5
+    assert s[-1] == 1.0
+
+
+def test_a_drive_that_comes_late_by_some_milliseconds_is_its_own_rate_of_change():
+    t = np.arange(0.0, 10.0, 0.005)
+    u = 5.0 * np.sin(2.0 * np.pi * 0.8 * t) + 2.0 * np.sin(2.0 * np.pi * 1.7 * t + 1.0)
+    late = 5.0 * np.sin(2.0 * np.pi * 0.8 * (t - 0.006)) + 2.0 * np.sin(2.0 * np.pi * 1.7 * (t - 0.006) + 1.0)
+    column = EFFECTS["torque_delay"].columns(axis(t, np.sin(t), u), ())[:, 0]
+    assert (column @ (late - u)) / (column @ column) == pytest.approx(0.006, rel=0.01)
+
+
+def test_friction_falls_with_the_logged_temperature_and_without_one_with_time():
+    t = np.arange(0.0, 100.0, 0.05)
+    warm = axis(t, np.sin(t), np.sin(t), temperature=np.full(len(t), 48.1))
+    cold = replace(warm, temperature=np.full(len(t), 25.0))
+    thermal = EFFECTS["thermal_viscous"]
+    np.testing.assert_allclose(thermal.columns(cold, (50.0,))[:, 0], -cold.velocity)
+    np.testing.assert_allclose(thermal.columns(warm, (50.0,)), 0.5 * thermal.columns(cold, (50.0,)), rtol=1e-3)
+    unknown = replace(warm, temperature=None)
+    np.testing.assert_allclose(thermal.columns(unknown, (50.0,))[:, 0], -unknown.velocity * np.exp(-t / 50.0))
+
+
+def test_grease_follows_a_thermometer_that_jumps_with_its_time_constant():
+    t = np.arange(0.0, 100.0, 0.01)
+    jump = axis(t, t, np.sin(t), temperature=np.where(t < 20.0, 25.0, 35.0))
+    share = EFFECTS["thermal_viscous"].columns(jump, (30.0,))[:, 0] / -jump.velocity
+    grease = 25.0 - np.log(share) / 0.03
+    expected = np.where(t < 20.0, 25.0, 35.0 - 10.0 * np.exp(-(t - 20.0) / 30.0))
+    np.testing.assert_allclose(grease, expected, atol=0.01)
+
+
+def test_drift_has_no_mean_in_any_log():
+    t = np.arange(0.0, 33.0, 0.01)
+    columns = EFFECTS["torque_offset_drift"].columns(axis(t, np.sin(t), np.sin(t)), (7.0,))
+    np.testing.assert_allclose(columns.mean(axis=0), 0.0, atol=1e-12)
+
+
+def test_ripple_on_half_a_turn_of_motion_has_twice_as_many_cycles_in_a_revolution():
+    t = np.arange(0.0, 20.0, 0.005)
+    q = 0.5 * np.pi * np.sin(t)
+    ripple = np.sin(24.0 * q + 0.4)
+    columns = EFFECTS["torque_ripple"].columns(axis(t, q, np.sin(q)), (24.0 * float(np.ptp(q)) / (2.0 * np.pi),))
+    left = ripple - columns @ np.linalg.lstsq(columns, ripple, rcond=None)[0]
+    assert np.abs(left).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("effect", "load", "why"),
+    [
+        ("load_coulomb", lambda q, t: 5.0 + 0.0 * t, "one load is Coulomb friction"),
+        ("backlash", lambda q, t: 5.0 + np.sin(q), "the load never turns"),
+        ("elasticity", lambda q, t: np.sin(2.0 * np.pi * 0.1 * t), "slow against any resonance"),
+    ],
+)
+def test_it_is_not_looked_for_where_it_cannot_be_told(effect, load, why):
+    t = np.arange(0.0, 30.0, 0.005)
+    q = np.sin(2.0 * np.pi * 0.3 * t)
+    assert not EFFECTS[effect].applies(axis(t, q, load(q, t))), why
+    rich = 3.0 * np.sin(2.0 * np.pi * 1.5 * t)
+    assert EFFECTS[effect].applies(axis(t, q, rich))
+
+
+def test_warmth_is_not_looked_for_in_a_short_log_without_a_thermometer():
+    t = np.arange(0.0, 15.0, 0.01)
+    brief = axis(t, np.sin(t), np.sin(t))
+    assert not EFFECTS["thermal_viscous"].applies(brief)
+    assert EFFECTS["thermal_viscous"].applies(replace(brief, temperature=20.0 + t))
+    assert not EFFECTS["thermal_viscous"].applies(replace(brief, temperature=np.where(t < 1.0, np.nan, 20.0)))
