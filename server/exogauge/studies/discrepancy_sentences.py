@@ -23,7 +23,7 @@ def verdict_sentence(entry: Mapping[str, Any], held_out: bool = True) -> str:
         return "Whether the model lacks an effect cannot be told: no log was held out."
     return (
         "No effect is missing as far as these logs can show: "
-        f"{none_of(entry['candidates'])} explains more than noise does on held-out logs."
+        f"{none_of(entry['candidates'])} surely explains anything beyond noise."
     )
 
 

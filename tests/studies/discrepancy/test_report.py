@@ -61,7 +61,7 @@ def test_the_first_sentence_names_the_effect(report: str) -> None:
 
 def test_that_nothing_is_missing_is_said_after_the_rest(render: Render, clean: Discrepancy) -> None:
     text = words(section(render(clean)))
-    assert "none of 214 candidates explains more than noise does" in text
+    assert "none of 214 candidates surely explains anything beyond noise" in text
     assert "Looked at: 3 joint torques in steady motion on 1 held-out log; 214 candidates" in text
     assert "None of these torques is surely above its noise." in text
     assert "left unexplained" not in text

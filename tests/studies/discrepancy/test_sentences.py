@@ -72,8 +72,8 @@ def test_a_named_effect_that_does_not_help_is_not_said_to(one: Discrepancy) -> N
 
 def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy) -> None:
     assert verdict_sentence(entry(clean)) == (
-        "No effect is missing as far as these logs can show: none of 214 candidates explains more than noise does on "
-        "held-out logs."
+        "No effect is missing as far as these logs can show: none of 214 candidates surely explains anything "
+        "beyond noise."
     )
 
 
