@@ -47,6 +47,8 @@ def collect_rows(
     model: RobotModel, recordings: Sequence[Recording], axes: Sequence[int]
 ) -> Mapping[int, tuple[AxisRows, ...]]:
     """axis -> its rows in every log that has any."""
+    if not axes:
+        return {}
     equations, x = model.equations, model.unbounded.x
     kinds = equations.columns()
     found: dict[int, list[AxisRows]] = {axis: [] for axis in axes}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from exogauge.discrepancy.axis_rows import collect_rows
+from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.doubt import parameters
 from exogauge.discrepancy.evidence import evidence, strongest
@@ -18,7 +18,6 @@ from exogauge.discrepancy.result import Alternative, Finding, HeldOut, Place
 from exogauge.effects.shaped import ShapedEffect
 from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Identification
-from exogauge.identification.settings import Recording
 
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
 
@@ -39,11 +38,11 @@ def name_effect(
     judged: Sequence[Judgement],
     before: Identification,
     after: Identification,
-    recordings: Sequence[Recording],
+    rows_of: Mapping[int, Sequence[AxisRows]],
 ) -> Finding:
     model, candidate = ground.model, winner.score.candidate
     effect, place = candidate.effect, place_of(ground.model, winner.score.candidate)
-    rows = collect_rows(model, recordings, [candidate.axis])[candidate.axis]
+    rows = rows_of[candidate.axis]
     held_out = _held_out(place.name, before, after)
     score = _share(held_out)
     rivals = [each for each in judged if each is not winner and each.score.candidate.axis == candidate.axis]
@@ -90,7 +89,8 @@ def _sentence(
     joint: str, effect: ShapedEffect, where: str, held_out: HeldOut, score: float, others: Sequence[Alternative]
 ) -> str:
     best = max(others, key=lambda each: each.score, default=None)
-    next_best = f" The next best, {best.effect}, explains {100 * best.score:.0f} %." if best else ""
+    told = best is not None and best.score >= 0.005
+    next_best = f" The next best, {best.effect}, explains {100 * best.score:.0f} %." if best and told else ""
     return (
         f"{joint}: {effect.sentence} Without it the model lacks up to {where}. Added, the held-out error falls from "
         f"{held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE (noise floor "

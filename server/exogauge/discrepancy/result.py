@@ -93,7 +93,8 @@ class Finding:
 class Link:
     """One bar of the chain: what the model is, and its RMSE over all joints' channels relative to the noise floor.
 
-    rmse: pooled over joint torques in steady motion on held-out logs [N·m]; worst, worst_rmse, worst_floor: the channel
+    rmse: pooled over the joint torques in question (those with a finding, or above their floor; else all) in steady
+    motion on held-out logs [N·m]; worst, worst_rmse, worst_floor: the channel
     furthest above its floor.
     """
 

@@ -6,11 +6,11 @@ What is claimed is added, the robot identified again with it, and the search rep
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.discrepancy.axis_rows import collect_rows
+from exogauge.discrepancy.axis_rows import AxisRows, collect_rows
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.chain import lineage, link
 from exogauge.discrepancy.finding import name_effect, rejection
@@ -53,6 +53,7 @@ def find_missing_effects(
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing."""
     base, current = found.model, found
+    floors = {(fit.log, fit.channel): fit.noise_floor for fit in found.validation}
     findings: list[Finding] = []
     added: tuple[AddedEffect, ...] = ()
     models = [found]
@@ -62,18 +63,18 @@ def find_missing_effects(
     while True:
         share = min(len(findings) / 3.0, 0.9)
         ground = lay_ground(current.model, recordings, effects, _part(progress, share))
-        tried += sum(len(each) for each in ground.candidates.values())
+        tried = sum(len(each) for each in ground.candidates.values())
         before = before or located(base.robot, found, ground.residuals)
-        judged = _judged(ground, recordings)
-        rejected += [rejection(base, each) for each in judged if each.objection]
+        judged, rows = _judged(ground, recordings)
+        rejected = [rejection(base, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection]
         if not claimed or len(findings) == MOST_EFFECTS:
             break
         winner = max(claimed, key=lambda each: each.score.evidence)
         progress(share + 0.25, f"adding {winner.score.candidate.effect.name}")
         added = (*added, _as_added(winner.score.candidate))
-        again = identify(base.robot, recordings, settings, extension=Extension(base, added))
-        findings.append(name_effect(len(findings) + 1, ground, winner, judged, current, again, recordings))
+        again = identify(base.robot, recordings, settings, extension=Extension(base, added, floors))
+        findings.append(name_effect(len(findings) + 1, ground, winner, judged, current, again, rows))
         models.append(again)
         current = again
     unexplained = located(base.robot, current, ground.residuals)
@@ -102,20 +103,23 @@ def _part(progress: Progress, start: float) -> Progress:
     return lambda fraction, phrase: progress(start + 0.2 * fraction, phrase)
 
 
-def _judged(ground: Ground, recordings: Sequence[Recording]) -> list[Judgement]:
-    """The best shape of every effect and axis that is worth it, refined and judged; most evidence first."""
+def _judged(
+    ground: Ground, recordings: Sequence[Recording]
+) -> tuple[list[Judgement], Mapping[int, Sequence[AxisRows]]]:
+    """The best shape of every effect and axis that is worth it, refined and judged, most evidence first; and the rows
+    of their axes."""
     best: dict[tuple[str, int], Score] = {}
     for score in ground.scores:
         key = (score.candidate.effect.name, score.candidate.axis)
         if score.evidence > WORTH_JUDGING and key not in best and len(best) < JUDGED:
             best[key] = score
     axes = sorted({axis for _, axis in best})
-    rows = collect_rows(ground.model, recordings, axes) if axes else {}
+    rows = collect_rows(ground.model, recordings, axes)
     judged = []
     for (_, axis), score in best.items():
         finer = refined(ground.model, score, rows[axis], ground.memory[axis])
         judged.append(judge(ground.model, finer, rows[axis]))
-    return sorted(judged, key=lambda each: -each.score.evidence)
+    return sorted(judged, key=lambda each: -each.score.evidence), rows
 
 
 def _as_added(candidate: Candidate) -> AddedEffect:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -45,10 +45,14 @@ class AddedColumn:
 @final
 @dataclass(frozen=True)
 class Extension:
-    """parent: the model that the effects are added to; its loads and motor torques are what they see."""
+    """parent: the model that the effects are added to; its loads and motor torques are what they see.
+
+    noise_floors: (log, channel) -> what was found with the parent; sensors' noise does not change with the model.
+    """
 
     parent: RobotModel
     effects: tuple[AddedEffect, ...]
+    noise_floors: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[AddedColumn, ...]:
@@ -113,7 +117,10 @@ def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]
 
 
 def loads(model: RobotModel, prepared: Prepared) -> Array:
-    """(T, A) torque that body and outside forces ask of each axis, Y_j φ - F_j."""
+    """(T, A) torque that body and outside forces ask of each axis, Y_j φ - F_j; computed once for each log."""
+    known = model.load_of_log.get(prepared.log.name)
+    if known is not None and len(known) == prepared.log.samples:
+        return known
     equations, first = model.equations, model.equations.first_axis
     phi_base, contacts = equations.base.regroup @ model.identified.phi.ravel(), ContactPaths(model.robot)
     load = np.empty((prepared.log.samples, len(model.robot.joints)))
@@ -122,4 +129,5 @@ def loads(model: RobotModel, prepared: Prepared) -> Array:
         motion = prepared.motion.rows(which)
         external = contacts.effect(motion.q, prepared.wrenches[which])
         load[which] = (equations.blocks.predict(motion, phi_base) - external)[:, first:]
+    model.load_of_log[prepared.log.name] = load
     return load

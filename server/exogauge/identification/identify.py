@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -102,7 +102,10 @@ def identify(
         standard = fill_in(standard)
         warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
-    predictions, validation = _validate(equations, recordings, fitted, ready, at_rest, (identified, before), progress)
+    known_floors = extension.noise_floors if extension else {}
+    predictions, validation = _validate(
+        equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
+    )
     condition, rank = solution.solved.condition_and_rank()
     if solution.sticking.lower_bounds:
         warnings.append(
@@ -170,6 +173,7 @@ def _validate(
     prepared_anew: Callable[[Log], Prepared],
     at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
+    known_floors: Mapping[tuple[str, str], float],
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked."""
@@ -182,6 +186,7 @@ def _validate(
         prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
         predictions.append(prediction)
-        floors = noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction)
+        floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
+        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction))
         validation += fits(prediction, prepared, equations, floors)
     return tuple(predictions), tuple(validation)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, final
 
@@ -41,7 +41,8 @@ class RobotModel:
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
     sizes: of the fitted motions.
-    extension: effects that were added to a parent model, None for a first one.
+    extension: effects that were added to a parent model, None for a first one. load_of_log: what `added.loads` has
+    computed, by name of the log.
     """
 
     equations: Equations
@@ -54,6 +55,7 @@ class RobotModel:
     solution: Solution
     sizes: AxisSizes
     extension: Extension | None = None
+    load_of_log: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def robot(self) -> Robot:

@@ -19,6 +19,7 @@ from exogauge.errors import BadLog, Fault
 
 Array = NDArray[np.float64]
 
+AT_ONCE = 16  # channels: what is worked on stays in the cache
 SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 
@@ -54,16 +55,19 @@ class LowPass:
             return values.copy()
         beyond = self.settle_samples
         sections, steady = _sections(self)
-        filtered = np.empty(values.shape)
-        for index in np.ndindex(values.shape[1:]):  # channel by channel: what is worked on stays in the cache
-            channel = np.array(values[:, *index], dtype=np.float64)
-            line = np.linspace(channel[0], channel[-1], channel.size)
-            channel -= line
-            extended = np.pad(channel, beyond, mode="reflect", reflect_type="odd")  # reflects again where T is short
+        flat = values.reshape(len(values), -1)
+        filtered = np.empty(flat.shape)
+        for start in range(0, flat.shape[1], AT_ONCE):
+            channels = np.array(flat[:, start : start + AT_ONCE].T, dtype=np.float64, order="C")
+            line = np.linspace(channels[:, 0], channels[:, -1], channels.shape[1], axis=1)
+            channels -= line
+            # reflects again where T is short
+            extended = np.pad(channels, ((0, 0), (beyond, beyond)), mode="reflect", reflect_type="odd")
             for _ in range(2):  # forwards, and again from the other end
-                extended = sosfilt(sections, extended, zi=steady * extended[0])[0][::-1]
-            filtered[:, *index] = line + extended[beyond:-beyond]
-        return filtered
+                state = steady[:, None, :] * extended[None, :, :1]
+                extended = sosfilt(sections, extended, axis=1, zi=state)[0][:, ::-1]
+            filtered[:, start : start + AT_ONCE] = (line + extended[:, beyond:-beyond]).T
+        return filtered.reshape(values.shape)
 
     def gain(self, frequency_hz: ArrayLike) -> Array:
         """What both passes leave of an amplitude at each frequency: 1 / (1 + (tan(pi f/r) / tan(pi f_c/r))^2n)."""

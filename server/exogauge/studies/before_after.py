@@ -19,13 +19,16 @@ def before_after(before: Estimated, after: Estimated) -> Mapping[str, tuple[Esti
         here = [pair for pair in pairs if (pair[0].device, pair[0].motion) == (device, motion)]
         for one, other in sorted(here, key=lambda pair: -_load(pair[0]))[:TOLD]:
             if "b" in one.rmse and "b" in other.rmse and one.rest_share < 1.0:
-                name = f"RMSE of B, {device}, {motion}, {one.joint}"
+                name = f"RMSE of approach B · {device}, {motion}, {one.joint}"
                 result[name] = Estimate(one.rmse["b"], 0.0, "N·m"), Estimate(other.rmse["b"], 0.0, "N·m")
     for was, now in zip(before[1], after[1], strict=True):
         groups = {band.group: (band, later) for band, later in zip(was.bands, now.bands, strict=True)}
         for group, (band, later) in groups.items():
             if was.approach != "prior":
-                result[f"stiffness of {group} by {was.approach}, {was.device}"] = band.stiffness, later.stiffness
+                result[f"stiffness of group {group} by approach {was.approach} · {was.device}"] = (
+                    band.stiffness,
+                    later.stiffness,
+                )
     return result
 
 
