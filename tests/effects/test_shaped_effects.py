@@ -140,3 +140,18 @@ def test_warmth_is_not_looked_for_in_a_short_log_without_a_thermometer():
     assert not EFFECTS["thermal_viscous"].applies(brief)
     assert EFFECTS["thermal_viscous"].applies(replace(brief, temperature=20.0 + t))
     assert not EFFECTS["thermal_viscous"].applies(replace(brief, temperature=np.where(t < 1.0, np.nan, 20.0)))
+
+
+def test_a_ripple_of_the_motors_turns_is_seen_in_what_a_model_leaves():
+    """100 cycles per revolution, at a fifth of the noise, in two logs of different places."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 60.0, 0.02)
+    q = np.concatenate([0.9 * np.sin(0.3 * t), 0.3 + 0.5 * np.sin(0.2 * t)])
+    residual = 0.1 * np.sin(100.0 * q + 1.0) + 0.5 * rng.normal(size=len(q))
+    span = float(np.ptp(q))
+    first, *_ = EFFECTS["torque_ripple"].promising(q, residual, span)
+    assert 2.0 * np.pi * first / span == pytest.approx(100.0, abs=1.5)
+    both = EFFECTS["torque_ripple"].promising(q, residual + 0.1 * np.cos(31.0 * q), span, 2)
+    assert sorted(2.0 * np.pi * np.array(both) / span) == pytest.approx([31.0, 100.0], abs=1.5)
+    assert EFFECTS["torque_ripple"].promising(q[:0], q[:0], span) == ()
+    assert EFFECTS["torque_ripple"].promising(q[:9], np.zeros(9), span) == ()

@@ -9,7 +9,8 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-PRESSED = 0.3  # of the rms load: what counts as a load of one sign and of the other
+PRESSED = 0.3  # of the log's rms load: what counts as a load of one sign and of the other
+LEAST_LOAD = 0.02  # of the axis' rms torque: what rounding and noise make of no load is none
 WINDOW = 64  # samples of a flight that are looked at together
 
 
@@ -21,7 +22,7 @@ class Backlash:
     (J [kg·m²]) make of that lag; both are what the load itself shows in the log, by its least squares on
     sin θ, cos θ and θ̈. In contact s̈ = 0. Once the load changes its sign the link flies: nothing drives it, s̈ goes
     with the load, and it lands on the other flank without a rebound (`flight`). t_f is the time that a flight takes
-    under the axis' rms load.
+    under the axis' rms torque.
 
     b comes out too large, by up to twice where teeth give way and rebound: both delay the landing as a wider gap does.
     An encoder at the link misses no load, and only the rotor jumps: there backlash is not looked for. Where the load
@@ -48,8 +49,11 @@ class Backlash:
         return np.asarray(0.5 * (K * s + J * s_ddot))[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
-        pressed = np.where(np.abs(signals.load) > PRESSED * signals.torque_scale, np.sign(signals.load), 0.0)
-        return bool(np.any(pressed > 0.0) and np.any(pressed < 0.0))
+        if len(signals.load) == 0:
+            return False
+        usual = float(np.sqrt(np.mean(signals.load**2)))
+        both = np.max(signals.load) > PRESSED * usual and np.min(signals.load) < -PRESSED * usual
+        return bool(both) and usual > LEAST_LOAD * signals.torque_scale
 
 
 def flight(pull: Array, time: Array) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 SOFTEST = (2.0 * np.pi * 2.0) ** -2  # [s²] the link on its spring at 2 Hz; a softer joint is no robot's
 SOFT_HZ = 5.0  # a soft joint's resonance; where it would not show, none does
-LEAST_SHARE = 0.01  # of the rms load
+LEAST_SHARE = 0.01  # of the rms torque
 
 
 @final

@@ -9,7 +9,7 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-LEAST_SPREAD = 0.1  # of |load| in motion, in rms loads: with one load it is Coulomb friction and nothing else
+LEAST_SPREAD = 0.1  # of |load| in motion, in rms torques: with one load it is Coulomb friction and nothing else
 
 
 @final
