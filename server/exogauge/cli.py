@@ -124,6 +124,7 @@ def parser() -> argparse.ArgumentParser:
     make.add_argument("out", type=Path, metavar="OUT", help="a new folder")
     make.add_argument("--seed", type=int, required=True, metavar="N")
     make.add_argument("--cases", type=int, required=True, metavar="K")
+    make.add_argument("--robot", choices=("arm6", "torso8", "both"), default="both", help="(default: both)")
     make.set_defaults(command=make_blind)
     trial = steps.add_parser("run", help="evaluate every case that has no result of this code yet")
     trial.add_argument("out", type=Path, metavar="OUT", help="what `blind make` has written")
@@ -235,7 +236,7 @@ def make_blind(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
 
     with bar("blind make") as progress:
-        make(options.out, options.seed, options.cases, progress, processes=processors())
+        make(options.out, options.seed, options.cases, progress, processes=processors(), robots=options.robot)
     print(options.out / "seal.txt")
     return 0
 

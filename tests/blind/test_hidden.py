@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.hidden.backlash import Backlash
 from exogauge.blind.generator.hidden.kinds import KINDS
 from exogauge.blind.generator.hidden.motor import TorqueDelay, late
@@ -127,7 +128,7 @@ def _bench(arm6) -> Bench:
 @pytest.mark.parametrize("name", [name for name in KINDS if name != "backlash"])
 def test_what_is_hidden_is_as_large_as_the_answer_says(arm6, name: str) -> None:
     bench = _bench(arm6)
-    plan = CasePlan(1, (name,), (2.0,), clutter=False, actuation="current", temperature=True)
+    plan = CasePlan(1, (name,), (2.0,), clutter=False, actuation="current", temperature=True, robot=ARM)
     (placed,) = hide(np.random.default_rng(8), plan, bench)
     joints = range(6) if placed.joint is None else [placed.joint]
     ratios = [

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from exogauge.blind.generator.case import write_case
 from exogauge.blind.generator.make import make
 from exogauge.blind.generator.plan import plan_case
 from exogauge.blind.run import RESULTS, run
@@ -27,17 +28,21 @@ def silent(share: float, what: str) -> None:
 def clean(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One case in which nothing is hidden."""
     out = tmp_path_factory.mktemp("blind") / "clean"
-    make(out, CLEAN_SEED, 1)
+    make(out, CLEAN_SEED, 1, robots="arm6")
     return out
 
 
 @pytest.mark.slow
-def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(clean: Path) -> None:
+@pytest.mark.parametrize(("robot", "channels", "cutoff_hz"), [("arm6", 6, None), ("torso8", 8 + 6, 6.0)])
+def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(
+    tmp_path: Path, robot: str, channels: int, cutoff_hz: float | None
+) -> None:
     """In steady motion, on logs that were not fitted. So what is above the noise elsewhere is what was hidden there."""
-    with open_study(clean / "case_0001") as study:
-        found = identify(study.robot, read_recordings(study), Settings(), silent)
+    write_case(tmp_path, CLEAN_SEED, 1, robot)
+    with open_study(tmp_path) as study:
+        found = identify(study.robot, read_recordings(study), Settings(cutoff_hz=cutoff_hz), silent)
     held_out = [fit for fit in found.validation if fit.held_out]
-    assert len(held_out) == 12
+    assert len(held_out) == 2 * channels
     for fit in held_out:
         assert fit.rmse_moving is not None
         assert fit.rmse_moving < 1.1 * fit.noise_floor, fit

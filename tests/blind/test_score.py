@@ -19,15 +19,26 @@ def hidden(effect: str, joint: str, visible: bool = True) -> dict[str, Any]:
 
 
 ANSWERS = [
-    {"case": "case_0001", "effects": [hidden("stribeck", "joint_2")], "clutter": []},
+    {"case": "case_0001", "robot": "arm6", "effects": [hidden("stribeck", "joint_2")], "clutter": []},
     {
         "case": "case_0002",
+        "robot": "arm6",
         "effects": [hidden("backlash", "joint_3", False)],
         "clutter": [hidden("stribeck", "joint_1")],
     },
-    {"case": "case_0003", "effects": [hidden("stribeck", "joint_1"), hidden("torque_delay", "all")], "clutter": []},
-    {"case": "case_0004", "effects": [], "clutter": []},
-    {"case": "case_0005", "effects": [], "clutter": [hidden("torque_ripple", "joint_4", False)]},
+    {
+        "case": "case_0003",
+        "robot": "arm6",
+        "effects": [hidden("stribeck", "joint_1"), hidden("torque_delay", "all")],
+        "clutter": [],
+    },
+    {"case": "case_0004", "robot": "arm6", "effects": [], "clutter": []},
+    {
+        "case": "case_0005",
+        "robot": "arm6",
+        "effects": [],
+        "clutter": [hidden("torque_ripple", "joint_4", False)],
+    },
 ]
 
 
@@ -130,6 +141,12 @@ def test_naming_clutter_is_no_false_alarm_and_inventing_it_is(tmp_path: Path) ->
     (tmp_path / "again").mkdir()
     said["case_0004"] = [finding(1, "torque_ripple", "joint_4")]
     assert score(benchmark(tmp_path / "again", said))["clean"]["without_clutter"] == {"n": 1, "false_alarms": 1}
+
+
+def test_naming_one_joint_of_what_all_have_is_not_right_and_not_wrong(tmp_path: Path) -> None:
+    found = score(benchmark(tmp_path, {**PERFECT, "case_0003": [finding(1, "torque_delay", "joint_5")]}))
+    assert found["pairs"] == {"n": 1, "both": 0, "exact": 0, "one": 0}
+    assert found["wrong_names"]["names"] == 0
 
 
 def test_a_pair_of_which_one_is_named_is_half_found(tmp_path: Path) -> None:

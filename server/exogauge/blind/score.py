@@ -65,6 +65,10 @@ def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
             "names": sum(len(each.wrong) for each in named),
         },
         "restored": {"n": len(named), "within_1_1": _count(named, lambda each: each.restored)},
+        "by_robot": {
+            robot: _named_right([each for each in single if each.robot == robot])
+            for robot in sorted({each.robot for each in verdicts})
+        },
         "by_effect": {
             effect: _named_right([each for each in single if each.truth[0][0] == effect])
             for effect in sorted({each.truth[0][0] for each in single})

@@ -31,6 +31,7 @@ def _right(found: Mapping[str, Any]) -> str:
         "all": found["all"],
         "all, no clutter": found["without_clutter"],
         "all, clutter": found["with_clutter"],
+        **{f"all, {robot}": row for robot, row in found["by_robot"].items()},
     }
     columns = (
         "one effect hidden",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 MOST_OTHERS = 2  # that `also_possible` may list beside the truth
+ALL = "all"  # a place: every joint
 RESTORED = 1.1  # held-out RMSE over the noise floor
 
 Name = tuple[str, str, str]  # effect, kind of place, place
@@ -23,6 +24,7 @@ class Verdict:
     """
 
     case: str
+    robot: str
     truth: tuple[Name, ...]
     clutter: tuple[Name, ...]
     visible: bool
@@ -58,8 +60,9 @@ class Verdict:
 
     @property
     def wrong(self) -> tuple[Name, ...]:
-        """Findings of what is not there at all, at that place."""
-        return tuple(name for name in self.named if name not in self.truth and name not in self.clutter)
+        """Findings of what is not there at all, at that place. What all joints have, each of them has."""
+        there = {*self.truth, *self.clutter}
+        return tuple((e, kind, at) for e, kind, at in self.named if not {(e, kind, at), (e, kind, ALL)} & there)
 
     @property
     def restored(self) -> bool:
@@ -81,6 +84,7 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
     ]
     return Verdict(
         case=answer["case"],
+        robot=answer["robot"],
         truth=_names(answer["effects"]),
         clutter=_names(answer["clutter"]),
         visible=all(each["visible"] for each in answer["effects"]),

@@ -1,4 +1,4 @@
-"""`arm6`: an arm of our own with six joints on a fixed base, drawn a little differently for every case.
+"""`arm6`: an arm of our own with six joints on a fixed base.
 
 As in `synthetic.robot_facts`, one table of links; at zero posture the arm points upwards and every link frame is
 parallel to the base frame (x forward, y left, z up). Shapes, masses and drives are our estimates.
@@ -8,13 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
+from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.synthetic.robot_facts import Drive, Joint, Link
 
-from exogauge.synthetic.robot_facts import Drive, Joint, Link, Vector
-
-NAME = "arm6"
 WRIST_FRAME = "wrist_ft"  # where a force/torque sensor will sit; nothing is logged there yet
-VARIES = 0.2  # largest relative deviation of lengths, masses and drives from one case to the next
 
 _LARGE = Drive(k_T=12.0, k_d=9.0, tau_c=7.0, J_r=1.2, effort=160.0, velocity=3.0, stiffness=0.0, damping=0.0)
 _MIDDLE = replace(_LARGE, k_T=9.0, k_d=5.0, tau_c=4.5, J_r=0.6, effort=100.0, gear_ratio=80.0)
@@ -37,35 +34,4 @@ _LINKS = (
     Link("tool", "flange", (0, 0, 0.03), 1.5, "box", (0.07, 0.10, 0.14), (0.06, 0.03, 0.07)),
 )  # fmt: skip
 
-
-def draw_arm(rng: np.random.Generator) -> tuple[Link, ...]:
-    """The links of one arm as its maker describes it; parents before children."""
-    size, weight = 1.0 + VARIES * rng.uniform(-1.0, 1.0, 2)
-    return tuple(_varied(link, size, weight, rng) for link in _LINKS)
-
-
-def _varied(link: Link, size: float, weight: float, rng: np.random.Generator) -> Link:
-    own = 1.0 + 0.5 * VARIES * rng.uniform(-1.0, 1.0)
-    joint = link.joint and replace(link.joint, drive=_varied_drive(link.joint.drive, rng))
-    return replace(link, origin=_scaled(link.origin, size), size=_scaled(link.size, size), joint=joint,
-                   centre=_scaled(link.centre, size), mass=_round(link.mass * weight * own))  # fmt: skip
-
-
-def _varied_drive(drive: Drive, rng: np.random.Generator) -> Drive:
-    k_T, k_d, tau_c, J_r = 1.0 + VARIES * rng.uniform(-1.0, 1.0, 4)
-    return replace(
-        drive,
-        k_T=_round(drive.k_T * k_T),
-        k_d=_round(drive.k_d * k_d),
-        tau_c=_round(drive.tau_c * tau_c),
-        J_r=_round(drive.J_r * J_r),
-    )
-
-
-def _scaled(vector: Vector, by: float) -> Vector:
-    x, y, z = (round(float(value * by), 4) for value in vector)
-    return x, y, z
-
-
-def _round(value: float) -> float:
-    return float(f"{value:.4g}")
+ARM = RobotKind("arm6", _LINKS, mount=None)

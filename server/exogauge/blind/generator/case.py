@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import yaml
-from numpy.typing import NDArray
 
-from exogauge.blind.generator import arm, sensors
-from exogauge.blind.generator.axis_run import AxisRun, axis_runs
+from exogauge.blind.generator import sensors
+from exogauge.blind.generator.axis_run import axis_runs
 from exogauge.blind.generator.excess import baselines
-from exogauge.blind.generator.motion import Motion, excitations
+from exogauge.blind.generator.log_columns import joint_columns, mount_columns
+from exogauge.blind.generator.maker import built
+from exogauge.blind.generator.motion import excitations
 from exogauge.blind.generator.placed import Bench, clutter, hide, motor_torque
 from exogauge.blind.generator.plan import CasePlan, plan_case
 from exogauge.blind.generator.robot_files import robot_file, robot_urdf
 from exogauge.blind.generator.true_robot import draw_robot, record
 from exogauge.synthetic.random_streams import stream
-from exogauge.synthetic.robot_facts import Joint
-
-Array = NDArray[np.float64]
 
 DURATION_S = 25.0
 LOGS = ("id_1", "id_2", "id_3", "id_4", "val_1", "val_2")
 _LABEL = "SYNTHETIC: computed, measured on no robot"
 
 
-def write_case(folder: Path, seed: int, number: int) -> dict[str, Any]:
-    """Write the study into `folder`, and give its answer; the same seed and number make the same bytes."""
-    plan = plan_case(seed, number)
-    links = arm.draw_arm(stream(seed, f"maker {number}"))
+def write_case(folder: Path, seed: int, number: int, robots: str = "both") -> dict[str, Any]:
+    """Write the study into `folder`, and give its answer; the same arguments make the same bytes."""
+    plan = plan_case(seed, number, robots)
+    links = built(stream(seed, f"maker {number}"), plan.robot.links)
     joints = [link.joint for link in links if link.joint is not None]
     robot = draw_robot(stream(seed, f"robot {number}"), links)
     motion = excitations(stream(seed, f"motion {number}"), joints, len(LOGS), DURATION_S)
@@ -47,16 +44,18 @@ def write_case(folder: Path, seed: int, number: int) -> dict[str, Any]:
     (folder / "logs").mkdir(parents=True, exist_ok=True)
     rng = stream(seed, f"sensors {number}")
     for n, name in enumerate(LOGS):
-        columns = _columns(rng, plan, joints, motion, runs, torques, n)
+        columns = joint_columns(rng, plan, joints, motion, runs, torques, n)
+        if plan.robot.mount is not None:
+            columns |= mount_columns(rng, plan.robot.mount, links, robot, motion, n)
         table = pa.table(columns).replace_schema_metadata({"exogauge": _LABEL})
         pq.write_table(table, folder / "logs" / f"{name}.parquet", compression="zstd")
-    (folder / "robot.urdf").write_text(robot_urdf(arm.NAME, links), encoding="utf-8")
-    _write_yaml(folder / "robot.yaml", robot_file(arm.NAME, links, plan.actuation))
+    (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, links), encoding="utf-8")
+    _write_yaml(folder / "robot.yaml", robot_file(plan.robot, links, plan.actuation))
     _write_yaml(folder / "study.yaml", _study_file(plan))  # last: a folder with it is whole
     names = [joint.name for joint in joints]
     return {
         "case": plan.name,
-        "robot": arm.NAME,
+        "robot": plan.robot.name,
         "actuation": plan.actuation,
         "effects": [each.record(names) for each in hidden],
         "clutter": [each.record(names) for each in small],
@@ -64,36 +63,11 @@ def write_case(folder: Path, seed: int, number: int) -> dict[str, Any]:
     }
 
 
-def _columns(
-    rng: np.random.Generator,
-    plan: CasePlan,
-    joints: Sequence[Joint],
-    motion: Motion,
-    runs: Sequence[AxisRun],
-    torques: Sequence[Array],
-    log: int,
-) -> dict[str, pa.Array]:
-    """The contract's columns of one log. What carries noise is stored in single precision."""
-    q = {f"q.{j.name}": sensors.encoder(rng, motion.q[log, :, n], j.drive.gear_ratio) for n, j in enumerate(joints)}
-    logged: dict[str, Array] = {}
-    for joint, run, torque in zip(joints, runs, torques, strict=True):
-        current = sensors.current(rng, torque[log] / run.drive.k_T)
-        if plan.actuation == "current":
-            logged[f"i.{joint.name}"] = current
-        else:  # a drive that knows its own constant
-            logged[f"tau.{joint.name}"] = current * run.drive.k_T
-    if plan.temperature:
-        for joint, run in zip(joints, runs, strict=True):
-            logged[f"temp.{joint.name}"] = sensors.thermometer(rng, run.temperature[log])
-    singles = {name: pa.array(values.astype(np.float32)) for name, values in logged.items()}
-    return {"t": pa.array(motion.time), **{name: pa.array(values) for name, values in q.items()}, **singles}
-
-
 def _study_file(plan: CasePlan) -> Mapping[str, Any]:
     roles = {"id": "identification", "val": "validation"}
     return {
         "version": 1,
-        "name": f"SYNTHETIC {arm.NAME}, blind {plan.name}",
+        "name": f"SYNTHETIC {plan.robot.name}, blind {plan.name}",
         "robot": "robot.yaml",
         "logs": [{"file": f"logs/{name}.parquet", "role": roles[name.split("_")[0]]} for name in LOGS],
         "steps": ["identify", "discrepancy"],

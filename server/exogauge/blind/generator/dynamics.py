@@ -1,39 +1,18 @@
-"""Inverse dynamics of a tree of bodies on a fixed base: Newton and Euler, over all samples at once.
-
-Every link frame is parallel to the base frame at zero posture and every joint turns about x, y or z of its link.
-"""
+"""Inverse dynamics of a tree of bodies on a base that stands still: Newton and Euler, over all samples at once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.synthetic.inertia import Mass, joined
-from exogauge.synthetic.robot_facts import Link
+from exogauge.blind.generator.tree import Tree
 
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
-_AXIS = {"x": 0, "y": 1, "z": 2}
-
-
-@final
-@dataclass(frozen=True)
-class Tree:
-    """J moving bodies, parents before children.
-
-    names: of their links. parent: index of the body it hangs on, -1 for the base. origin: (J, 3) [m] of the joint in
-    the parent body's frame. axis: (J,) 0, 1, 2 for x, y, z.
-    """
-
-    names: tuple[str, ...]
-    parent: tuple[int, ...]
-    origin: Array
-    axis: tuple[int, ...]
 
 
 @final
@@ -49,43 +28,29 @@ class Kinematics:
     sine: Array
 
 
-def tree_of(links: Sequence[Link]) -> Tree:
-    """Links without a joint belong to the body they are fixed to."""
-    moving = [link for link in links if link.joint is not None]
-    names = [link.name for link in moving]
-    parent, origin = [], []
-    for link in moving:
-        carrier, offset = _carrier(links, link.parent)
-        parent.append(names.index(carrier) if carrier in names else -1)
-        origin.append(offset + link.origin)
-    return Tree(
-        tuple(names), tuple(parent), np.array(origin), tuple(_AXIS[link.joint.axis] for link in moving if link.joint)
-    )
-
-
-def bodies_of(links: Sequence[Link], masses: Mapping[str, Mass]) -> Array:
-    """(J, 10) of the moving bodies, fixed links merged in; order m, mx … mz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz."""
-    parts: dict[str, list[Mass]] = {link.name: [] for link in links if link.joint is not None}
-    for link in links:
-        carrier, offset = _carrier(links, link.name)
-        if link.name in masses and carrier in parts:
-            parts[carrier].append(masses[link.name].moved(offset))
-    return np.array([joined(bodies).phi() for bodies in parts.values()])
-
-
 def joint_torques(tree: Tree, phi: Array, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY) -> Array:
     """(T, J) [N·m] that the bodies phi (J, 10) ask of their joints; q, dq, ddq: (T, J)."""
+    return inverse_dynamics(tree, phi, q, dq, ddq, gravity)[0]
+
+
+def inverse_dynamics(
+    tree: Tree, phi: Array, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY
+) -> tuple[Array, Array]:
+    """`joint_torques`, and the wrench (T, 6) that carries all these bodies, on the base link, about its origin and in
+    its frame."""
     moving = kinematics(tree, q, dq, ddq, gravity)
-    force, moment = zip(*(_wrench(moving, body, phi[body]) for body in range(len(phi))), strict=True)
-    forces, moments = list(force), list(moment)
-    torque = np.empty_like(q)
+    wrenches = [_wrench(moving, body, phi[body]) for body in range(len(phi))]
+    torque, carried = np.empty_like(q), np.zeros((len(q), 6))
     for body in reversed(range(len(phi))):
-        torque[:, body] = moments[body][:, tree.axis[body]]
+        force, moment = wrenches[body]
+        torque[:, body] = moment[:, tree.axis[body]]
+        force, moment = _seen_from_parent(tree, moving, body, force, moment)
         above = tree.parent[body]
         if above >= 0:
-            up_force, up_moment = _seen_from_parent(tree, moving, body, forces[body], moments[body])
-            forces[above], moments[above] = forces[above] + up_force, moments[above] + up_moment
-    return torque
+            wrenches[above] = (wrenches[above][0] + force, wrenches[above][1] + moment)
+        else:
+            carried += np.hstack([force, moment])
+    return torque, carried
 
 
 def regressor_row(tree: Tree, moving: Kinematics, joint: int) -> Array:
@@ -153,13 +118,3 @@ def _path_down(tree: Tree, body: int, joint: int) -> list[int] | None:
         if body < 0:
             return None
     return path
-
-
-def _carrier(links: Sequence[Link], name: str | None) -> tuple[str, Array]:
-    """The link whose joint moves `name` (or the base), and the origin of `name` seen from it."""
-    by_name = {link.name: link for link in links}
-    link, offset = by_name[name or links[0].name], np.zeros(3)
-    while link.joint is None and link.parent is not None:
-        offset += link.origin
-        link = by_name[link.parent]
-    return link.name, offset

@@ -11,8 +11,9 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import butter, sosfiltfilt
 
 from exogauge.blind.generator.axis_run import AxisRun
-from exogauge.blind.generator.dynamics import Kinematics, Tree, kinematics, regressor_row
+from exogauge.blind.generator.dynamics import Kinematics, kinematics, regressor_row
 from exogauge.blind.generator.motion import RATE_HZ, Motion
+from exogauge.blind.generator.tree import Tree
 
 Array = NDArray[np.float64]
 

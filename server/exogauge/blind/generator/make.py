@@ -13,13 +13,13 @@ from typing import Any
 
 from exogauge.blind.answers import write_answers
 from exogauge.blind.generator.case import write_case
-from exogauge.blind.generator.plan import plan_case
+from exogauge.blind.generator.plan import ROBOTS, plan_case
 from exogauge.errors import BadInput, Fault
 
 _README = """\
 SYNTHETIC DATA. Nothing in this folder was measured on a robot.
 
-case_*/          studies of arms of our own in which effects may be hidden (`exogauge run case_0001`)
+case_*/          studies of robots of our own in which effects may be hidden (`exogauge run case_0001`)
 answers.json.gz  what is hidden in each; no evaluating code opens it
 seal.txt         SHA-256 of the answers as JSON text
 results/         what an evaluation said of each case, after `exogauge blind run`
@@ -27,16 +27,32 @@ results/         what an evaluation said of each case, after `exogauge blind run
 
 
 def make(
-    out: Path, seed: int, cases: int, progress: Callable[[float, str], None] | None = None, processes: int = 1
+    out: Path,
+    seed: int,
+    cases: int,
+    progress: Callable[[float, str], None] | None = None,
+    processes: int = 1,
+    robots: str = "both",
 ) -> None:
     """Write `cases` studies, the answers and their seal into `out`, which must be new or empty.
 
-    The same seed gives the same bytes, whatever `processes`; case n is the same however many there are.
+    The same seed gives the same bytes, whatever `processes`; case n is the same however many there are. robots: which
+    ones the cases are made of, a key of `plan.ROBOTS`.
     """
     if seed < 0 or cases < 1:
         column, value = ("seed", seed) if seed < 0 else ("cases", cases)
         detail = "the seed must be 0 or more, and the number of cases 1 or more"
         raise BadInput(Fault(detail, "blind_numbers", column=column, value=str(value)))
+    if robots not in ROBOTS:
+        raise BadInput(
+            Fault(
+                "no cases are made of this robot",
+                "unknown_robot",
+                f"Known: {', '.join(ROBOTS)}",
+                column="robot",
+                value=robots,
+            )
+        )
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         advice = "Give a new folder, so that old results never meet new answers."
         raise BadInput(Fault(f"{out} is not an empty folder", "folder_not_empty", advice))
@@ -44,7 +60,8 @@ def make(
     unfinished = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
     try:
         (unfinished / "README.txt").write_text(_README, encoding="utf-8")
-        answers = _make_all(unfinished, seed, cases, progress or (lambda share, what: None), min(processes, cases))
+        tell = progress or (lambda share, what: None)
+        answers = _make_all(unfinished, (seed, robots), cases, tell, min(processes, cases))
         write_answers(unfinished, seed, answers)
         unfinished.chmod(0o755)
         os.replace(unfinished, out)
@@ -53,17 +70,17 @@ def make(
 
 
 def _make_all(
-    out: Path, seed: int, cases: int, tell: Callable[[float, str], None], processes: int
+    out: Path, what: tuple[int, str], cases: int, tell: Callable[[float, str], None], processes: int
 ) -> list[dict[str, Any]]:
     if processes < 2:
         answers = []
         for number in range(1, cases + 1):
-            answers.append(_make(out, seed, number))
+            answers.append(_make(out, what, number))
             tell(number / cases, f"{number} of {cases} cases")
         return answers
     done: dict[int, dict[str, Any]] = {}
     with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
-        running = {pool.submit(_make, out, seed, number): number for number in range(1, cases + 1)}
+        running = {pool.submit(_make, out, what, number): number for number in range(1, cases + 1)}
         try:
             for each in as_completed(running):
                 done[running[each]] = each.result()
@@ -74,5 +91,7 @@ def _make_all(
     return [done[number] for number in sorted(done)]
 
 
-def _make(out: Path, seed: int, number: int) -> dict[str, Any]:
-    return write_case(out / plan_case(seed, number).name, seed, number)
+def _make(out: Path, what: tuple[int, str], number: int) -> dict[str, Any]:
+    """what: seed, and robots."""
+    seed, robots = what
+    return write_case(out / plan_case(seed, number).name, seed, number, robots)

@@ -7,7 +7,10 @@ from typing import final
 
 import numpy as np
 
+from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.hidden.kinds import KINDS
+from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.blind.generator.torso import TORSO
 from exogauge.synthetic.random_streams import stream
 
 BLOCK = 40  # cases, of which
@@ -15,6 +18,8 @@ CLEAN, PAIRS = 8, 4
 CLUTTERED = 1 / 3
 CURRENT = 0.7  # share of arms that log currents, the others torques
 WITH_TEMPERATURE = 0.7
+ROBOTS = {"arm6": (ARM,), "torso8": (TORSO,), "both": (ARM, TORSO)}
+TORSOS = 0.3  # share of cases with the upper body where there are both
 FAINT, VISIBLE, STRONG = 1.0, 3.0, 8.0  # times the noise floor: of the unabsorbed part of a hidden effect
 _VISIBLE_SHARE = 0.6
 
@@ -23,7 +28,7 @@ _VISIBLE_SHARE = 0.6
 @dataclass(frozen=True)
 class CasePlan:
     """kinds: what to hide, by name; ratios: how large each shall be, in noise floors. clutter: small effects on every
-    joint as well. actuation: `current` or `torque`."""
+    joint as well. actuation: `current` or `torque`. temperature: whether it is logged."""
 
     number: int
     kinds: tuple[str, ...]
@@ -31,14 +36,16 @@ class CasePlan:
     clutter: bool
     actuation: str
     temperature: bool
+    robot: RobotKind
 
     @property
     def name(self) -> str:
         return f"case_{self.number:04d}"
 
 
-def plan_case(seed: int, number: int) -> CasePlan:
-    """number counts from 1. The same seed and number give the same plan, however many cases there are."""
+def plan_case(seed: int, number: int, robots: str = "both") -> CasePlan:
+    """number counts from 1. The same seed and number give the same plan, however many cases there are. robots: a key
+    of `ROBOTS`; another choice changes nothing but the robot."""
     block, place = divmod(number - 1, BLOCK)
     kinds = _block(seed, block)[place]
     rng = stream(seed, f"plan {number}")
@@ -46,7 +53,9 @@ def plan_case(seed: int, number: int) -> CasePlan:
     clutter = bool(rng.uniform() < CLUTTERED)
     actuation = "current" if rng.uniform() < CURRENT else "torque"
     temperature = bool(rng.uniform() < WITH_TEMPERATURE) or "thermal_viscous" in kinds
-    return CasePlan(number, kinds, ratios, clutter, actuation, temperature)
+    choice = ROBOTS[robots]
+    robot = choice[-1] if rng.uniform() < TORSOS else choice[0]
+    return CasePlan(number, kinds, ratios, clutter, actuation, temperature, robot)
 
 
 def _block(seed: int, block: int) -> list[tuple[str, ...]]:

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from exogauge.blind.generator import sensors
+from exogauge.blind.generator.robot_kind import RobotKind
 from exogauge.blind.generator.true_robot import INERTIAL_STD, a_priori, a_priori_std
 from exogauge.synthetic.inertia import of_shape
 from exogauge.synthetic.robot_facts import AXES, Joint, Link
@@ -27,16 +28,26 @@ def robot_urdf(name: str, links: Sequence[Link]) -> str:
     return Xml.tostring(robot, encoding="unicode") + "\n"
 
 
-def robot_file(name: str, links: Sequence[Link], actuation: str) -> Mapping[str, Any]:
-    """robot.yaml as a tree of plain values."""
+def robot_file(kind: RobotKind, links: Sequence[Link], actuation: str) -> Mapping[str, Any]:
+    """robot.yaml as a tree of plain values. links: as built."""
     joints = [link.joint for link in links if link.joint is not None]
     q_std = float(np.sqrt(np.mean([sensors.encoder_std(joint.drive.gear_ratio) ** 2 for joint in joints])))
     noise = {"q": _number(q_std)} | ({"i": _number(sensors.current_std())} if actuation == "current" else {})
+    base: dict[str, Any] = {"base": "fixed"}
+    if kind.mount is not None:
+        sensor = {"name": kind.mount.sensor, "frame": kind.mount.sensor, "role": "contact", "sees": "world_on_robot"}
+        base = {
+            "base": "floating",
+            "base_link": links[0].name,
+            "imu": {"frame": kind.mount.imu},
+            "ft_sensors": [sensor],
+        }
+        noise |= {name: sensors.NOISE[name] for name in ("acc", "gyro", "force", "moment")}
     return {
         "version": 1,
-        "name": name,
+        "name": kind.name,
         "urdf": "robot.urdf",
-        "base": "fixed",
+        **base,
         "joints": [_joint_entry(joint, actuation) for joint in joints],
         "noise": noise,
         "inertial_prior_std": {"default": INERTIAL_STD},

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.blind.generator.dynamics import Tree, bodies_of, tree_of
+from exogauge.blind.generator.tree import Tree, base_of, bodies_of, tree_of
 from exogauge.synthetic.inertia import Mass, of_shape
 from exogauge.synthetic.robot_facts import Drive, Link
 
@@ -41,10 +41,11 @@ class TrueDrive:
 @final
 @dataclass(frozen=True)
 class TrueRobot:
-    """phi: (J, 10) of the moving bodies."""
+    """phi: (J, 10) of the moving bodies; base: the link they stand on."""
 
     tree: Tree
     phi: Array
+    base: Mass
     drives: tuple[TrueDrive, ...]
 
 
@@ -70,7 +71,7 @@ def draw_robot(rng: np.random.Generator, links: Sequence[Link]) -> TrueRobot:
     """A robot of the population that the a-priori values and their standard deviations describe."""
     masses = {link.name: _drawn_mass(rng, link) for link in links if link.mass > 0.0}
     drives = tuple(_drawn_drive(rng, link.joint.drive) for link in links if link.joint is not None)
-    return TrueRobot(tree_of(links), bodies_of(links, masses), drives)
+    return TrueRobot(tree_of(links), bodies_of(links, masses), base_of(links, masses), drives)
 
 
 def record(robot: TrueRobot, joints: Sequence[str]) -> Mapping[str, Mapping[str, float]]:

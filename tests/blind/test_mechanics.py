@@ -1,4 +1,4 @@
-"""The arm's mechanics against pinocchio, and against what energy must do."""
+"""The robots' mechanics against pinocchio, and against what energy must do."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import cumulative_simpson
 
-from exogauge.blind.generator import arm
-from exogauge.blind.generator.dynamics import GRAVITY, bodies_of, joint_torques, kinematics, regressor_row, tree_of
+from exogauge.blind.generator.dynamics import GRAVITY, inverse_dynamics, joint_torques, kinematics, regressor_row
 from exogauge.blind.generator.robot_files import robot_urdf
+from exogauge.blind.generator.tree import bodies_of, tree_of
 from exogauge.synthetic.inertia import of_shape
 
 
@@ -20,7 +20,7 @@ def test_joint_torques_are_those_of_another_implementation(arm6) -> None:
 
 
 def test_the_urdf_is_the_arm_its_maker_describes(arm6) -> None:
-    model = pin.buildModelFromXML(robot_urdf(arm.NAME, arm6.links))
+    model = pin.buildModelFromXML(robot_urdf("arm6", arm6.links))
     masses = {link.name: of_shape(link) for link in arm6.links if link.mass > 0.0}
     data, q = model.createData(), np.random.default_rng(1).uniform(-2.0, 2.0, (20, 6))
     expected = [pin.rnea(model, data, one, one, one) for one in q]
@@ -74,3 +74,21 @@ def test_a_joints_torque_is_linear_in_the_bodies_it_carries(arm6) -> None:
 
 def test_gravity_acts_downwards_on_an_upright_arm(arm6) -> None:
     assert arm6.model.gravity.linear[2] == -GRAVITY
+
+
+def test_an_upper_body_and_its_base_carry_what_another_implementation_says(torso8, free_torso) -> None:
+    """With a free-flying base in pinocchio, that stands still and upright: its six rows are the wrench on the base."""
+    model, base = free_torso, torso8.robot.base.phi()
+    joints = [link.joint for link in torso8.links if link.joint is not None]
+    order = [model.joints[model.getJointId(joint.name)].idx_v for joint in joints]
+    data, rng = model.createData(), np.random.default_rng(3)
+    for q, dq, ddq in rng.uniform(-1.0, 1.0, (10, 3, 8)):
+        whole, v, a = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
+        whole[np.array(order) + 1], v[order], a[order] = q, dq, ddq
+        expected = pin.rnea(model, data, whole, v, a)
+        torque, carried = inverse_dynamics(torso8.robot.tree, torso8.robot.phi, q[None], dq[None], ddq[None])
+        weight = np.array([0.0, 0.0, GRAVITY * base[0]])
+        np.testing.assert_allclose(torque[0], expected[order], atol=1e-10)
+        np.testing.assert_allclose(carried[0, :3] + weight, expected[:3], atol=1e-10)
+        moment = carried[0, 3:] + np.cross(torso8.robot.base.centre, weight)
+        np.testing.assert_allclose(moment, expected[3:6], atol=1e-10)
