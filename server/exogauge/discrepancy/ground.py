@@ -71,7 +71,7 @@ def lay_ground(
         prepared = model.prepare(recording.log)
         signals = dict(zip(axes, axis_signals(model, prepared, axes), strict=True))
         if not candidates:
-            candidates = {axis: candidates_on(axis, effects, [signals[axis]]) for axis in axes}
+            candidates = {axis: candidates_on(axis, _not_in(model, axis, effects), [signals[axis]]) for axis in axes}
         columns: dict[int, Array] = (
             {axis: np.zeros((len(prepared.kept), 0)) for axis in axes}
             if recording.held_out
@@ -81,6 +81,12 @@ def lay_ground(
         residuals.append(_residuals(recording, left, signals, prepared.kept, prepared.log.rate_hz))
     memory = {axis: _memory(residuals, axis) for axis in axes}
     return Ground(model, candidates, fitted, memory, tuple(residuals), _ranked(model, candidates, fitted, memory))
+
+
+def _not_in(model: RobotModel, axis: int, effects: Sequence[ShapedEffect]) -> list[ShapedEffect]:
+    """An effect sits on an axis once."""
+    there = {each.effect.name for each in model.extension.effects if each.axis == axis} if model.extension else set()
+    return [effect for effect in effects if effect.name not in there]
 
 
 def _memory(residuals: Sequence[LogResiduals], axis: int) -> float:

@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import rankdata
 
 from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.score import Score
@@ -19,6 +20,7 @@ BLOCK_S = 1.0  # length of the parts that count as independent
 FEWEST_BLOCKS = 5
 SURE = 3.0  # standard errors by which held-out error must fall
 SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
+LEAST = 0.02  # of the held-out square error
 WORSE = 3.0  # standard errors by which a regime may not get worse
 FEWEST_IN_REGIME = 30
 
@@ -66,7 +68,8 @@ def judge(model: RobotModel, score: Score, rows: Sequence[AxisRows]) -> Judgemen
         float(np.sqrt(np.mean(np.concatenate(values) ** 2))) if values else float("nan")
         for values in ([each.e for each in out], [left[id(each)] for each in out])
     )
-    return Judgement(score, z, z_fitted, before, after, gains, _objection(z, z_fitted, gains, out, left))
+    explained = 1.0 - (after / max(before, 1e-300)) ** 2
+    return Judgement(score, z, z_fitted, before, after, gains, _objection(z, z_fitted, explained, gains, out, left))
 
 
 def apart(one: Judgement, other: Judgement) -> float:
@@ -74,11 +77,15 @@ def apart(one: Judgement, other: Judgement) -> float:
     return _z(one.blocks - other.blocks) if len(one.blocks) == len(other.blocks) else float("nan")
 
 
-def _objection(z: float, z_fitted: float, gains: Array, out: Sequence[AxisRows], left: dict[int, Array]) -> str:
+def _objection(
+    z: float, z_fitted: float, explained: float, gains: Array, out: Sequence[AxisRows], left: dict[int, Array]
+) -> str:
     if len(gains) < FEWEST_BLOCKS:
         return "too little steady motion in logs that were not fitted to judge it"
     if z_fitted < SURE_FITTED:
         return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
+    if explained < LEAST:
+        return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
     if z < SURE:
         return f"on held-out logs the error does not fall surely ({z:.1f} standard errors, {SURE:.0f} are asked for)"
     for name, chosen in REGIMES.items():
@@ -118,8 +125,18 @@ def _by_block(samples: NDArray[np.intp], each: AxisRows, values: Array) -> Array
 
 
 def _z(gains: Array) -> float:
-    """Mean over its standard error."""
+    """Standard errors by which blocks gain: of their mean, or of their ranks (Wilcoxon) where that says more.
+
+    A few fast blocks that gain much widen the mean's own error; that nearly all blocks gain is just as telling.
+    """
     if len(gains) < 2:
         return 0.0
     error = float(gains.std(ddof=1)) / np.sqrt(len(gains))
-    return float(gains.mean() / error) if error > 0.0 else 0.0
+    mean = float(gains.mean() / error) if error > 0.0 else 0.0
+    told = gains[gains != 0.0]
+    if len(told) < FEWEST_BLOCKS:
+        return mean
+    order = rankdata(np.abs(told))
+    n = len(told)
+    ranks = (float(order[told > 0.0].sum()) - n * (n + 1) / 4.0) / np.sqrt(n * (n + 1) * (2 * n + 1) / 24.0)
+    return max(mean, float(ranks)) if mean > 0.0 else min(mean, float(ranks))

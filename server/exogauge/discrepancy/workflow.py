@@ -13,6 +13,7 @@ from typing import final
 from exogauge.discrepancy.axis_rows import AxisRows, collect_rows
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.chain import lineage, link
+from exogauge.discrepancy.everywhere import merged
 from exogauge.discrepancy.finding import name_effect, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.judge import Judgement, judge
@@ -85,7 +86,7 @@ def find_missing_effects(
     return Found(
         Discrepancy(
             verdict=verdict,
-            findings=tuple(findings),
+            findings=merged(findings, len(base.robot.joints)),
             chain=tuple(link(each, findings[:k], channels) for k, each in enumerate(models)),
             located=before,
             unexplained=unexplained,
