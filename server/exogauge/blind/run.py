@@ -11,6 +11,7 @@ import os
 import shutil
 import tempfile
 import time
+import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -18,7 +19,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from exogauge.errors import BadInput, Fault, Unavailable
+from exogauge.errors import BadInput, ExogaugeError, Fault, Unavailable
 from exogauge.jobs.code_version import code_version
 
 RESULTS = "results"
@@ -103,6 +104,8 @@ def _evaluate(out: Path, case: str, code: str) -> None:
         result = json.loads((folder / "results.json").read_bytes())
     except Exception as problem:
         error = f"{type(problem).__name__}: {problem}"
+        if not isinstance(problem, ExogaugeError):  # a fault of the program: where
+            error += f"\n{traceback.format_exc()}"
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     seconds, processor = time.perf_counter() - start, time.process_time() - processor
