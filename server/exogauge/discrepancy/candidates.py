@@ -32,11 +32,11 @@ class Candidate:
 
 
 def candidates_on(axis: int, effects: Sequence[ShapedEffect], logs: Sequence[AxisSignals]) -> list[Candidate]:
-    """Those that every log holds what they need for. logs: the axis in the fitted logs."""
+    """Those that any log holds what they need for. logs: the axis in fitted logs."""
     return [
         Candidate(effect, axis, shape)
         for effect in effects
-        if all(effect.applies(signals) for signals in logs)
+        if any(effect.applies(signals) for signals in logs)
         for shape in grid(effect)
     ]
 

@@ -11,6 +11,7 @@ from exogauge.devices.result import Estimate
 from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.score import Score, residual_memory
 from exogauge.discrepancy.sums import AxisSums
+from exogauge.effects.scales import in_si
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -41,7 +42,8 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Map
     values = [*found.coefficients, *candidate.shape]
     estimates = {}
     for (name, own_unit), value, doubt in zip(names, values, std, strict=True):
-        size, unit = _size(model, candidate.axis, own_unit)
+        sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
+        size, unit = in_si(own_unit, *(float(each[candidate.axis]) for each in sizes))
         estimates[name] = Estimate(float(value) * size, float(doubt) * size, unit)
     return estimates
 
@@ -57,13 +59,3 @@ def _slopes(found: Score, rows: AxisRows) -> list[Array]:
         rise = (rows.torque(effect, above) - rows.torque(effect, below)) @ found.coefficients / (high - low)
         columns.append(rise[:, None])
     return columns
-
-
-def _size(model: RobotModel, axis: int, unit: str) -> tuple[float, str]:
-    """What a value in units of the axis is multiplied by, and the SI unit it then has."""
-    sizes = {
-        "rms velocity": (float(model.sizes.velocity[axis]), "rad/s"),
-        "rms torque": (float(model.sizes.torque[axis]), "N·m"),
-        "range": (float(model.sizes.range[axis]), "rad"),
-    }
-    return sizes.get(unit, (1.0, unit))

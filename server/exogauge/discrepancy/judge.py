@@ -20,7 +20,7 @@ BLOCK_S = 1.0  # length of the parts that count as independent
 FEWEST_BLOCKS = 5
 SURE = 3.0  # standard errors by which held-out error must fall
 SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
-LEAST = 0.02  # of the held-out square error
+LEAST = 0.05  # of the held-out square error
 WORSE = 3.0  # standard errors by which a regime may not get worse
 FEWEST_IN_REGIME = 30
 

@@ -10,17 +10,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.discrepancy.axis_rows import AxisRows, collect_rows
+from exogauge.discrepancy.axis_rows import AxisRows, collect_rows, sums_of
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.chain import lineage, link
 from exogauge.discrepancy.everywhere import merged
 from exogauge.discrepancy.finding import name_effect, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
+from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.refine import refined
 from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Verdict
-from exogauge.discrepancy.score import Score
+from exogauge.discrepancy.score import Score, score
 from exogauge.effects.shaped import ShapedEffect
 from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
@@ -66,7 +67,7 @@ def find_missing_effects(
         ground = lay_ground(current.model, recordings, effects, _part(progress, share))
         tried = sum(len(each) for each in ground.candidates.values())
         before = before or located(base.robot, found, ground.residuals)
-        judged, rows = _judged(ground, recordings)
+        judged, rows = _judged(ground, recordings, effects)
         rejected = [rejection(base, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection]
         if not claimed or len(findings) == MOST_EFFECTS:
@@ -105,22 +106,31 @@ def _part(progress: Progress, start: float) -> Progress:
 
 
 def _judged(
-    ground: Ground, recordings: Sequence[Recording]
+    ground: Ground, recordings: Sequence[Recording], effects: Sequence[ShapedEffect]
 ) -> tuple[list[Judgement], Mapping[int, Sequence[AxisRows]]]:
     """The best shape of every effect and axis that is worth it, refined and judged, most evidence first; and the rows
     of their axes."""
     best: dict[tuple[str, int], Score] = {}
-    for score in ground.scores:
-        key = (score.candidate.effect.name, score.candidate.axis)
-        if score.evidence > WORTH_JUDGING and key not in best and len(best) < JUDGED:
-            best[key] = score
-    axes = sorted({axis for _, axis in best})
+    for each in ground.scores:
+        key = (each.candidate.effect.name, each.candidate.axis)
+        if each.evidence > WORTH_JUDGING and key not in best and len(best) < JUDGED:
+            best[key] = each
+    hints = list(hinted(ground, effects))
+    axes = sorted({axis for _, axis in best} | {candidate.axis for candidate in hints})
     rows = collect_rows(ground.model, recordings, axes)
+    for candidate in hints:
+        key, sums = (
+            (candidate.effect.name, candidate.axis),
+            sums_of(rows[candidate.axis], candidate.effect, candidate.shape),
+        )
+        tried = score(ground.model, candidate, sums, ground.memory[candidate.axis])
+        if tried is not None and tried.evidence > (best[key].evidence if key in best else WORTH_JUDGING):
+            best[key] = tried
     judged = []
-    for (_, axis), score in best.items():
-        finer = refined(ground.model, score, rows[axis], ground.memory[axis])
+    for (_, axis), each in best.items():
+        finer = refined(ground.model, each, rows[axis], ground.memory[axis])
         judged.append(judge(ground.model, finer, rows[axis]))
-    return sorted(judged, key=lambda each: -each.score.evidence), rows
+    return sorted(judged, key=lambda one: -one.score.evidence), rows
 
 
 def _as_added(candidate: Candidate) -> AddedEffect:

@@ -27,6 +27,7 @@ THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at res
 SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rounding makes of a constant is none
 THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
 WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
+TURNING = 1.5  # times its noise: a gyro that varies by more turns
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
 RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
 GYRO_SHARE = (
@@ -111,9 +112,12 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     cutoffs = []
     for log in logs:
         bearable = [suggest_cutoff(log.stack(names), log.rate_hz)]
-        if robot.floating:
-            gyro = suggest_cutoff(log.stack(["gyro.x", "gyro.y", "gyro.z"]), log.rate_hz, order=1)
-            bearable.append(GYRO_SHARE * gyro)
+        gyro = log.stack(["gyro.x", "gyro.y", "gyro.z"]) if robot.floating else np.zeros((log.samples, 0))
+        noise = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in gyro.T])
+        if np.any(
+            gyro.std(axis=0) > TURNING * noise
+        ):  # a base that stands still says nothing of the motion's bandwidth
+            bearable.append(GYRO_SHARE * suggest_cutoff(gyro, log.rate_hz, order=1))
         cutoffs.append(min(bearable))
     return max(cutoffs)
 

@@ -1,0 +1,51 @@
+"""Shapes that a grid cannot hold, such as the order of a ripple: read off the residuals, then tried like all others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.ground import Ground
+from exogauge.effects.shaped import ShapedEffect
+
+Array = NDArray[np.float64]
+
+WORTH_TRYING = 12.0  # twice the log likelihood that waves of that order alone would gain
+
+
+@runtime_checkable
+class Promising(Protocol):
+    """An effect that can read candidates for its first shape off residuals over the position."""
+
+    def promising(self, position: Array, residual: Array, span: float) -> Sequence[float]: ...
+
+
+def hinted(ground: Ground, effects: Sequence[ShapedEffect]) -> Iterator[Candidate]:
+    """Candidates whose shape the fitted residuals suggest, where they would explain more than chance."""
+    fitted = [each for each in ground.residuals if not each.held_out]
+    for effect in effects:
+        if not isinstance(effect, Promising):
+            continue
+        for axis in ground.candidates:
+            if not any(each.effect is effect for each in ground.candidates[axis]):
+                continue
+            residual = np.concatenate([each.residual[:, axis] for each in fitted])
+            position = np.concatenate([each.position[:, axis] for each in fitted])
+            ok, span = np.isfinite(residual), float(ground.model.sizes.range[axis])
+            if ok.sum() < 100:
+                continue
+            for cycles in effect.promising(position[ok], residual[ok], span):
+                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[axis]) > WORTH_TRYING:
+                    yield Candidate(effect, axis, (cycles,))
+
+
+def _gain(position: Array, residual: Array, order: float, memory: float) -> float:
+    """Twice the log likelihood gained by a sine and a cosine of the position, with coloured residuals."""
+    waves = np.column_stack([np.sin(order * position), np.cos(order * position), np.ones_like(position)])
+    left = residual - waves @ np.linalg.lstsq(waves, residual, rcond=None)[0]
+    centred = residual - residual.mean()
+    return float(len(residual) / memory * np.log(max(centred @ centred, 1e-300) / max(left @ left, 1e-300)))
