@@ -156,11 +156,11 @@ def test_a_worn_log_lacks_no_column_either(worn: Path, log_writer: Callable[...,
 @pytest.mark.parametrize(
     ("steps", "done", "skipped"),
     [
-        ("", ["identify", "support", "stiffness"], ["discrepancy"]),
+        ("", ["identify", "support", "stiffness", "discrepancy"], []),
         ("steps: [stiffness]\n", ["identify", "support", "stiffness"], []),
         ("steps: [support]\n", ["identify", "support"], []),
         ("steps: [identify]\n", ["identify"], []),
-        ("steps: [discrepancy]\n", ["identify"], ["discrepancy"]),
+        ("steps: [discrepancy]\n", ["identify", "discrepancy"], []),
     ],
 )
 def test_what_stands_on_a_step_asks_for_it(
@@ -169,6 +169,14 @@ def test_what_stands_on_a_step_asks_for_it(
     with open_study(rewrite("study.yaml", "settings:", steps + "settings:")) as study:
         assert [each.step for each in study.steps if each.skipped is None] == done
         assert [each.step for each in study.steps if each.skipped is not None] == skipped
+
+
+def test_without_a_held_out_log_nothing_can_be_claimed_and_the_step_says_so(folder: Path, rewrite: Rewrite) -> None:
+    text = (folder / "study.yaml").read_text()
+    rewrite("study.yaml", text, text.replace("role: validation", "role: identification"))
+    with open_study(folder) as study:
+        reasons = {each.step: each.skipped for each in study.steps}
+    assert "held out" in str(reasons["discrepancy"])
 
 
 def test_without_a_log_with_the_device_support_is_skipped_and_says_why(folder: Path) -> None:

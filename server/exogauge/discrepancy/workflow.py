@@ -72,7 +72,7 @@ def find_missing_effects(
         claimed = [each for each in judged if not each.objection]
         if not claimed or len(findings) == MOST_EFFECTS:
             break
-        winner = max(claimed, key=lambda each: each.score.evidence)
+        winner = _worst_gap(claimed)
         progress(share + 0.25, f"adding {winner.score.candidate.effect.name}")
         added = (*added, _as_added(winner.score.candidate))
         again = identify(base.robot, recordings, settings, extension=Extension(base, added, floors))
@@ -99,6 +99,13 @@ def find_missing_effects(
         ),
         current,
     )
+
+
+def _worst_gap(claimed: Sequence[Judgement]) -> Judgement:
+    """Of each axis the effect with most evidence; of those the one that closes the largest gap, relative to what is
+    left."""
+    best = {each.score.candidate.axis: each for each in sorted(claimed, key=lambda one: one.score.evidence)}
+    return max(best.values(), key=lambda each: each.before / max(each.after, 1e-300))
 
 
 def _part(progress: Progress, start: float) -> Progress:
