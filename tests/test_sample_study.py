@@ -16,8 +16,9 @@ def scored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sample")
     write_sample(folder / "study", 1, suit="none")
     evaluate(folder / "study" / "study.yaml", folder / "out", lambda _fraction, _phrase: None)
-    results = json.loads((folder / "out" / "results.json").read_text())["identification"]
-    return results, json.loads((folder / "study" / "truth.json").read_text())["parameters"]
+    results = json.loads((folder / "out" / "results.json").read_text())
+    assert results["discrepancy"]["verdict"] == "none"  # nothing is hidden in it
+    return results["identification"], json.loads((folder / "study" / "truth.json").read_text())["parameters"]
 
 
 def pooled(results, channels, key):

@@ -61,6 +61,26 @@ def test_a_beats_b_beats_the_makers_values(scored):
         assert len(entry["logs"]) == len(TRIALS)
 
 
+def test_the_hidden_friction_is_named_and_approach_b_comes_closer(scored):
+    results, truth, _ = scored
+    found = results["discrepancy"]
+    assert found["verdict"] == "effects"
+    named = [(each["effect"], each["where"]) for each in found["findings"]]
+    assert (
+        named
+        == [(each["effect"], each["where"]) for each in truth["effects"]]
+        == [("stribeck", {"joint": "torso_pitch"})]
+    )
+    (finding,) = found["findings"]
+    for name in ("tau_b", "v_s"):
+        estimate, true = finding["parameters"][name], truth["effects"][0]["parameters"][name]
+        assert abs(estimate["value"] - true) < max(4.0 * estimate["std"], 0.05 * true), name
+    assert finding["held_out"]["rmse_after"] < 1.1 * finding["held_out"]["noise_floor"]
+    closer = [each for name, each in found["before_after"].items() if "RMSE" in name and "torso_pitch" in name]
+    assert closer
+    assert all(each["after"]["value"] < 0.7 * each["before"]["value"] for each in closer)
+
+
 def test_where_a_joint_rests_the_interval_holds_the_truth(scored):
     """The device file of the sample is true, so its band model is what MuJoCo's tendons pulled with."""
     _, _, out = scored

@@ -133,11 +133,10 @@ def _effort(
         own = std[used, joint]
         peak_std = float(own[top])
         shared = _parameter_std(model, evidence, name, used, joint)
-        lasting = (
-            max(1.0, seconds / MEMORY_S) if trial.steady[:, joint].any() else 1.0
-        )  # an interval does not average out
-        rest = max(float(np.mean(own**2)) - shared**2, 0.0) / lasting
-        mean_std = float(np.sqrt(shared**2 + rest))
+        rest = trial.rest[used, joint]
+        held = float(np.mean(np.where(rest, own, 0.0)))  # what friction hides at rest does not average out
+        moving = max(float(np.mean(np.where(rest, 0.0, own) ** 2)) - shared**2, 0.0) / max(1.0, seconds / MEMORY_S)
+        mean_std = float(np.sqrt(shared**2 + moving + held**2))
     mean = float(np.mean(values))
     return (float(smooth[top]), peak_std), (mean, mean_std), (mean * seconds, mean_std * seconds)
 
