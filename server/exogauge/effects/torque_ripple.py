@@ -10,7 +10,7 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 STEP = 0.8  # cycles per range between tried orders: a range of motion tells orders one cycle apart, and hardly less
-SLOWEST, FASTEST = 1.5, 150.0  # cycles per range
+SLOWEST, FASTEST = 3.5, 150.0  # cycles per range
 PLACES = 2048  # into which a range is divided to look for peaks: 13 of the fastest cycle
 FINER = 4  # points of the spectrum per cycle over the range
 
@@ -19,8 +19,9 @@ FINER = 4  # points of the spectrum per cycle over the range
 class TorqueRipple:
     """τ = A_s sin Nθ + A_c cos Nθ, with N cycles per revolution of the joint, not necessarily whole (a gear's is not).
 
-    N is tried from 2 to 28 cycles over the axis' own range: below are gravity and springs. Faster ones, such as the
-    turns of the motor behind a gear, are too many to be tried blindly; `promising` sees them in what a model leaves.
+    N is tried from 4 to 28 cycles over the axis' own range: below are gravity and springs, also springs of another
+    shape than the one that is tried. Faster ones, such as the turns of the motor behind a gear, are too many to be
+    tried blindly; `promising` sees them in what a model leaves.
     One order at a time: the strongest is found first, further ones as findings of their own.
     """
 
@@ -28,7 +29,7 @@ class TorqueRipple:
     sentence = "The torque comes and goes with the position, as gear teeth and magnets pass by."
     coefficients = (Quantity("ripple_sin", "N·m"), Quantity("ripple_cos", "N·m"))
     shapes = (
-        Shape("cycles", "cycles per range", SLOWEST, FASTEST, tuple(2.0 + STEP * k for k in range(33))),
+        Shape("cycles", "cycles per range", SLOWEST, FASTEST, tuple(4.0 + STEP * k for k in range(31))),
     )  # fmt: skip
     confounds = ("motor_offset",)
     needs = "Slow steady motion over a wide range of positions, in both directions."
