@@ -14,8 +14,9 @@ from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
 
-BINS = 40
+BINS = 40  # at most
 FEWEST = 8  # samples in a bin
+USUAL = 12  # samples in a bin of a short log
 UNITS = {
     "velocity": "rad/s", "position": "rad", "load": "N·m", "time": "s", "acceleration": "rad/s²", "drive": "N·m",
     "temperature": "°C",
@@ -34,7 +35,10 @@ def evidence(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Evide
         [-each.after(effect, candidate.shape, found.coefficients, found.step[own]) for each in shown]
     )
     torque = np.concatenate([each.torque(effect, candidate.shape) @ found.coefficients for each in shown])
-    edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, BINS + 1)))
+    bins = int(np.clip(len(at) // USUAL, 1, BINS))
+    edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
+    if effect.coordinate == "velocity":  # friction turns round at zero: no bin may hold both sides
+        edges = np.unique([*edges, np.clip(0.0, edges[0], edges[-1])])
     place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
     count = np.bincount(place, minlength=len(edges) - 1)
     full = count >= FEWEST
