@@ -31,14 +31,8 @@ class Candidate:
         return len(self.effect.coefficients)
 
 
-def candidates_on(axis: int, effects: Sequence[ShapedEffect], logs: Sequence[AxisSignals]) -> list[Candidate]:
-    """Those that any log holds what they need for. logs: the axis in fitted logs."""
-    return [
-        Candidate(effect, axis, shape)
-        for effect in effects
-        if any(effect.applies(signals) for signals in logs)
-        for shape in grid(effect)
-    ]
+def candidates_on(axis: int, effects: Sequence[ShapedEffect]) -> list[Candidate]:
+    return [Candidate(effect, axis, shape) for effect in effects for shape in grid(effect)]
 
 
 def grid(effect: ShapedEffect) -> Iterator[tuple[float, ...]]:

@@ -20,6 +20,8 @@ from exogauge.identification.settings import Recording
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
 
+FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
+
 
 @final
 @dataclass(frozen=True)
@@ -42,8 +44,9 @@ class LogResiduals:
 @final
 @dataclass(frozen=True)
 class Ground:
-    """candidates: axis -> all that were tried, in the order of the columns of `fitted`. memory: axis -> samples of the
-    fitted logs that count as one. scores: of every candidate that the baseline does not swallow, best first."""
+    """candidates: axis -> those that any fitted log holds what they need for. fitted: sums of the columns of all
+    effects that the model has not, in the order of `candidates_on`. memory: axis -> samples of the fitted logs that
+    count as one. scores: of every candidate that the baseline does not swallow, best first."""
 
     model: RobotModel
     candidates: Mapping[int, Sequence[Candidate]]
@@ -63,15 +66,18 @@ def lay_ground(
     """Pass over the logs, then score every candidate on the fitted ones."""
     axes, x = measured_axes(model), model.unbounded.x
     fitted, kept_out = Sums(), Sums()
-    candidates: dict[int, list[Candidate]] = {}
+    missing = {axis: _not_in(model, axis, effects) for axis in axes}
+    candidates = {axis: candidates_on(axis, missing[axis]) for axis in axes}
+    shown: dict[int, set[str]] = {axis: set() for axis in axes}  # effects that some fitted log can show
     residuals: list[LogResiduals] = []
     order = sorted(recordings, key=lambda each: each.held_out)
     for number, recording in enumerate(order):
         tick(number / len(order), f"trying what may be missing in {recording.log.name}")
         prepared = model.prepare(recording.log)
         signals = dict(zip(axes, axis_signals(model, prepared, axes), strict=True))
-        if not candidates:
-            candidates = {axis: candidates_on(axis, _not_in(model, axis, effects), [signals[axis]]) for axis in axes}
+        if not recording.held_out:
+            for axis in axes:
+                shown[axis] |= {effect.name for effect in missing[axis] if effect.applies(signals[axis])}
         columns: dict[int, Array] = (
             {axis: np.zeros((len(prepared.kept), 0)) for axis in axes}
             if recording.held_out
@@ -80,7 +86,13 @@ def lay_ground(
         left = (kept_out if recording.held_out else fitted).take(model.equations, prepared, x, columns)
         residuals.append(_residuals(recording, left, signals, prepared.kept, prepared.log.rate_hz))
     memory = {axis: _memory(residuals, axis) for axis in axes}
-    return Ground(model, candidates, fitted, memory, tuple(residuals), _ranked(model, candidates, fitted, memory))
+    scores = [each for each in _ranked(model, candidates, fitted, memory) if _is_shown(each.candidate, shown)]
+    tried = {axis: [each for each in candidates[axis] if _is_shown(each, shown)] for axis in axes}
+    return Ground(model, tried, fitted, memory, tuple(residuals), tuple(scores))
+
+
+def _is_shown(candidate: Candidate, shown: Mapping[int, set[str]]) -> bool:
+    return candidate.effect.name in shown[candidate.axis]
 
 
 def _not_in(model: RobotModel, axis: int, effects: Sequence[ShapedEffect]) -> list[ShapedEffect]:
@@ -90,7 +102,10 @@ def _not_in(model: RobotModel, axis: int, effects: Sequence[ShapedEffect]) -> li
 
 
 def _memory(residuals: Sequence[LogResiduals], axis: int) -> float:
-    return float(np.median([residual_memory(each.residual[:, axis]) for each in residuals if not each.held_out]))
+    """Median of the fitted logs in which the axis moves; one in which it rests knows nothing of it."""
+    fitted = [each.residual[:, axis] for each in residuals if not each.held_out]
+    known = [residual_memory(e) for e in fitted if np.isfinite(e).sum() >= FEWEST]
+    return float(np.median(known)) if known else 1.0
 
 
 def _residuals(
