@@ -1,0 +1,143 @@
+"""A three-joint arm moved by pinocchio alone, with anything hidden in its torques: no code shared with the search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.discrepancy.workflow import Found, find_missing_effects
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.identification.identify import identify
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
+from exogauge.robots.description import Joint, Robot
+from exogauge.robots.urdf import load_tree
+
+RATE = 200.0
+JOINTS = ("j1", "j2", "j3")
+SETTINGS = Settings(cutoff_hz=8.0)
+FRICTION = {"k_d": np.array([0.4, 0.7, 0.3]), "tau_c": np.array([0.8, 1.2, 0.5]), "tau_o": np.array([0.2, -0.3, 0.1])}
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a hidden effect may depend on. t: (T,). q, v, load, drive: (T, 3), drive with the known friction."""
+
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    load: np.ndarray
+    drive: np.ndarray
+
+
+Hidden = Callable[[Motion], np.ndarray]
+"""(T, 3) torque that the motors have to give beyond what the model knows."""
+
+
+def nothing(motion: Motion) -> np.ndarray:
+    return np.zeros_like(motion.q)
+
+
+def urdf() -> bytes:
+    links, previous = ['<link name="base"/>'], "base"
+    for name, axis, m in zip(JOINTS, ("0 0 1", "0 1 0", "1 0 0"), (4.0, 3.0, 2.0), strict=True):
+        links.append(
+            f'<link name="l{name}"><inertial><origin xyz="0.06 -0.04 0.1"/><mass value="{m}"/>'
+            f'<inertia ixx="{0.02 * m}" ixy="0" ixz="0" iyy="{0.025 * m}" iyz="0" izz="{0.01 * m}"/></inertial></link>'
+            f'<joint name="{name}" type="revolute"><parent link="{previous}"/><child link="l{name}"/>'
+            f'<origin xyz="0.05 0.02 0.25"/><axis xyz="{axis}"/>'
+            '<limit lower="-3" upper="3" velocity="10" effort="100"/></joint>'
+        )
+        previous = f"l{name}"
+    return f'<robot name="arm">{"".join(links)}</robot>'.encode()
+
+
+@pytest.fixture(scope="session")
+def robot() -> Robot:
+    tree = load_tree(urdf(), joints=list(JOINTS), base_link="base", floating=False)
+    return Robot("arm", tree, tuple(Joint(name, "torque") for name in JOINTS), None, (), np.eye(3))
+
+
+def inverse_dynamics(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """(T, 3) of an arm that is heavier than its maker says."""
+    model = pin.buildModelFromXML(urdf().decode())
+    for body in range(1, model.njoints):
+        own = model.inertias[body]
+        model.inertias[body] = pin.Inertia(
+            1.15 * own.mass, own.lever + np.array([0.01, 0.01, -0.01]), 1.2 * own.inertia
+        )
+    data = model.createData()
+    return np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)])
+
+
+@pytest.fixture(scope="session")
+def record():
+    """(seed, hidden) -> a log. Six waves per joint, so that each turns often, fast and slow; `still` never moves."""
+
+    def make(
+        seed: int,
+        hidden: Hidden = nothing,
+        seconds: float = 30.0,
+        noise: float = 0.05,
+        noise_seed: int | None = None,
+        still: int | None = None,
+    ) -> Log:
+        rng = np.random.default_rng(seed)
+        t = np.arange(0.0, seconds, 1.0 / RATE)
+        omega = 2.0 * np.pi * rng.uniform(0.05, 0.7, size=(6, 3))
+        size, phase = rng.uniform(0.1, 0.3, size=(6, 3)), rng.uniform(0.0, 6.28, size=(6, 3))
+        if still is not None:
+            size[:, still] = 0.0
+        angle = t[:, None, None] * omega + phase
+        q, v = np.sum(size * np.sin(angle), axis=1), np.sum(size * omega * np.cos(angle), axis=1)
+        load = inverse_dynamics(q, v, -np.sum(size * omega**2 * np.sin(angle), axis=1))
+        rng = np.random.default_rng(seed + 1000 if noise_seed is None else noise_seed)
+        drive = load + FRICTION["k_d"] * v + FRICTION["tau_c"] * np.sign(v) - FRICTION["tau_o"]
+        tau = drive + hidden(Motion(t, q, v, load, drive)) + noise * rng.normal(size=q.shape)
+        q = q + 1e-5 * rng.normal(size=q.shape)
+        channels = {f"q.{name}": q[:, j] for j, name in enumerate(JOINTS)}
+        return Log(f"log{seed}", t, channels | {f"tau.{name}": tau[:, j] for j, name in enumerate(JOINTS)})
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def study(record):
+    """(hidden) -> two logs to fit and one held out; the latter may hide something else."""
+
+    def make(hidden: Hidden = nothing, held_out: Hidden | None = None, **how: float) -> list[Recording]:
+        fitted = [Recording(record(seed, hidden, **how), False) for seed in (1, 2)]
+        return [*fitted, Recording(record(9, hidden if held_out is None else held_out, **how), True)]
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def identified(robot):
+    return lambda recordings: identify(robot, recordings, SETTINGS)
+
+
+@pytest.fixture(scope="session")
+def search(identified):
+    """(recordings) -> what the search says, with the whole catalogue."""
+
+    def run(recordings: list[Recording]) -> Found:
+        first: Identification = identified(recordings)
+        return find_missing_effects(first, recordings, tuple(shaped_effects().values()), SETTINGS)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def on_joint():
+    """(joint number, torque of a motion (T, 3)) -> that torque on this joint alone."""
+
+    def only(joint: int, torque: Hidden) -> Hidden:
+        return lambda motion: torque(motion) * (np.arange(3) == joint)
+
+    return only

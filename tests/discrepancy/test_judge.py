@@ -1,0 +1,160 @@
+"""What is asked of a candidate on logs that were not fitted. Residuals are made so that every block's gain is known:
+with e = -f c, c the candidate's torque, a block's square error falls by (2 f - 1) Σ c²."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import wilcoxon
+
+from exogauge.discrepancy.axis_rows import collect_rows
+from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.judge import apart, judge
+from exogauge.discrepancy.score import Score
+from exogauge.effects.catalogue import shaped_effects
+
+AXIS = 1
+LOSING, WINNING = 0.49, 5.0  # shares: below one half the square error grows
+
+
+@pytest.fixture(scope="module")
+def case(study, identified):
+    """(model, rows of one axis, a score whose coefficient is one and which leaves the baseline alone)."""
+    recordings = study()
+    model = identified(recordings).model
+    candidate = Candidate(shaped_effects()["asym_viscous"], AXIS, ())
+    score = Score(candidate, 1.0, 100.0, np.ones(1), np.zeros(model.equations.size), 1.0)
+    return model, collect_rows(model, recordings, [AXIS])[AXIS], score
+
+
+def torque(score, rows):
+    return rows.torque(score.candidate.effect, score.candidate.shape)[:, 0]
+
+
+def blocks(rows):
+    """(n,) number of the second that each row lies in."""
+    return np.unique(np.floor(rows.signals.time[rows.samples]), return_inverse=True)[1]
+
+
+def with_share(case, share, fitted=1.0):
+    """The rows with residuals of which the candidate explains `share` (n,) of its own torque on the held-out log."""
+    _, rows, score = case
+    return [
+        replace(each, e=-torque(score, each) * (share(each) if each.held_out else fitted * np.ones(len(each.e))))
+        for each in rows
+    ]
+
+
+def with_gains(case, gains):
+    """Held-out rows whose blocks gain what `gains` (count) -> (count,) says."""
+    _, rows, score = case
+    (out,) = [each for each in rows if each.held_out]
+    energy = np.bincount(blocks(out), torque(score, out) ** 2)
+    wanted = gains(len(energy))
+    return with_share(case, lambda each: 0.5 * (wanted / energy + 1.0)[blocks(each)]), wanted
+
+
+def test_sureness_is_that_of_the_mean_where_the_mean_says_more(case):
+    model, _, score = case
+    rows, gains = with_gains(case, lambda n: 1.0 + 0.02 * np.sin(np.arange(n)))
+    found = judge(model, score, rows)
+    np.testing.assert_allclose(found.blocks, gains, rtol=1e-9)
+    assert found.z == pytest.approx(gains.mean() / (gains.std(ddof=1) / np.sqrt(len(gains))), rel=1e-6)
+    assert found.z > abs(wilcoxon(gains, method="approx", correction=False).zstatistic)
+    assert found.objection == ""
+
+
+def test_sureness_is_that_of_the_ranks_where_a_few_blocks_gain_much_more(case):
+    model, _, score = case
+    rows, gains = with_gains(case, lambda n: np.where(np.arange(n) < 2, 300.0, 1.0) * (1.0 + 0.001 * np.arange(n)))
+    found = judge(model, score, rows)
+    ranks = abs(wilcoxon(gains, method="approx", correction=False).zstatistic)  # all blocks gain
+    assert abs(gains.mean() / (gains.std(ddof=1) / np.sqrt(len(gains)))) < 2.5
+    assert found.z == pytest.approx(ranks, rel=1e-6)
+    assert found.objection == ""
+
+
+def test_gains_that_come_and_go_are_not_sure(case):
+    model, _, score = case
+    rows, _ = with_gains(case, lambda n: 0.3 + np.where(np.arange(n) % 2, 1.2, -1.0))
+    found = judge(model, score, rows)
+    assert 0.0 < found.z < 3.0
+    assert found.explained > 0.0
+    assert "does not fall surely" in found.objection or "not worth a name" in found.objection
+
+
+def test_what_explains_next_to_nothing_is_not_worth_a_name(case):
+    model, _, score = case
+    found = judge(model, score, with_share(case, lambda each: np.full(len(each.e), 50.0)))
+    assert found.explained == pytest.approx(1.0 - (49.0 / 50.0) ** 2)
+    assert "not worth a name" in found.objection
+
+
+def test_one_block_of_the_fitted_logs_is_not_enough(case):
+    model, _, score = case
+    fitted = with_share(case, lambda each: np.ones(len(each.e)))
+    once = [
+        each if each.held_out else replace(each, e=np.where(blocks(each) == 4, 9.0, 0.5) * each.e) for each in fitted
+    ]
+    found = judge(model, score, once)
+    assert found.z > 3.0
+    assert found.z_fitted < 2.5
+    assert found.objection.startswith("one or two moments of the fitted logs")
+
+
+REGIMES = [
+    ("in negative motion", lambda v, scale: v < 0.0),
+    ("in positive motion", lambda v, scale: v > 0.0),
+    ("at high speed", lambda v, scale: np.abs(v) > 1.2 * scale),
+]
+
+
+@pytest.mark.parametrize(("name", "inside"), REGIMES)
+def test_a_regime_that_gets_worse_is_an_objection(case, name, inside):
+    model, _, score = case
+
+    def share(rows):
+        worse = inside(rows.signals.velocity[rows.samples], rows.signals.speed_scale)
+        return np.where(worse, LOSING, WINNING)
+
+    found = judge(model, score, with_share(case, share))
+    assert found.z > 3.0
+    assert found.objection.startswith(f"it makes the error larger {name}")
+
+
+def test_a_few_seconds_are_too_little_to_judge(case):
+    model, _, score = case
+    made = with_share(case, lambda each: np.ones(len(each.e)))
+    few = []
+    for each in made:
+        part = blocks(each) < 4 if each.held_out else np.ones(len(each.e), dtype=bool)
+        few.append(replace(each, samples=each.samples[part], A=each.A[part], e=each.e[part]))
+    assert judge(model, score, few).objection.startswith("too little steady motion")
+
+
+def test_without_held_out_rows_there_is_no_number_and_an_objection(case):
+    model, _, score = case
+    found = judge(model, score, [each for each in with_share(case, lambda each: 1.0) if not each.held_out])
+    assert np.isnan(found.before)
+    assert found.objection.startswith("too little steady motion")
+
+
+def test_rms_errors_are_those_of_the_rows(case):
+    model, _, score = case
+    rows = with_share(case, lambda each: np.full(len(each.e), 3.0))
+    (out,) = [each for each in rows if each.held_out]
+    size = np.sqrt(np.mean(torque(score, out) ** 2))
+    found = judge(model, score, rows)
+    assert (found.before, found.after) == (pytest.approx(3.0 * size), pytest.approx(2.0 * size))
+
+
+def test_two_candidates_are_apart_by_what_their_blocks_differ(case):
+    model, _, score = case
+    first, second = (
+        judge(model, score, with_gains(case, lambda n, level=level: level + 0.1 * np.sin(np.arange(n)))[0])
+        for level in (2.0, 1.0)
+    )
+    noisy = judge(model, score, with_gains(case, lambda n: 2.0 + np.where(np.arange(n) % 2, 1.0, -1.0))[0])
+    assert apart(first, second) > 3.0
+    assert apart(second, first) == pytest.approx(-apart(first, second))
+    assert abs(apart(first, noisy)) < 2.0

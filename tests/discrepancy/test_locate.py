@@ -1,0 +1,54 @@
+"""A channel is located where it is off by more than its sensor's noise, and it is said where."""
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.ground import lay_ground
+from exogauge.discrepancy.locate import located, pooled
+
+
+@pytest.fixture
+def located_in(robot, identified):
+    def find(recordings):
+        found = identified(recordings)
+        return located(robot, found, lay_ground(found.model, recordings, (), lambda _fraction, _phrase: None).residuals)
+
+    return find
+
+
+def test_channels_at_their_noise_floor_are_not_located(located_in, study):
+    assert located_in(study()) == ()
+
+
+def test_a_channel_above_its_floor_is_located_with_how_far(located_in, study, on_joint):
+    (excess,) = located_in(study(on_joint(2, lambda m: 0.8 * np.abs(m.v))))
+    assert (excess.channel, excess.unit) == ("tau.j3", "N·m")
+    assert excess.rmse > 1.25 * excess.noise_floor
+    assert excess.noise_floor == pytest.approx(0.05, rel=0.2)  # of the torque sensor
+    assert excess.z > 3.0
+
+
+WHERE = [
+    (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * (np.abs(m.v) > 1.5), "at a speed above"),
+    (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * (m.q > np.quantile(m.q, 0.7, axis=0)), "at a position above"),
+    (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * (m.t > 22.0)[:, None], "at a time since the start above"),
+    (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * np.ones(3), "throughout"),
+]
+
+
+@pytest.mark.parametrize(("hidden", "words"), WHERE)
+def test_it_is_said_where_a_channel_is_off(located_in, study, on_joint, hidden, words):
+    (excess,) = located_in(study(on_joint(2, hidden)))
+    assert excess.where.startswith(words)
+
+
+def test_the_widest_gap_comes_first(located_in, study, on_joint):
+    small, large = on_joint(0, lambda m: 0.8 * np.abs(m.v)), on_joint(2, lambda m: 3.0 * np.abs(m.v))
+    ratios = [each.rmse / each.noise_floor for each in located_in(study(lambda m: small(m) + large(m)))]
+    assert len(ratios) == 2
+    assert ratios == sorted(ratios, reverse=True)
+
+
+def test_without_a_held_out_log_nothing_is_located(located_in, study, on_joint):
+    assert located_in(study(on_joint(2, lambda m: 3.0 * np.abs(m.v)))[:2]) == ()
+    assert all(np.isnan(pooled([])))

@@ -1,0 +1,79 @@
+"""Shapes between the grid's values are found, and how well they are known is said."""
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.axis_rows import collect_rows, sums_of
+from exogauge.discrepancy.candidates import Candidate, grid
+from exogauge.discrepancy.doubt import parameters
+from exogauge.discrepancy.refine import refined
+from exogauge.discrepancy.score import residual_memory, score
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.identification.settings import Recording
+
+AXIS = 1
+TAU_B, V_S, DELTA = 3.0, 0.3, 1.4  # [N·m], [rad/s], 1
+DRAWS = 20
+
+
+def friction(m):
+    """As the catalogue has it, so that there is a true value of every number."""
+    return TAU_B * np.sign(m.v) * np.exp(-(np.abs(m.v / V_S) ** DELTA)) * (np.arange(3) == AXIS)
+
+
+@pytest.fixture(scope="module")
+def fitted_to(identified):
+    """(recordings) -> (model, rows, best of the grid, the same refined)."""
+
+    def run(recordings, effect="stribeck"):
+        model = identified(recordings).model
+        rows = collect_rows(model, recordings, [AXIS])[AXIS]
+        memory = float(np.median([residual_memory(each.e) for each in rows]))
+        tried = [Candidate(shaped_effects()[effect], AXIS, shape) for shape in grid(shaped_effects()[effect])]
+        scores = [score(model, each, sums_of(rows, each.effect, each.shape), memory) for each in tried]
+        best = max((each for each in scores if each is not None), key=lambda each: each.gain)
+        return model, rows, best, refined(model, best, rows, memory)
+
+    return run
+
+
+def test_a_shape_between_the_grids_values_is_found(fitted_to, study):
+    model, rows, best, finer = fitted_to(study(friction, noise=0.002))
+    assert finer.gain > best.gain
+    found = parameters(model, finer, rows)
+    assert found["tau_b"].value == pytest.approx(TAU_B, rel=0.1)
+    assert found["v_s"].value == pytest.approx(V_S, rel=0.1)
+    assert found["delta"].value == pytest.approx(DELTA, rel=0.1)
+    assert [found[name].unit for name in ("tau_b", "v_s", "delta")] == ["N·m", "rad/s", "1"]
+
+
+def test_shapes_keep_to_their_bounds(fitted_to, study):
+    _, _, _, finer = fitted_to(study(lambda m: 3.0 * np.sign(m.v) * (np.arange(3) == AXIS) / (1.0 + np.abs(m.v))))
+    for value, shape in zip(finer.candidate.shape, finer.candidate.effect.shapes, strict=True):
+        assert shape.low - 1e-12 <= value <= shape.high + 1e-12
+
+
+def test_an_effect_without_shapes_is_left_as_it_is(fitted_to, study):
+    _, _, best, finer = fitted_to(study(friction), "asym_viscous")
+    assert finer is best
+
+
+def deviations(fitted_to, record, draws):
+    """(draws, 3) of coefficient and shapes from the truth, in their own standard deviations."""
+    rows_of = []
+    for draw in range(draws):
+        recordings = [Recording(record(1, friction, noise_seed=100 + 3 * draw + k), False) for k in range(1)]
+        model, rows, _, finer = fitted_to(recordings)
+        found = parameters(model, finer, rows)
+        true = {"tau_b": TAU_B, "v_s": V_S, "delta": DELTA}
+        rows_of.append([(found[name].value - value) / found[name].std for name, value in true.items()])
+    return np.array(rows_of)
+
+
+@pytest.mark.slow
+def test_standard_deviations_cover_the_truth_over_many_draws_of_the_noise(fitted_to, record):
+    z = deviations(fitted_to, record, DRAWS)
+    rms = np.sqrt(np.mean(z**2, axis=0))
+    assert np.all(rms < 2.0)
+    assert np.all(rms > 0.3)
+    assert np.mean(np.abs(z) < 2.0) > 0.85

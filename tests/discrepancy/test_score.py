@@ -1,0 +1,146 @@
+"""A candidate scored in sums is a candidate fitted beside the whole baseline."""
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.candidates import Candidate, grid, torques
+from exogauge.discrepancy.score import residual_memory, score
+from exogauge.discrepancy.sums import AxisSums, Sums
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.identification.added import axis_signals
+
+MEMORY = 5.0
+
+
+@pytest.fixture(scope="module")
+def case(study, on_joint, identified):
+    """(model, fitted logs prepared, where the baseline's cost is least) of an arm whose third joint rubs one way."""
+    recordings = study(on_joint(2, lambda m: 0.3 * np.maximum(m.v, 0.0)))
+    model = identified(recordings).model
+    solution = model.solution
+    least = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
+    return model, [model.prepare(each.log) for each in recordings if not each.held_out], least.x
+
+
+@pytest.fixture(scope="module")
+def scored(case):
+    model, logs, x = case
+
+    def of(name, axis, shape):
+        candidate, sums = Candidate(shaped_effects()[name], axis, shape), Sums()
+        for prepared in logs:
+            (signals,) = axis_signals(model, prepared, [axis])
+            sums.take(model.equations, prepared, x, {axis: torques([candidate], signals, prepared)})
+        return score(model, candidate, sums.by_axis[axis], MEMORY)
+
+    return of
+
+
+def dense(model, logs, candidate=None):
+    """(least cost, its parameters [x_free; coefficients]) of all rows and the prior, stacked and solved at once."""
+    equations, prior, strength = model.equations, model.solution.prior, model.solution.strength
+    kinds, width = equations.columns(), candidate.width if candidate else 0
+    rows, right = [], []
+    for prepared in logs:
+        if candidate:
+            (signals,) = axis_signals(model, prepared, [candidate.axis])
+            delivered = torques([candidate], signals, prepared)
+        for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
+            for chunk in chunks:
+                root = np.sqrt(model.solution.weights[chunk.kind])
+                full = np.zeros((len(chunk.samples), equations.size + width))
+                full[:, kinds[chunk.kind]] = chunk.block[:, :-1]
+                if candidate and chunk.kind == equations.first_axis + candidate.axis:
+                    full[:, equations.size :] = -delivered[chunk.samples]
+                rows.append(root * full)
+                right.append(root * chunk.block[:, -1])
+    A, y = np.vstack(rows), np.concatenate(right)
+    y = y - A[:, : equations.size] @ prior.seen_mean
+    A = A[:, np.concatenate([prior.free, np.arange(equations.size, equations.size + width)])]
+    belief = np.zeros((len(prior.free), A.shape[1]))
+    belief[:, : len(prior.free)] = np.sqrt(strength) * prior.whitening
+    A, y = np.vstack([A, belief]), np.concatenate([y, np.zeros(len(belief))])
+    scale = np.linalg.norm(A, axis=0)
+    z = np.linalg.lstsq(A / scale, y, rcond=1e-14)[0]
+    left = y - A / scale @ z
+    return left @ left, z / scale
+
+
+@pytest.mark.parametrize(
+    ("name", "axis", "shape"), [("asym_viscous", 2, ()), ("torque_ripple", 1, (7.3,)), ("torque_delay", 0, ())]
+)
+def test_the_gain_is_what_fitting_everything_again_would_take_off_the_cost(case, scored, name, axis, shape):
+    model, logs, _ = case
+    found = scored(name, axis, shape)
+    without, x = dense(model, logs)
+    with_it, moved = dense(model, logs, found.candidate)
+    free = model.solution.prior.free
+    assert without - with_it > 0.01
+    assert found.gain == pytest.approx(without - with_it, rel=1e-6)
+    np.testing.assert_allclose(found.coefficients, moved[len(free) :], rtol=1e-6)
+    np.testing.assert_allclose(found.step[free], moved[: len(free)] - x, atol=1e-6 * np.abs(found.step).max())
+
+
+def test_an_effect_that_would_have_to_push_is_held_at_nothing(case, scored):
+    model, logs, _ = case
+    found = scored("stribeck", 0, (0.2, 1.0))
+    _, x = dense(model, logs, found.candidate)
+    assert x[-1] < 0.0  # what least squares would like
+    assert found.coefficients == pytest.approx(0.0, abs=1e-6)
+    assert found.gain == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
+    model, logs, at = case
+    kind, nothing = model.equations.first_axis + axis, Candidate(shaped_effects()["asym_viscous"], axis, ())
+    names = [effect.name for effect in model.equations.effects]
+    for name in ("viscous", "coulomb", "motor_offset", "rotor_inertia"):
+        place = len(model.equations.blocks.columns[kind]) + names.index(name)
+        sums = AxisSums.empty(1, len(model.equations.columns()[kind]))
+        for prepared in logs:
+            for _, chunks in model.equations.rows(prepared, at):
+                for chunk in (each for each in chunks if each.kind == kind):
+                    A, y = chunk.block[:, :-1], chunk.block[:, -1]
+                    sums.add(A, -A[:, [place]], y - A @ at[model.equations.columns()[kind]])
+        found = score(model, nothing, sums, MEMORY)
+        assert found is None or (found.left < 1e-4 and found.evidence < 0.0)
+
+
+def test_what_least_squares_cannot_see_beside_the_baseline_has_no_score(case):
+    model, _, _ = case
+    kind = model.equations.first_axis
+    still = AxisSums.empty(1, len(model.equations.columns()[kind]))
+    still.add(np.zeros((50, still.cross.shape[1])), np.zeros((50, 1)), np.ones(50))
+    assert score(model, Candidate(shaped_effects()["asym_viscous"], 0, ()), still, MEMORY) is None
+
+
+def test_sums_of_two_halves_are_the_sums_of_the_whole():
+    rng = np.random.default_rng(0)
+    A, c, e = rng.normal(size=(40, 3)), rng.normal(size=(40, 4)), rng.normal(size=40)
+    halves = AxisSums.empty(4, 3)
+    for part in (slice(0, 15), slice(15, 40)):
+        halves.add(A[part], c[part], e[part])
+    some = halves.part(slice(1, 3))
+    np.testing.assert_allclose(some.cross, -c[:, 1:3].T @ A)
+    np.testing.assert_allclose(some.own, c[:, 1:3].T @ c[:, 1:3])
+    np.testing.assert_allclose(some.with_residual, -c[:, 1:3].T @ e)
+    assert (some.square, some.rows) == (pytest.approx(e @ e), 40)
+
+
+@pytest.mark.parametrize("rho", [0.5, 0.8])
+def test_samples_that_count_as_one_are_those_of_an_autoregression(rho):
+    rng = np.random.default_rng(1)
+    e = np.empty(40000)
+    e[0] = rng.normal()
+    for k in range(1, len(e)):
+        e[k] = rho * e[k - 1] + rng.normal()
+    e[rng.random(len(e)) < 0.2] = np.nan  # gaps, where the axis gives no row
+    assert residual_memory(e) == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.15)
+
+
+def test_the_grid_holds_every_combination_of_the_shapes():
+    stribeck = shaped_effects()["stribeck"]
+    assert len(set(grid(stribeck))) == len(stribeck.shapes[0].grid) * len(stribeck.shapes[1].grid)
+    assert list(grid(shaped_effects()["asym_viscous"])) == [()]
