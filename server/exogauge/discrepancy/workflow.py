@@ -18,6 +18,8 @@ from exogauge.discrepancy.finding import name_effect, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
+from exogauge.discrepancy.link_finding import name_link
+from exogauge.discrepancy.links import odd_links
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.refine import refined
 from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Verdict
@@ -80,19 +82,24 @@ def find_missing_effects(
         models.append(again)
         current = again
     unexplained = located(base.robot, current, ground.residuals)
+    channels = [finding.held_out.channel for finding in findings] or [each.channel for each in before]
+    chain = tuple(link(each, findings[:k], channels) for k, each in enumerate(models))
+    family = lineage(findings)
+    fitted = [each.log for each in recordings if not each.held_out]
+    for odd in odd_links(current.model, fitted):
+        findings.append(name_link(len(findings) + 1, current.model, odd, current))
     verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
     notes = () if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
-    channels = [finding.held_out.channel for finding in findings] or [each.channel for each in before]
     progress(1.0, "compared")
     return Found(
         Discrepancy(
             verdict=verdict,
             findings=merged(findings, len(base.robot.joints)),
-            chain=tuple(link(each, findings[:k], channels) for k, each in enumerate(models)),
+            chain=chain,
             located=before,
             unexplained=unexplained,
             rejected=tuple(rejected),
-            lineage=lineage(findings),
+            lineage=family,
             candidates=tried,
             notes=notes,
             before_after={},

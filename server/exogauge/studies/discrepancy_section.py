@@ -72,7 +72,7 @@ class FindingView:
     after: str
     floor: str
     unit: str
-    picture: Picture
+    picture: Picture | None
     parameters: tuple[ParameterRow, ...]
     beaten: tuple[CandidateRow, ...]
     alike: tuple[CandidateRow, ...]
@@ -177,7 +177,9 @@ def _finding(finding: Finding, key: str) -> FindingView:
         after=significant(held.rmse_after),
         floor=significant(held.noise_floor),
         unit=held.unit,
-        picture=_evidence(finding.evidence, held.channel.removeprefix("tau."), title, key),
+        picture=_evidence(finding.evidence, held.channel.removeprefix("tau."), title, key)
+        if len(finding.evidence.at)
+        else None,
         parameters=tuple(_parameter(name, each) for name, each in finding.parameters.items()),
         beaten=(own, *(_candidate(each) for each in others)),
         alike=tuple(_candidate(each) for each in finding.also_possible),

@@ -1,0 +1,111 @@
+"""Links that weigh other than their maker says, by more than he doubts: a payload, a part that was changed.
+
+A free inertia absorbs a payload, so no residual shows it. What shows it is the distance of the data from the prior: how
+much more likely the data become when one link's inertia is let go, over all that the stated doubts allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.linalg as sl
+from numpy.typing import NDArray
+
+from exogauge.identification.model import RobotModel
+from exogauge.logs.model import Log
+from exogauge.robots.kinematics import forward
+
+Array = NDArray[np.float64]
+
+MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from its frame: std of a broad belief
+BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
+MEMORY = 4.0  # samples that count as one, at least: residuals are coloured
+SURE = 20.0  # twice the log likelihood ratio: odds of e^10, before some forty links are counted
+TELL_APART = 6.0  # by which the best link must stand above another one
+MOST = 2
+TURNS, THINNED = 0.05, 500  # rms angular velocity [rad/s] that counts as turning, seen at so many samples of a log
+
+
+@final
+@dataclass(frozen=True)
+class LinkScore:
+    """evidence: twice the log likelihood ratio for this link being let go. change: (4,) of mass [kg] and first moments
+    [kg·m], std: (4,) their doubt."""
+
+    body: int
+    evidence: float
+    change: Array
+    std: Array
+
+
+@final
+@dataclass(frozen=True)
+class OddLink:
+    """The link that explains best why the data lie far from the prior, and those that would do as well."""
+
+    best: LinkScore
+    alike: tuple[LinkScore, ...]
+    others: tuple[LinkScore, ...]
+
+
+def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
+    """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
+
+    A link that hardly turns in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
+    measured acceleration, which the residual holds too.
+    """
+    bodies = _turning(model, logs)
+    solved, prior = model.unbounded, model.solution.prior
+    R = solved.information / np.sqrt(MEMORY)
+    z = solved.target / np.sqrt(MEMORY) - R @ prior.seen_mean[prior.free]
+    covariance = np.eye(len(z)) + R @ prior.seen_covariance[np.ix_(prior.free, prior.free)] @ R.T
+    pulls = {body: R @ prior.seen[prior.free][:, 10 * body : 10 * body + 4] * BROAD for body in bodies}
+    found: list[OddLink] = []
+    while len(found) < min(MOST, len(bodies)):
+        half = np.linalg.cholesky(covariance)
+        white = sl.solve_triangular(half, z, lower=True)
+        scores = [_score(body, sl.solve_triangular(half, pulls[body], lower=True), white) for body in bodies]
+        scores = [each for each in scores if each.body not in {one.best.body for one in found}]
+        ordered = sorted(scores, key=lambda each: -each.evidence)
+        best = ordered[0]
+        if best.evidence < SURE:
+            break
+        alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < TELL_APART)
+        found.append(OddLink(best, alike, tuple(each for each in ordered[1:4] if each not in alike)))
+        covariance = covariance + pulls[best.body] @ pulls[best.body].T
+    return found
+
+
+def _turning(model: RobotModel, logs: Sequence[Log]) -> list[int]:
+    """Bodies that turn or are swung about enough to show what they weigh."""
+    omega = []
+    for log in logs:
+        prepared = model.prepare(log)
+        states = forward(
+            model.robot.tree, prepared.motion.rows(prepared.kept[:: max(1, len(prepared.kept) // THINNED)])
+        )
+        omega.append(states.omega)
+    speed = np.sqrt(np.mean(np.sum(np.concatenate(omega) ** 2, axis=2), axis=0))
+    return [body for body, rms in enumerate(speed) if rms > TURNS]
+
+
+def _score(body: int, U: Array, white: Array) -> LinkScore:
+    """U: (m, 4) the link's broad belief in whitened rows."""
+    inner = np.eye(4) + U.T @ U
+    projected = U.T @ white
+    solved = np.linalg.solve(inner, projected)
+    evidence = float(projected @ solved - np.linalg.slogdet(inner)[1])
+    std = BROAD * np.sqrt(np.maximum(np.diag(np.linalg.inv(inner)), 0.0))
+    return LinkScore(body, evidence, BROAD * solved, std)
+
+
+def carries_nothing(model: RobotModel, body: int) -> bool:
+    """Whether no other moving body hangs on this one, or only fingers' worth of mass: where a payload is carried."""
+    tree = model.robot.tree
+    carried: Sequence[int] = [k for k in range(len(tree.bodies)) if tree.parent[k] == body]
+    return float(sum(tree.phi[k, 0] for k in carried)) < 0.05 * tree.mass and not any(
+        tree.parent[k] in carried for k in range(len(tree.bodies))
+    )
