@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -111,3 +112,30 @@ def test_most_of_the_gain_stays_when_the_prediction_does_not_know_the_sign_at_re
     effects = [name for name in Settings().effects if name != "static_friction"]
     evaluate(folder, folder / "signless", lambda _fraction, _phrase: None, {"effects": effects})
     assert held_out_rmse(folder / "signless").mean() < 2.6
+
+
+@pytest.fixture(scope="module")
+def discrepancy(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Mapping[str, Any]:
+    (folder / "missing.yaml").write_text(STUDY.replace("steps: [identify]", "steps: [identify, discrepancy]"))
+    found: Mapping[str, Any] = answer(folder / "missing.yaml")["discrepancy"]
+    return found
+
+
+def test_nothing_is_named_on_three_seconds_half_of_which_stand_still(discrepancy: Mapping[str, Any]) -> None:
+    assert discrepancy["verdict"] == "unexplained"
+    assert discrepancy["findings"] == []
+    assert discrepancy["rejected"]
+    for each in discrepancy["rejected"]:
+        assert "too little steady motion in logs that were not fitted" in each["reason"]
+
+
+def test_the_gap_that_is_left_is_shown(discrepancy: Mapping[str, Any]) -> None:
+    left = {each["channel"]: each for each in discrepancy["unexplained"]}
+    assert {"tau.joint_2", "tau.joint_3"} <= set(left)
+    assert all(each["rmse"] > 2.0 * each["noise_floor"] for each in left.values())
+
+
+def test_stribeck_which_is_not_in_this_recording_is_not_even_a_candidate_worth_judging(
+    discrepancy: Mapping[str, Any],
+) -> None:
+    assert "stribeck" not in {each["effect"] for each in discrepancy["rejected"]}

@@ -1,0 +1,142 @@
+"""UR10: an exciting trajectory, 27.5 s at 125 Hz, in a rosbag2; low-passed at some 2 to 3 Hz before it was stored."""
+
+from __future__ import annotations
+
+import sqlite3
+import struct
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from exogauge.errors import BadInput
+from exogauge.studies.evaluate import evaluate
+
+pytestmark = pytest.mark.slow
+
+BAG = "ur10_exciting_trajectory.db3"
+JOINTS = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
+STUDY = """version: 1
+name: UR10
+robot: robot.yaml
+logs:
+  - {{file: log.parquet, rows: {fitted}, role: identification, name: train}}
+  - {{file: log.parquet, rows: {held_out}, role: validation, name: held_out}}
+steps: [identify, discrepancy]
+"""
+FORWARD, REVERSE = ("[0, 2064]", "[2064, 3441]"), ("[1377, 3441]", "[0, 1377]")
+
+
+class Message:
+    """A serialised ROS 2 message, little endian: every value starts at a multiple of its size."""
+
+    def __init__(self, data: bytes) -> None:
+        self.data, self.at = data[4:], 0  # four bytes say how it is serialised
+
+    def take(self, form: str) -> tuple[Any, ...]:
+        one = struct.calcsize(form[-1])
+        self.at += -self.at % one
+        values = struct.unpack_from(f"<{form}", self.data, self.at)
+        self.at += one * len(values)
+        return values
+
+    def text(self) -> str:
+        (length,) = self.take("I")
+        self.at += length
+        return self.data[self.at - length : self.at - 1].decode()
+
+    def numbers(self) -> tuple[float, ...]:
+        (length,) = self.take("I")
+        return self.take(f"{length}d")
+
+
+def joint_states(bag: Path) -> dict[str, np.ndarray]:
+    """t [s] and, per joint, q [rad] and tau [N·m], each (T,)."""
+    rows = []
+    connection = sqlite3.connect(bag)
+    for (data,) in connection.execute("select data from messages order by id"):
+        message = Message(data)
+        seconds, nanoseconds = *message.take("i"), *message.take("I")
+        message.text()
+        names = [message.text() for _ in range(message.take("I")[0])]
+        position, _velocity, effort = message.numbers(), message.numbers(), message.numbers()
+        assert tuple(names) == JOINTS
+        rows.append([seconds + 1e-9 * nanoseconds, *position, *effort])
+    connection.close()
+    table = np.array(rows)
+    columns = {"t": table[:, 0] - table[0, 0]}
+    for k, joint in enumerate(JOINTS):
+        columns |= {f"q.{joint}": table[:, 1 + k], f"tau.{joint}": table[:, 7 + k]}
+    return columns
+
+
+@pytest.fixture(scope="module")
+def folder(recording: Callable[..., Path], fixed_arm: Callable[..., None]) -> Path:
+    folder = recording("ur10_rosbag2", (BAG,))
+    fixed_arm(folder, "ur_description/urdf/ur10_robot.urdf", JOINTS)
+    pq.write_table(pa.table(joint_states(folder / BAG)), folder / "log.parquet")
+    for name, (fitted, held_out) in {"forward": FORWARD, "reverse": REVERSE}.items():
+        (folder / f"{name}.yaml").write_text(STUDY.format(fitted=fitted, held_out=held_out))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Mapping[str, Any]:
+    """With every setting at its default."""
+    return answer(folder / "forward.yaml")
+
+
+@pytest.fixture(scope="module", params=["forward", "reverse"])
+def in_the_band(
+    folder: Path, answer: Callable[..., Mapping[str, Any]], request: pytest.FixtureRequest
+) -> Mapping[str, Any]:
+    """Cut-off near the band that the log was stored with."""
+    return answer(folder / f"{request.param}.yaml", cutoff_hz=5.0)
+
+
+def on_joints(found: Mapping[str, Any]) -> dict[tuple[str, str], Mapping[str, Any]]:
+    """(effect, joint) -> finding."""
+    findings = found["discrepancy"]["findings"]
+    return {(each["effect"], each["where"]["joint"]): each for each in findings if "joint" in each["where"]}
+
+
+def test_the_bag_itself_is_refused_with_what_to_do(folder: Path) -> None:
+    (folder / "bag.yaml").write_text(
+        f"version: 1\nname: bag\nrobot: robot.yaml\nlogs:\n  - {{file: {BAG}, role: identification}}\n"
+    )
+    with pytest.raises(BadInput, match="rosbag2") as refused:
+        evaluate(folder / "bag.yaml", folder / "no", lambda _fraction, _phrase: None)
+    assert "Export it" in str(refused.value)
+
+
+def test_held_out_torques_are_predicted_three_times_as_well_as_by_the_stock_model(found: Mapping[str, Any]) -> None:
+    fits = [each for each in found["identification"]["validation"] if each["held_out"]]
+    assert len(fits) == len(JOINTS)
+    for fit in fits:
+        assert fit["rmse_identified"] < 0.33 * fit["rmse_prior"], fit["channel"]
+
+
+def test_the_lifted_arm_rubs_more_under_load_whichever_part_is_fitted(in_the_band: Mapping[str, Any]) -> None:
+    """Least squares beside the product agree: 0.04 and 0.06 N·m of friction per N·m of gravity (docs/real-logs.md)."""
+    named = on_joints(in_the_band)
+    assert set(named) == {("load_coulomb", "shoulder_lift_joint")}
+    (finding,) = named.values()
+    assert 0.03 < finding["parameters"]["mu"]["value"] < 0.06
+    assert finding["held_out"]["rmse_after"] < 0.6 * finding["held_out"]["rmse_before"]
+
+
+@pytest.mark.xfail(reason="the log's own low-pass is taken for presliding: the regressor is not filtered like the log")
+def test_a_filter_is_not_taken_for_friction(found: Mapping[str, Any]) -> None:
+    assert ("presliding", "shoulder_pan_joint") not in on_joints(found)
+
+
+def test_what_is_added_makes_the_held_out_error_smaller(found: Mapping[str, Any]) -> None:
+    for (effect, _), finding in on_joints(found).items():
+        assert finding["held_out"]["rmse_after"] < finding["held_out"]["rmse_before"], effect
