@@ -58,6 +58,11 @@ def urdf() -> bytes:
 
 
 @pytest.fixture(scope="session")
+def arm_urdf() -> str:
+    return urdf().decode()
+
+
+@pytest.fixture(scope="session")
 def robot() -> Robot:
     tree = load_tree(urdf(), joints=list(JOINTS), base_link="base", floating=False)
     return Robot("arm", tree, tuple(Joint(name, "torque") for name in JOINTS), None, (), np.eye(3))
