@@ -140,3 +140,14 @@ def test_a_filter_is_not_taken_for_friction(found: Mapping[str, Any]) -> None:
 def test_what_is_added_makes_the_held_out_error_smaller(found: Mapping[str, Any]) -> None:
     for (effect, _), finding in on_joints(found).items():
         assert finding["held_out"]["rmse_after"] < finding["held_out"]["rmse_before"], effect
+
+
+@pytest.mark.xfail(reason="before: the a-priori robot, which has no friction either; after: all that was identified")
+def test_a_load_on_a_link_is_not_credited_with_the_friction_that_was_identified_beside_it(
+    found: Mapping[str, Any],
+) -> None:
+    prior = {each["channel"]: each["rmse_prior"] for each in found["identification"]["validation"] if each["held_out"]}
+    for finding in found["discrepancy"]["findings"]:
+        if "link" in finding["where"]:
+            shown = finding["held_out"]
+            assert shown["rmse_before"] < 0.5 * prior[shown["channel"]]
