@@ -8,11 +8,13 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from exogauge import __version__
 from exogauge.errors import ExogaugeError
 
 BAD_INPUT = 2
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 SHOWN_FINDINGS = 5  # of one sort, unless it is an error
 
 
@@ -61,11 +63,20 @@ class InOrder(argparse.Action):
 
 
 def parser() -> argparse.ArgumentParser:
-    top = argparse.ArgumentParser(prog="exogauge", description="Identify a robot from its logs, with numbers.")
+    top = argparse.ArgumentParser(
+        prog="exogauge", description="Say with numbers what an assistive wear does to a body."
+    )
     top.add_argument("--version", action="version", version=f"exogauge {__version__}")
     top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
     commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
+    _add_study_commands(commands)
+    _add_synthetic_commands(commands)
+    _add_service_commands(commands)
+    return top
 
+
+def _add_study_commands(commands: Commands) -> None:
+    """On local files."""
     run = commands.add_parser("run", help="evaluate a study on local files, without a server")
     run.add_argument("study", type=Path, help="study.yaml, its folder, or a zip of it")
     run.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json and the rest go")
@@ -104,6 +115,9 @@ def parser() -> argparse.ArgumentParser:
     what_if.add_argument("--json", action="store_true", help="the answer as JSON")
     what_if.set_defaults(command=ask_what_if, changes=[])
 
+
+def _add_synthetic_commands(commands: Commands) -> None:
+    """What is simulated."""
     sample = commands.add_parser("sample", help="write a complete synthetic study")
     sample.add_argument("out", type=Path, metavar="OUT")
     sample.add_argument("--seed", type=int, required=True, metavar="N")
@@ -135,6 +149,9 @@ def parser() -> argparse.ArgumentParser:
     score.add_argument("--json", type=Path, metavar="FILE", help="write the score as JSON too")
     score.set_defaults(command=score_blind)
 
+
+def _add_service_commands(commands: Commands) -> None:
+    """Server, workers, database, demonstration."""
     serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
     serve.add_argument("--host", help="address to listen on (EXOGAUGE_HOST)")
     serve.add_argument("--port", type=int, help="port; 0 takes a free one (EXOGAUGE_PORT)")
@@ -152,7 +169,6 @@ def parser() -> argparse.ArgumentParser:
 
     demo = commands.add_parser("demo", help="evaluate the sample study through the service, and print the result")
     demo.set_defaults(command=show_demo)
-    return top
 
 
 def run_study(options: argparse.Namespace) -> int:

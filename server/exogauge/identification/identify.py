@@ -24,7 +24,7 @@ from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
 from exogauge.identification.settings import Progress, Recording, Settings
-from exogauge.identification.solution import solve
+from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import fits, noise_floors, predict_log, rms
@@ -87,12 +87,7 @@ def identify(
         return np.concatenate([standard[: robot.tree.phi.size], clip_to_ranges(equations, x[equations.base_size :])])
 
     progress(0.75, "estimating the uncertainty")
-    if solution.held:
-        warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
-    bias = noise_bias(equations, fitted, at_rest, solution)
-    doubt = unbounded.covariance(meat) + np.outer(bias, bias)
+    doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
     covariance = solution.prior.lift_covariance(doubt)
     solution.solved.shift(-bias)
     standard = fill_in(solution.solved.prior.lift(solution.solved.x))
@@ -107,11 +102,6 @@ def identify(
         equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
     )
     condition, rank = solution.solved.condition_and_rank()
-    if solution.sticking.lower_bounds:
-        warnings.append(
-            "At rest, friction does not always take its largest value. What is given as tau_s is what is usual there, "
-            f"a lower bound of the static friction, at {', '.join(solution.sticking.lower_bounds)}."
-        )
     parameters = describe(equations, solution.prior, standard, covariance, solution.sticking)
     progress(1.0, "identified")
     return Identification(
@@ -129,7 +119,7 @@ def identify(
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
-        warnings=tuple(warnings),
+        warnings=(*warnings, *_warnings(solution)),
         model=RobotModel(
             equations=equations,
             identified=identified,
@@ -143,6 +133,28 @@ def identify(
             extension=extension,
         ),
     )
+
+
+def _doubt_and_bias(
+    equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution
+) -> tuple[Array, Array]:
+    """(P, P) covariance of x about the truth, and (P,) what noise in the regressor has added to x."""
+    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
+    unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
+    bias = noise_bias(equations, fitted, at_rest, solution)
+    return unbounded.covariance(meat) + np.outer(bias, bias), bias
+
+
+def _warnings(solution: Solution) -> list[str]:
+    warnings = []
+    if solution.held:
+        warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
+    if solution.sticking.lower_bounds:
+        warnings.append(
+            "At rest, friction does not always take its largest value. What is given as tau_s is what is usual there, "
+            f"a lower bound of the static friction, at {', '.join(solution.sticking.lower_bounds)}."
+        )
+    return warnings
 
 
 def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
