@@ -19,6 +19,7 @@ from exogauge.effects.shaped import ShapedEffect
 from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Identification
 
+AT_MOST = 0.995  # of the held-out error before
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
 
 
@@ -62,6 +63,17 @@ def name_effect(
         motion=effect.needs if alike else "",
         evidence=shown,
     )
+
+
+def objection(finding: Finding) -> str:
+    """Why an effect is dropped again once the robot has been identified with it, or ""."""
+    held_out = finding.held_out
+    if held_out.rmse_after > AT_MOST * held_out.rmse_before:
+        return (
+            f"with the robot identified again the held-out error does not fall ({held_out.rmse_before:.3g} to "
+            f"{held_out.rmse_after:.3g} {held_out.unit})"
+        )
+    return ""
 
 
 def _alternative(model: RobotModel, judged: Judgement, alike: Sequence[Judgement]) -> Alternative:

@@ -24,6 +24,7 @@ MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from it
 BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
 MEMORY = 4.0  # samples that count as one, at least: residuals are coloured
 SURE = 20.0  # twice the log likelihood ratio: odds of e^10, before some forty links are counted
+SIGNIFICANT = 4.0  # standard deviations of the mass
 TELL_APART = 6.0  # by which the best link must stand above another one
 MOST = 2
 TURNS, THINNED = 0.05, 500  # rms angular velocity [rad/s] that counts as turning, seen at so many samples of a log
@@ -71,7 +72,7 @@ def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
         scores = [each for each in scores if each.body not in {one.best.body for one in found}]
         ordered = sorted(scores, key=lambda each: -each.evidence)
         best = ordered[0]
-        if best.evidence < SURE:
+        if best.evidence < SURE or abs(best.change[0]) < SIGNIFICANT * best.std[0]:
             break
         alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < TELL_APART)
         found.append(OddLink(best, alike, tuple(each for each in ordered[1:4] if each not in alike)))

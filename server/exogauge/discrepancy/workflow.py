@@ -7,14 +7,14 @@ What is claimed is added, the robot identified again with it, and the search rep
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from exogauge.discrepancy.axis_rows import AxisRows, collect_rows, sums_of
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.chain import lineage, link
 from exogauge.discrepancy.everywhere import merged
-from exogauge.discrepancy.finding import name_effect, rejection
+from exogauge.discrepancy.finding import name_effect, objection, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
@@ -62,6 +62,7 @@ def find_missing_effects(
     added: tuple[AddedEffect, ...] = ()
     models = [found]
     rejected: list[Alternative] = []
+    failed: dict[tuple[str, int], Alternative] = {}
     tried = 0
     before: tuple[Excess, ...] = ()
     while True:
@@ -71,14 +72,22 @@ def find_missing_effects(
         before = before or located(base.robot, found, ground.residuals)
         judged, rows = _judged(ground, recordings, effects)
         rejected = [rejection(base, each) for each in judged if each.objection]
-        claimed = [each for each in judged if not each.objection]
-        if not claimed or len(findings) == MOST_EFFECTS:
+        claimed = [each for each in judged if not each.objection and key_of(each) not in failed]
+        again = None
+        for winner in _widest_first(claimed) if len(findings) < MOST_EFFECTS else []:
+            progress(share + 0.25, f"adding {winner.score.candidate.effect.name}")
+            wider = (*added, _as_added(winner.score.candidate))
+            again = identify(base.robot, recordings, settings, extension=Extension(base, wider, floors))
+            finding = name_effect(len(findings) + 1, ground, winner, judged, current, again, rows)
+            refused = objection(finding)
+            if not refused:
+                break
+            failed[key_of(winner)] = replace(rejection(base, winner), reason=refused)
+            again = None
+        if again is None:
             break
-        winner = _worst_gap(claimed)
-        progress(share + 0.25, f"adding {winner.score.candidate.effect.name}")
-        added = (*added, _as_added(winner.score.candidate))
-        again = identify(base.robot, recordings, settings, extension=Extension(base, added, floors))
-        findings.append(name_effect(len(findings) + 1, ground, winner, judged, current, again, rows))
+        added = wider
+        findings.append(finding)
         models.append(again)
         current = again
     unexplained = located(base.robot, current, ground.residuals)
@@ -98,7 +107,7 @@ def find_missing_effects(
             chain=chain,
             located=before,
             unexplained=unexplained,
-            rejected=tuple(rejected),
+            rejected=(*failed.values(), *rejected),
             lineage=family,
             candidates=tried,
             notes=notes,
@@ -108,11 +117,18 @@ def find_missing_effects(
     )
 
 
-def _worst_gap(claimed: Sequence[Judgement]) -> Judgement:
-    """Of each axis the effect with most evidence; of those the one that closes the largest gap, relative to what is
-    left."""
+def key_of(judged: Judgement) -> tuple[str, int]:
+    """Effect and axis."""
+    candidate = judged.score.candidate
+    return candidate.effect.name, candidate.axis
+
+
+def _widest_first(claimed: Sequence[Judgement]) -> list[Judgement]:
+    """Of each axis the effect with most evidence; of those first the one that closes the largest gap, relative to what
+    is left. Then the others, by evidence."""
     best = {each.score.candidate.axis: each for each in sorted(claimed, key=lambda one: one.score.evidence)}
-    return max(best.values(), key=lambda each: each.before / max(each.after, 1e-300))
+    first = sorted(best.values(), key=lambda each: -each.before / max(each.after, 1e-300))
+    return first + [each for each in claimed if each not in first]
 
 
 def _part(progress: Progress, start: float) -> Progress:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from exogauge.errors import NotIdentifiable
 from exogauge.identification.preparation import suggested_cutoff
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
@@ -25,12 +26,20 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], unexplained: Callable[[Log,
     """
     log = max(logs, key=lambda one: one.samples)
     cutoff_hz = suggested_cutoff(robot, logs)
-    scores = {cutoff_hz: unexplained(log, cutoff_hz)}
+    scores = {cutoff_hz: _score(unexplained, log, cutoff_hz)}
     for _ in range(HALVINGS):
         cutoff_hz /= 2.0
         if cutoff_hz < LOWEST_HZ:
             break
-        scores[cutoff_hz] = unexplained(log, cutoff_hz)
-        if scores[cutoff_hz] > min(scores.values()) + STOP:
+        scores[cutoff_hz] = _score(unexplained, log, cutoff_hz)
+        if np.isfinite(min(scores.values())) and scores[cutoff_hz] > min(scores.values()) + STOP:
             break
     return min(hz for hz, score in scores.items() if score <= min(scores.values()) + AS_GOOD)
+
+
+def _score(unexplained: Callable[[Log, float], float], log: Log, cutoff_hz: float) -> float:
+    """inf where so low a bandwidth leaves no steady motion to identify from."""
+    try:
+        return unexplained(log, cutoff_hz)
+    except NotIdentifiable:
+        return np.inf

@@ -19,7 +19,7 @@ SMALLEST_SHARE = 1e-6  # of the signal: noise-free data must not give infinite w
 def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array) -> Array:
     """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it."""
     seen = np.maximum(statistics.count, 1)
-    signal = statistics.residual_square_sum(np.zeros(statistics.size)) / seen
+    signal = statistics.residual_square_sum(prior.seen_mean) / seen
     live = weights > 0.0
     for _ in range(ITERATIONS):
         x = PriorLeastSquares(statistics.square_root(weights), prior, strength).x
