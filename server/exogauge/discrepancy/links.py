@@ -27,7 +27,11 @@ SURE = 20.0  # twice the log likelihood ratio: odds of e^10, before some forty l
 SIGNIFICANT = 4.0  # standard deviations of the mass
 TELL_APART = 6.0  # by which the best link must stand above another one
 MOST = 2
-TURNS, THINNED = 0.05, 500  # rms angular velocity [rad/s] that counts as turning, seen at so many samples of a log
+BASE_TURNS = 0.02  # rms angular velocity of a floating base [rad/s], below which nothing is claimed of any link
+TILTS, THINNED = (
+    0.15,
+    500,
+)  # rms turn of gravity in a body's frame [rad] that shows its weight; samples of a log looked at
 
 
 @final
@@ -55,10 +59,10 @@ class OddLink:
 def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
     """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
 
-    A link that hardly turns in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
+    A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
     measured acceleration, which the residual holds too.
     """
-    bodies = _turning(model, logs)
+    bodies = _tilting(model, logs)
     solved, prior = model.unbounded, model.solution.prior
     R = solved.information / np.sqrt(MEMORY)
     z = solved.target / np.sqrt(MEMORY) - R @ prior.seen_mean[prior.free]
@@ -80,17 +84,21 @@ def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
     return found
 
 
-def _turning(model: RobotModel, logs: Sequence[Log]) -> list[int]:
-    """Bodies that turn or are swung about enough to show what they weigh."""
-    omega = []
+def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
+    """Bodies across which gravity turns enough to show what they weigh."""
+    up, turning = [], []
     for log in logs:
         prepared = model.prepare(log)
+        turning.append(prepared.motion.gyro[prepared.kept])
         states = forward(
             model.robot.tree, prepared.motion.rows(prepared.kept[:: max(1, len(prepared.kept) // THINNED)])
         )
-        omega.append(states.omega)
-    speed = np.sqrt(np.mean(np.sum(np.concatenate(omega) ** 2, axis=2), axis=0))
-    return [body for body, rms in enumerate(speed) if rms > TURNS]
+        pulled = states.proper_acceleration
+        up.append(pulled / np.maximum(np.linalg.norm(pulled, axis=2, keepdims=True), 1e-12))
+    if model.robot.floating and np.sqrt(np.mean(np.concatenate(turning) ** 2)) < BASE_TURNS:
+        return []  # all that its accelerometer says beside gravity is noise
+    spread = np.sqrt(np.sum(np.var(np.concatenate(up), axis=0), axis=1))
+    return [body for body, each in enumerate(spread) if each > TILTS]
 
 
 def _score(body: int, U: Array, white: Array) -> LinkScore:
