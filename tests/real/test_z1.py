@@ -88,7 +88,6 @@ def test_stribeck_is_not_named(by_turns: Mapping[str, Any]) -> None:
     assert "stribeck" not in {each["effect"] for each in by_turns["discrepancy"]["findings"]}
 
 
-@pytest.mark.xfail(reason="an addition is kept although identifying again with it makes the held-out error larger")
 def test_what_is_added_makes_the_held_out_error_smaller(slow_part: Mapping[str, Any]) -> None:
     for finding in slow_part["discrepancy"]["findings"]:
         assert finding["held_out"]["rmse_after"] < finding["held_out"]["rmse_before"], finding["effect"]
