@@ -9,7 +9,6 @@ from typing import Any
 import pytest
 import yaml
 
-
 pytestmark = pytest.mark.slow
 
 GENTLE, SWING, PARAMETERS = "traj_143601.parquet", "traj_154220.parquet", "model_parameters.yml"
