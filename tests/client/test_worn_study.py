@@ -6,6 +6,8 @@ import pytest
 
 from exogauge.client import ClientProblem
 
+pytestmark = pytest.mark.slow
+
 TRUE_STIFFNESS, TRUE_LENGTH = 200.0, 0.25  # of `worn_arm`
 
 

@@ -92,6 +92,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(tmp_path: 
         assert mine != other
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_bytes_as_one(tmp_path: Path, complete: Path) -> None:
     shares: list[float] = []
     write_study(tmp_path, 3, logs=BENDS, progress=lambda share, what: shares.append(share), processes=2)

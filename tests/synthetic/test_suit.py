@@ -13,6 +13,8 @@ from exogauge.synthetic.robot_facts import AXES, BY_NAME, JOINT_NAMES, LINKS, Li
 from exogauge.synthetic.simulation import LOG_RATE_HZ
 from exogauge.synthetic.suit_facts import BANDS, LAYER, BandFacts
 
+pytestmark = pytest.mark.slow
+
 PITCH, YAW = JOINT_NAMES.index("torso_pitch"), JOINT_NAMES.index("torso_yaw")
 NEAR = ("BODY", "waist", "chest", "computer", "neck", "l_thigh", "r_thigh", "l_hip_roll_link", "r_hip_roll_link")
 POSTURES = [{}, {"torso_pitch": 0.4}, {"torso_pitch": 0.75}] + [{"torso_yaw": yaw} for yaw in (-0.8, -0.4, 0.4, 0.8)]
