@@ -170,7 +170,6 @@ def test_what_it_is_confused_with_and_plotted_over_is_known(effect):
     assert effect.confounds
     assert set(effect.confounds) <= set(all_effects()) | set(shaped_effects())
     assert effect.coordinate in COORDINATES
-    assert effect.claims_at_rest is False or effect.claims_at_rest is True
 
 
 @every_effect

@@ -126,7 +126,9 @@ def same(one, other):
 def test_adding_nothing_changes_nothing(make_truth, make_log, actuation):
     truth = make_truth(actuation == "current", actuation=actuation)
     logs = [Recording(make_log(truth, seed, seconds=15.0, noise=1.0), seed == 9) for seed in (1, 9)]
-    same(*extended(truth, logs))
+    one, other = extended(truth, logs)
+    same(one, other)
+    assert one.parameters == other.parameters
 
 
 def test_noise_floors_of_the_parent_are_kept(recordings):

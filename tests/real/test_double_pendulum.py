@@ -91,7 +91,7 @@ def test_a_gap_without_a_name_stays_without_one(found: Mapping[str, Any]) -> Non
 
 
 def test_the_gentle_run_can_be_fitted(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> None:
-    answer(folder / "gentle.yaml")
+    assert 1.0 < answer(folder / "gentle.yaml")["identification"]["cutoff_hz"] < 100.0
 
 
 def test_the_gentle_run_can_be_fitted_at_a_cut_off_that_is_given(

@@ -49,7 +49,7 @@ def collect_rows(
     """axis -> its rows in every log that has any."""
     if not axes:
         return {}
-    equations, x = model.equations, model.unbounded.x
+    equations, x = model.equations, model.solution.unbounded.x
     kinds = equations.columns()
     found: dict[int, list[AxisRows]] = {axis: [] for axis in axes}
     for recording in recordings:

@@ -34,7 +34,7 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Map
     w = model.solution.weights[kind]
     B = np.zeros((model.equations.size, len(total.own)))
     B[own] = w * total.cross.T
-    S = w * total.own - B.T @ model.unbounded.divided(B)
+    S = w * total.own - B.T @ model.solution.unbounded.divided(B)
     std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * w * variance * memory)
     names = [(each.name, each.unit) for each in effect.coefficients] + [
         (each.name, each.unit) for each in effect.shapes

@@ -28,7 +28,9 @@ def evidence(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Evide
     candidate, effect = found.candidate, found.candidate.effect
     own = model.equations.columns()[model.equations.first_axis + candidate.axis]
     shown = [each for each in rows if each.held_out] or list(rows)
-    edge = (model.solution.solved.x - model.unbounded.x)[own]  # the model that is added to keeps to physical ranges
+    edge = (model.solution.solved.x - model.solution.unbounded.x)[
+        own
+    ]  # the model that is added to keeps to physical ranges
     at = np.concatenate([_coordinate(each, effect.coordinate) for each in shown])
     before = np.concatenate([-(each.e - each.A @ edge) for each in shown])
     after = np.concatenate(

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.doubt import parameters
@@ -45,7 +43,7 @@ def name_effect(
     effect, place = candidate.effect, place_of(ground.model, winner.score.candidate)
     rows = rows_of[candidate.axis]
     held_out = _held_out(place.name, before, after)
-    score = _share(held_out)
+    score = held_out.explained
     rivals = [each for each in judged if each is not winner and each.score.candidate.axis == candidate.axis]
     alike = [each for each in rivals if not each.objection and abs(apart(winner, each)) < TELL_APART]
     shown = evidence(model, winner.score, rows)
@@ -88,13 +86,6 @@ def _held_out(joint: str, before: Identification, after: Identification) -> Held
     fits = [[fit for fit in each.validation if fit.held_out and fit.channel == channel] for each in (before, after)]
     (rmse_before, floor), (rmse_after, _) = (pooled(each) for each in fits)
     return HeldOut(channel, "N·m", rmse_before, rmse_after, floor)
-
-
-def _share(held_out: HeldOut) -> float:
-    """Of the excess over the noise floor that goes."""
-    excess = held_out.rmse_before**2 - held_out.noise_floor**2
-    gone = held_out.rmse_before**2 - held_out.rmse_after**2
-    return float(np.clip(gone / excess, 0.0, 1.0)) if excess > 0.0 else 0.0
 
 
 def _sentence(

@@ -64,7 +64,7 @@ def lay_ground(
     model: RobotModel, recordings: Sequence[Recording], effects: Sequence[ShapedEffect], tick: Tick
 ) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones."""
-    axes, x = measured_axes(model), model.unbounded.x
+    axes, x = measured_axes(model), model.solution.unbounded.x
     fitted, kept_out = Sums(), Sums()
     missing = {axis: _not_in(model, axis, effects) for axis in axes}
     candidates = {axis: candidates_on(axis, missing[axis]) for axis in axes}

@@ -39,7 +39,7 @@ def name_link(rank: int, model: RobotModel, odd: OddLink, found: Identification)
         place=Place("link", link),
         parameters=_parameters(best),
         held_out=held_out,
-        score=_share(held_out),
+        score=held_out.explained,
         sentence=sentence,
         alternatives=tuple(_alternative(bodies, each, effect, best) for each in odd.others),
         also_possible=alike,
@@ -74,8 +74,3 @@ def _held_out(found: Identification) -> HeldOut:
     channel = max(pooled, key=lambda name: pooled[name][0] / max(pooled[name][2], 1e-12))
     before, after, floor = (float(value) for value in pooled[channel])
     return HeldOut(channel, "N·m", before, after, floor)
-
-
-def _share(held_out: HeldOut) -> float:
-    excess = held_out.rmse_before**2 - held_out.noise_floor**2
-    return float(np.clip((held_out.rmse_before**2 - held_out.rmse_after**2) / excess, 0.0, 1.0)) if excess > 0 else 0.0

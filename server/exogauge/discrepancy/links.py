@@ -63,7 +63,7 @@ def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
     measured acceleration, which the residual holds too.
     """
     bodies = _tilting(model, logs)
-    solved, prior = model.unbounded, model.solution.prior
+    solved, prior = model.solution.unbounded, model.solution.prior
     R = solved.information / np.sqrt(MEMORY)
     z = solved.target / np.sqrt(MEMORY) - R @ prior.seen_mean[prior.free]
     covariance = np.eye(len(z)) + R @ prior.seen_covariance[np.ix_(prior.free, prior.free)] @ R.T

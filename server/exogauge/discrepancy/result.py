@@ -35,6 +35,13 @@ class HeldOut:
     rmse_after: float
     noise_floor: float
 
+    @property
+    def explained(self) -> float:
+        """Share of the excess over the noise floor that goes, 0…1."""
+        excess = self.rmse_before**2 - self.noise_floor**2
+        gone = self.rmse_before**2 - self.rmse_after**2
+        return float(np.clip(gone / excess, 0.0, 1.0)) if excess > 0.0 else 0.0
+
 
 @final
 @dataclass(frozen=True)

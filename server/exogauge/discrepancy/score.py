@@ -44,7 +44,7 @@ def score(model: RobotModel, candidate: Candidate, sums: AxisSums, memory: float
         return None
     B = np.zeros((equations.size, len(sums.own)))
     B[own] = w * sums.cross.T
-    V = model.unbounded.divided(B)
+    V = model.solution.unbounded.divided(B)
     S = w * sums.own - B.T @ V
     size = np.sqrt(np.maximum(np.diag(sums.own) * w, 1e-300))
     S = S / np.outer(size, size)

@@ -25,7 +25,6 @@ class AsymViscous:
     confounds = ("viscous", "motor_offset")
     needs = "Motion at several speeds in both directions through the same postures."
     coordinate = "velocity"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return -np.abs(signals.velocity)[:, None]

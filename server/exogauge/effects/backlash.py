@@ -36,7 +36,6 @@ class Backlash:
     confounds = ("coulomb", "motor_offset")
     needs = "Motion in which the joint's load changes its sign many times, such as swings through the vertical."
     coordinate = "load"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (t_f,) = shape

@@ -34,7 +34,6 @@ class Elasticity:
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return second_rate_of_change(signals.load, signals.time)[:, None]

@@ -25,7 +25,6 @@ class JointSpring:
     confounds = ("motor_offset",)
     needs = "Slow motion through the whole range of the joint, with the links beyond it in several postures."
     coordinate = "position"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         x = signals.position - shape[0]

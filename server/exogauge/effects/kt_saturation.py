@@ -24,7 +24,6 @@ class KtSaturation:
     confounds = ("motor_gain",)
     needs = "Loads from low to the highest current: a payload, or fast starts."
     coordinate = "drive"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         u = signals.drive

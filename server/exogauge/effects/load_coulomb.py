@@ -23,7 +23,6 @@ class LoadCoulomb:
     confounds = ("coulomb", "motor_gain", "motor_offset")
     needs = "The same motion under several loads: other postures, or a payload in the hand."
     coordinate = "load"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return (-np.abs(signals.load) * signals.direction)[:, None]

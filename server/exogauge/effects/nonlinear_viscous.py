@@ -24,7 +24,6 @@ class NonlinearViscous:
     confounds = ("viscous", "coulomb")
     needs = "Steady motion at many speeds from slow to the fastest."
     coordinate = "velocity"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (power,) = shape

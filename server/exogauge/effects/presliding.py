@@ -25,7 +25,6 @@ class Presliding:
     confounds = ("coulomb", "static_friction")
     needs = "Many small and slow reversals at several positions."
     coordinate = "position"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (d,) = shape

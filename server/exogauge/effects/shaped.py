@@ -57,7 +57,7 @@ class ShapedEffect(Protocol):
     name: identifier, a contract with results.json. sentence: for the user. coefficients: what is estimated linearly.
     shapes: what is searched. confounds: baseline effects that can stand in for it. needs: in words, the motion that
     shows it. coordinate: of the evidence plot, one of `velocity`, `position`, `load`, `time`, `acceleration`, `drive`,
-    `temperature`. claims_at_rest: whether it may be claimed from samples at rest.
+    `temperature`.
     """
 
     name: ClassVar[str]

@@ -27,7 +27,6 @@ class Stribeck:
     confounds = ("coulomb", "viscous", "static_friction")
     needs = "Several slow reversals, and steady motion at low and at high speed."
     coordinate = "velocity"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         v_s, delta = shape

@@ -30,7 +30,6 @@ class ThermalViscous:
     confounds = ("viscous",)
     needs = "The same motion cold and warm, or for minutes on end; a logged temperature helps."
     coordinate = "temperature"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (t_w,) = shape

@@ -26,7 +26,6 @@ class TorqueDelay:
     confounds = ("viscous",)
     needs = "Quick changes of the load, and reversals at speed."
     coordinate = "acceleration"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return -rate_of_change(signals.drive, signals.time)[:, None]

@@ -26,7 +26,6 @@ class TorqueOffsetDrift:
     confounds = ("motor_offset",)
     needs = "The same motion again after minutes, and a moment in a known posture at the start and the end."
     coordinate = "time"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         if len(signals.time) == 0:

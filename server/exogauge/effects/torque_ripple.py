@@ -34,7 +34,6 @@ class TorqueRipple:
     confounds = ("motor_offset",)
     needs = "Slow steady motion over a wide range of positions, in both directions."
     coordinate = "position"
-    claims_at_rest = False
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (cycles,) = shape

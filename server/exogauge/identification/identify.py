@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.effects.catalogue import choose
 from exogauge.errors import BadStudy, Fault
-from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
 from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
@@ -81,21 +81,12 @@ def identify(
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
 
-    def fill_in(standard: Array) -> Array:
-        """Static friction to all else."""
-        x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
-        return np.concatenate([standard[: robot.tree.phi.size], clip_to_ranges(equations, x[equations.base_size :])])
-
     progress(0.75, "estimating the uncertainty")
     doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
     covariance = solution.prior.lift_covariance(doubt)
     solution.solved.shift(-bias)
-    standard = fill_in(solution.solved.prior.lift(solution.solved.x))
-    if settings.consistency == "physical":
-        progress(0.8, "making every link physically possible")
-        standard, notes = possible_parameters(robot, solution.solved)
-        standard = fill_in(standard)
-        warnings += notes
+    standard, notes = _standard_parameters(equations, prior, solution, settings, progress)
+    warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     known_floors = extension.noise_floors if extension else {}
     predictions, validation = _validate(
@@ -135,14 +126,26 @@ def identify(
     )
 
 
+def _standard_parameters(
+    equations: Equations, prior: Prior, solution: Solution, settings: Settings, progress: Progress
+) -> tuple[Array, tuple[str, ...]]:
+    """(S,) [φ; ξ], with static friction filled in and every link possible where that is asked for; and notes."""
+    standard, notes = solution.solved.prior.lift(solution.solved.x), tuple[str, ...]()
+    if settings.consistency == "physical":
+        progress(0.8, "making every link physically possible")
+        standard, notes = possible_parameters(equations.robot, solution.solved)
+    x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
+    phi = standard[: equations.robot.tree.phi.size]
+    return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes
+
+
 def _doubt_and_bias(
     equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution
 ) -> tuple[Array, Array]:
     """(P, P) covariance of x about the truth, and (P,) what noise in the regressor has added to x."""
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    unbounded = PriorLeastSquares(solution.statistics.square_root(solution.weights), solution.prior, solution.strength)
     bias = noise_bias(equations, fitted, at_rest, solution)
-    return unbounded.covariance(meat) + np.outer(bias, bias), bias
+    return solution.unbounded.covariance(meat) + np.outer(bias, bias), bias
 
 
 def _warnings(solution: Solution) -> list[str]:

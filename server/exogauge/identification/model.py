@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import Parameters, motor_gain
 from exogauge.identification.preparation import Prepared, RestDetection, prepare
@@ -60,13 +58,6 @@ class RobotModel:
     @property
     def robot(self) -> Robot:
         return self.equations.robot
-
-    @cached_property
-    def unbounded(self) -> PriorLeastSquares:
-        """The same data and prior solved without physical ranges: what an effect is added to may leave an edge."""
-        solution = self.solution
-        data = solution.statistics.square_root(solution.weights)
-        return PriorLeastSquares(data, solution.prior, solution.strength)
 
     @property
     def k_T(self) -> Array:

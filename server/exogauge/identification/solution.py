@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -51,6 +52,11 @@ class Solution:
     held: tuple[str, ...]
     sticking: Sticking
     x_before: Array
+
+    @cached_property
+    def unbounded(self) -> PriorLeastSquares:
+        """The same data and prior solved without physical ranges: what an effect is added to may leave an edge."""
+        return PriorLeastSquares(self.statistics.square_root(self.weights), self.prior, self.strength)
 
 
 def solve(
