@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from fastapi import APIRouter, FastAPI
 
 from exogauge import __version__
-from exogauge.api import devices, health, logs, openapi, page, problems, results, robots, studies, what_if
+from exogauge.api import devices, health, logs, openapi, page, problems, results, robots, series, studies, what_if
 from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
@@ -59,6 +59,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         studies.router,
         what_if.router,
         results.router,
+        series.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)
