@@ -14,6 +14,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from exogauge.robots.cut_regressor import cut_regressor
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import parameter_names
 from exogauge.robots.regressor import regressor
@@ -52,7 +53,7 @@ class BaseParameters:
 def find_base_parameters(
     tree: RigidTree, rng: np.random.Generator | None = None, up: Array | None = None
 ) -> BaseParameters:
-    """Base parameters from the rows [Y_o; Y_j] of random motions.
+    """Base parameters from the rows [Y_o; Y_j], and those of sensors inside the robot, of random motions.
 
     up: (3,) [m/s²] proper acceleration of a fixed base at rest, in its frame; default 9.81 along z.
 
@@ -62,7 +63,9 @@ def find_base_parameters(
     n = 10 * len(tree.bodies)
     rows_each = len(tree.joints) + (6 if tree.floating else 0)
     samples = max(60, int(np.ceil(4 * n / max(rows_each, 1))))
-    Y = regressor(tree, _random_motion(tree, samples, rng, up)).reshape(-1, n)
+    motion = _random_motion(tree, samples, rng, up)
+    seen = [regressor(tree, motion), *(cut_regressor(tree, motion, frame) for frame in tree.cuts)]
+    Y = np.concatenate(seen, axis=1).reshape(-1, n)
     scale = np.linalg.norm(Y, axis=0)
     live = scale > 1e-12 * scale.max(initial=1e-300)
     order = [c for c in _preference(tree) if live[c]]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from exogauge.errors import BadRobot, Fault, PhysicallyImpossible
 from exogauge.robots.consistency import is_physical, violations
+from exogauge.robots.cuts import links_of, pose_in_body
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.robots.urdf_check import INERTIA_NAMES, numbers, read_urdf
@@ -54,20 +55,20 @@ def export_urdf(urdf: bytes, tree: RigidTree, phi: Array) -> bytes:
 def _body_elements(robot: Element, tree: RigidTree, body: int, name: str, phi: Array) -> dict[str, str]:
     """Link name -> what stands in place of its <inertial>, for the links of one body that change."""
     links = {link.get("name", ""): link for link in robot.findall("link")}
-    members = [link for link in links if link not in tree.dropped and tree.frames[link][0] == body]
+    members = links_of(tree, body, [link for link in links if link not in tree.dropped])
     main = name if name in members else members[0]
     rigid = _reached(robot, main, set(members), avoiding=set(tree.locked))
     own = {link: inertia for link in members if (inertia := _inertia(links[link])) is not None}
-    T_body_main = tree.frames[main][1]
+    pose = {link: pose_in_body(tree, body, link) for link in members}
     held = [link for link in members if link not in rigid and link in own]
-    rest = phi - sum((tree.frames[link][1].act(own[link]).toDynamicParameters() for link in held), np.zeros(10))
+    rest = phi - sum((pose[link].act(own[link]).toDynamicParameters() for link in held), np.zeros(10))
     if not is_physical(rest):
         rest, held = phi, []
     moved = [link for link in members if link != main and link not in held and links[link].find("inertial") is not None]
     note = f"with links {', '.join(moved)}" if moved else ""
     if not np.any(rest):
         return {link: _comment("no mass") for link in own}
-    inertia = T_body_main.actInv(pin.Inertia.FromDynamicParameters(rest))
+    inertia = pose[main].actInv(pin.Inertia.FromDynamicParameters(rest))
     gone = _comment(f"mass and inertia are part of link {main}")
     return {main: _comment(f"identified {note}".strip()) + _inertial(inertia), **dict.fromkeys(moved, gone)}
 
@@ -206,7 +207,9 @@ def _read_back(exported: bytes, tree: RigidTree, phi: Array, robot: Element) -> 
         if (parent in tree.dropped) != (child in tree.dropped):
             name, near = joint.get("name", ""), child if parent in tree.dropped else parent
             cuts.append(name if joint.get("type") == "fixed" and name not in links else near)
-    again = load_tree(exported, joints=tree.joints, base_link=base, floating=tree.floating, cut_frames=cuts)
+    again = load_tree(
+        exported, joints=tree.joints, base_link=base, floating=tree.floating, cut_frames=cuts, carrying=tuple(tree.cuts)
+    )
     scale = np.abs(phi).max(axis=1, keepdims=True, initial=1e-3)
     if again.bodies != tree.bodies or not np.all(np.abs(again.phi - phi) <= ROUNDING * scale):
         raise RuntimeError("the exported URDF does not read back as the identified robot")

@@ -23,8 +23,7 @@ def regressor(tree: RigidTree, motion: Motion) -> Array:
 
     Implements [Evaluator] (10), (11), (13).
     """
-    states = forward(tree, motion)
-    wrench = _to_base(states, body_regressor(states))  # (T, N, 6, 10)
+    wrench, _ = wrench_regressor(tree, motion)
     S = joint_motions(tree, motion.q)
     samples, n = wrench.shape[:2]
     start = 6 if tree.floating else 0
@@ -35,6 +34,12 @@ def regressor(tree: RigidTree, motion: Motion) -> Array:
     for i in np.flatnonzero(tree.dof >= 0):
         Y[:, start + tree.dof[i], carried[i]] = np.einsum("ta,tnak->tnk", S[:, i], wrench[:, carried[i]])
     return Y.reshape(samples, -1, 10 * n)
+
+
+def wrench_regressor(tree: RigidTree, motion: Motion) -> tuple[Array, BodyStates]:
+    """(T, N, 6, 10) wrench that moves each body, about the base origin in the base frame, per inertial parameter."""
+    states = forward(tree, motion)
+    return _to_base(states, body_regressor(states)), states
 
 
 def inverse_dynamics(tree: RigidTree, motion: Motion, phi: Array) -> Array:

@@ -89,7 +89,8 @@ class RowBlocks:
     def _fill_slice(self, motion: Motion, blocks: list[Array]) -> None:
         """blocks: per row (k_r + extra, T), time last."""
         layout, sweep = self.layout, self.kinematics.sweep(motion)
-        mass, inertia = _mass_columns(layout, sweep), _inertia_columns(layout, sweep)
+        mass = mass_columns(layout.mass_standard, sweep)
+        inertia = inertia_columns(layout.inertia_standard, sweep)
         first_axis = 6 if self.tree.floating else 0
         k_1, k_2 = len(layout.mass), len(layout.inertia)
         for row in range(first_axis):
@@ -143,8 +144,10 @@ def predict(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, moti
     return rows
 
 
-def _mass_columns(layout: RowLayout, sweep: Sweep) -> Array:
-    """(6, K_1, T) force and moment about the base origin, base frame, per mass [kg] or first moment [kg·m]."""
+def mass_columns(chosen: IntArray, sweep: Sweep) -> Array:
+    """(6, K_1, T) force and moment about the base origin, base frame, per mass [kg] or first moment [kg·m].
+
+    chosen: (K_1,) body · 4 + 0..3."""
     n, samples = sweep.p.shape[0], sweep.p.shape[2]
     b, p, R, B = sweep.b, sweep.p, sweep.R, sweep.B
     columns = np.empty((6, n, 4, samples))
@@ -157,13 +160,13 @@ def _mass_columns(layout: RowLayout, sweep: Sweep) -> Array:
         moment -= p[:, z, None] * columns[y]
         moment[:, 1:] += R[:, y] * b[:, z, None]
         moment[:, 1:] -= R[:, z] * b[:, y, None]
-    chosen: Array = np.take(columns.reshape(6, 4 * n, samples), layout.mass_standard, axis=1)
-    return chosen
+    return np.take(columns.reshape(6, 4 * n, samples), chosen, axis=1)
 
 
-def _inertia_columns(layout: RowLayout, sweep: Sweep) -> Array:
+def inertia_columns(chosen: IntArray, sweep: Sweep) -> Array:
     """(3, K_2, T) moment, base frame, per entry of the inertia about the body's origin [kg·m²].
 
+    chosen: (K_2,) body · 6 + 0..5.
     With r_k the axes of the body: entry (k, l) moves as r_k α_l + (ω x r_k) ω_l, plus the same with k and l exchanged.
     """
     n, samples = sweep.p.shape[0], sweep.p.shape[2]
@@ -183,8 +186,7 @@ def _inertia_columns(layout: RowLayout, sweep: Sweep) -> Array:
             columns[x, :, place] = outer[:, k, k]
         for place, k, l in ((1, 0, 1), (3, 0, 2), (4, 1, 2)):  # noqa: E741 (entry k, l)
             np.add(outer[:, k, l], outer[:, l, k], out=columns[x, :, place])
-    chosen: Array = np.take(columns.reshape(3, 6 * n, samples), layout.inertia_standard, axis=1)
-    return chosen
+    return np.take(columns.reshape(3, 6 * n, samples), chosen, axis=1)
 
 
 def _combined(sweep: Sweep, segment: Segment) -> Array:

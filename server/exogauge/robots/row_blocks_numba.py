@@ -38,7 +38,8 @@ class CompiledRowBlocks:
         self.layout = layout = RowLayout.of(tree, base, axes_from_joints)
         self.columns = layout.columns
         k, n = Kinematics(tree), len(tree.bodies)
-        self._tree = (tree.parent.astype(np.int64), tree.dof.astype(np.int64), tree.prismatic)
+        dof = np.where(tree.dof >= 0, tree.dof, len(tree.joints))
+        self._tree = (tree.parent.astype(np.int64), dof.astype(np.int64), tree.prismatic)
         self._poses = (k.E_0.reshape(n, 9), k.E_c.reshape(n, 9), k.E_s.reshape(n, 9),
                        k.axis_in_parent, k.p_before, k.offset_in_body)  # fmt: skip
         self._kept = (
@@ -72,7 +73,9 @@ class CompiledRowBlocks:
             return blocks
         first = np.cumsum([0, *(block.shape[1] for block in blocks)], dtype=np.int64)
         q = motion.q.T
-        signals = np.stack([q, np.cos(q), np.sin(q), motion.dq.T, motion.ddq.T])
+        rest = np.zeros((1, motion.samples))  # the last joint: that of bodies without one
+        q, dq, ddq = (np.concatenate([x, rest]) for x in (q, motion.dq.T, motion.ddq.T))
+        signals = np.stack([q, np.cos(q), np.sin(q), dq, ddq])
         base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
         _fill(self.tree.floating, *self._tree, *self._poses, *self._kept, *self._segments,
               signals, base, AXES, ENTRIES, first, whole)  # fmt: skip
@@ -101,7 +104,7 @@ def _fill(
     segments: Ints, movers: Ints, weights: Array,
     signals: Array, base: Array, axes: Ints, entries: Ints, first: Ints, whole: Array,
 ) -> None:  # fmt: skip
-    """All tiles. signals: (5, J, T) q, cos q, sin q, dq, ddq. base: (9, T) acc, gyro, gyro_dot. whole: (rows, T)."""
+    """All tiles. signals: (5, J + 1, T) q, cos q, sin q, dq, ddq, 0 for a joint that is none. base: (9, T) acc, gyro, gyro_dot. whole: (rows, T)."""
     n, joints, samples = parent.shape[0], signals.shape[1], base.shape[1]
     R, B = np.empty((n + 1, 9, TILE)), np.empty((n + 1, 9, TILE))
     p, w, dw, b = (
@@ -137,13 +140,6 @@ def _base_state(n: int, base: Array, R: Array, p: Array, w: Array, dw: Array, b:
             b[n, x, t] = base[x, t]
             w[n, x, t] = base[3 + x, t]
             dw[n, x, t] = base[6 + x, t]
-
-
-@_compiled
-def _copy(i: int, u: int, A: Array, m: int) -> None:
-    for k in range(A.shape[1]):
-        for t in range(m):
-            A[i, k, t] = A[u, k, t]
 
 
 @_compiled
@@ -189,10 +185,6 @@ def _sweep(
     for i in range(n):
         u = parent[i] if parent[i] >= 0 else n
         j = dof[i]
-        if j < 0:
-            for A in (R, B, p, w, dw, b):
-                _copy(i, u, A, m)
-            continue
         for k in range(E.shape[0]):
             e_0, e_c, e_s = E_0[i, k], E_c[i, k], E_s[i, k]
             for t in range(m):

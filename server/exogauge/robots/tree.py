@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -23,7 +23,8 @@ class RigidTree:
     that hang on it have parent -1. Links joined by fixed joints are one body, named by the link its joint moves.
 
     bodies: (N,) link names. joints: (J,) names, in the order of the log's columns.
-    parent: (N,) body index or -1. dof: (N,) column in q, or -1 for the floating base.
+    parent: (N,) body index or -1. dof: (N,) column in q, or -1 for the floating base and for a body that is fixed to its
+    parent, or to the base, behind a force/torque sensor (`robots.cuts`).
     axis: (N, 3) unit joint axis. prismatic: (N,) bool.
     T_before, T_after: N poses; T_parent_body(q) = T_before · motion(axis, q) · T_after
     (T_after is the identity except where the tree was re-rooted).
@@ -32,6 +33,8 @@ class RigidTree:
     lower, upper: (J,) position limits [rad or m]; velocity_limit, effort_limit: (J,), inf where unknown.
     locked: joints of the URDF that could move and are held at zero. dropped: links beyond a cut, whose inertia is not
     in `phi`.
+    cuts: frame of a sensor -> bodies that it carries. parts: body behind a sensor -> its links; their frames are those
+    of the body that moves them.
     """
 
     bodies: tuple[str, ...]
@@ -51,6 +54,8 @@ class RigidTree:
     effort_limit: Array
     locked: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
+    cuts: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def mass(self) -> float:

@@ -14,6 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.errors import BadRobot, Fault
+from exogauge.robots.cuts import Beyond, split
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf_check import INERTIA_NAMES, MOVING_TYPES, numbers, read_urdf
 
@@ -27,6 +28,7 @@ def load_tree(
     base_link: str,
     floating: bool,
     cut_frames: Sequence[str] = (),
+    carrying: Sequence[str] = (),
     file: str = "robot.urdf",
 ) -> RigidTree:
     """The moving bodies of a URDF. Raises BadRobot.
@@ -35,13 +37,36 @@ def load_tree(
     base_link: floating: any link, it becomes body 0; fixed: a link that no joint moves.
     cut_frames: links, or fixed joints, at which a sensor measures the contact wrench. What hangs rigidly beyond them
     (seen from the base) keeps its frames and loses its inertia; beyond a fixed joint its child is meant too.
+    carrying: links, or fixed joints, at which a sensor measures what the bodies beyond it ask for (`robots.cuts`).
     """
     described = _Description.of(read_urdf(urdf, file), file)
-    described.check_names(joints, base_link, cut_frames)
+    described.check_names(joints, base_link, [*cut_frames, *carrying])
     dropped = {link for frame in cut_frames for link in described.beyond(frame, base_link, set(joints))}
     links = list(described.links)
     model = pin.buildModelFromXML(described.reduced(set(joints), dropped), pin.JointModelFreeFlyer())
-    return _rooted(model, described, links, tuple(joints), base_link, floating, tuple(sorted(dropped)))
+    tree = _rooted(model, described, links, tuple(joints), base_link, floating, tuple(sorted(dropped)))
+    return (
+        split(tree, [_beyond(described, tree, frame, base_link, dropped) for frame in carrying]) if carrying else tree
+    )
+
+
+def _beyond(described: _Description, tree: RigidTree, frame: str, base_link: str, dropped: set[str]) -> Beyond:
+    near = base_link if tree.floating else described.root
+    links, joints = described.carried(frame, near, set(tree.joints))
+    links.sort(key=lambda link: not described.has_mass(link))  # the body gets the name of one that weighs something
+    if not links and not joints:
+        raise BadRobot(Fault(f"nothing hangs on the sensor at {frame!r}", "nothing_beyond_cut",
+                             "Name the frame between the robot and what the sensor carries", described.file,
+                             value=frame))  # fmt: skip
+    others = {link for link in described.links if link not in links}
+    model = pin.buildModelFromXML(described.reduced(set(tree.joints), others | dropped), pin.JointModelFreeFlyer())
+    index = {name: k for k, name in enumerate(described.links)}
+    inertia = pin.Inertia.Zero()
+    if links:
+        place = model.frames[model.getFrameId(f"l{index[links[0]]}")]
+        T_body_joint = tree.frames[links[0]][1] * place.placement.inverse()
+        inertia = T_body_joint.act(model.inertias[place.parentJoint])
+    return Beyond(frame, tuple(links), tuple(joints), inertia)
 
 
 @final
@@ -137,6 +162,67 @@ class _Description:
                                          "or take the joint off the list", self.file, value=frame))  # fmt: skip
                 beyond.add(link)
         return beyond
+
+    @property
+    def root(self) -> str:
+        children = {joint.child for joint in self.joints.values()}
+        return next(link for link in self.links if link not in children)
+
+    def carried(self, frame: str, near: str, moving: set[str]) -> tuple[list[str], list[str]]:
+        """Links rigidly beyond a sensor's frame, seen from the link `near`, and moving joints that hang on it or them.
+
+        A sensor that nothing hangs on carries its own link; without mass and fixed to `near` it stands under the robot
+        and carries all of it.
+        """
+        neighbours: dict[str, list[tuple[str, _UrdfJoint]]] = {link: [] for link in self.links}
+        for joint in self.joints.values():
+            neighbours[joint.parent].append((joint.child, joint))
+            neighbours[joint.child].append((joint.parent, joint))
+
+        def outward(start: str, seen: set[str]) -> tuple[list[str], list[str]]:
+            links, joints, stack = list[str](), list[str](), [start]
+            while stack:
+                for other, joint in neighbours[stack.pop(0)]:
+                    if other in seen:
+                        continue
+                    seen.add(other)
+                    if joint.name in moving:
+                        joints.append(joint.name)
+                    else:
+                        links.append(other)
+                        stack.append(other)
+            return links, joints
+
+        toward = self._toward(near)
+        if frame not in self.links:
+            joint = self.joints[frame]
+            far = joint.child if toward.get(joint.child) == joint.parent else joint.parent
+            links, joints = outward(far, {far, toward[far]})
+            return [far, *links], joints
+        before = {toward[frame]} if frame in toward else set()
+        links, joints = outward(frame, {frame, *before})
+        if joints or any(self.has_mass(link) for link in links):
+            return links, joints
+        at_base = outward(near, {near})[0]
+        if not self.has_mass(frame) and (frame == near or frame in at_base):
+            links, joints = outward(frame, {frame})
+            return [link for link in links if self.has_mass(link)], joints
+        return [frame, *links], []
+
+    def _toward(self, near: str) -> dict[str, str]:
+        """Link -> the next one on the way to `near`."""
+        toward, order = dict[str, str](), [near]
+        for link in order:
+            for joint in self.joints.values():
+                for a, b in ((joint.parent, joint.child), (joint.child, joint.parent)):
+                    if a == link and b != near and b not in toward:
+                        toward[b] = a
+                        order.append(b)
+        return toward
+
+    def has_mass(self, link: str) -> bool:
+        inertial = self.links[link].find("inertial")
+        return inertial is not None and _attribute(inertial, "mass", "value") not in ([], [0.0])
 
     def reduced(self, moving: set[str], dropped: set[str]) -> str:
         """The URDF anew: links l0, l1 … and joints j0, j1 … with nothing but masses and moving or fixed joints."""
@@ -248,7 +334,7 @@ def _rooted(
         before.append(T_before * placement if forward else T_before)
         after.append(identity if forward else placement.inverse())
     moved_link = {u: described.joints[name].child for u, name in moved_by.items()}
-    root_link = next(link for link in links if link not in {joint.child for joint in described.joints.values()})
+    root_link = described.root
     limits = np.array(list(described.limits(joints))).reshape(-1, 4)
     return RigidTree(
         bodies=tuple(base_link if u == root else moved_link.get(u, root_link) for u in order),

@@ -1,0 +1,30 @@
+"""The regressor of a force/torque sensor inside the robot, dense: the reference for `cut_rows`."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.robots.motion import Motion
+from exogauge.robots.regressor import wrench_regressor
+from exogauge.robots.tree import RigidTree
+
+Array = NDArray[np.float64]
+
+
+def cut_regressor(tree: RigidTree, motion: Motion, frame: str) -> Array:
+    """(T, 6, 10N) force then moment about the origin of the sensor's frame, in its axes, that moves the bodies beyond it,
+    per standard parameter."""
+    wrench, states = wrench_regressor(tree, motion)
+    Y = np.zeros((motion.samples, 6, len(tree.bodies), 10))
+    beyond = list(tree.cuts[frame])
+    Y[:, :, beyond] = np.swapaxes(wrench[:, beyond], 1, 2)
+    body, T = tree.frames[frame]
+    R, p = np.tile(T.rotation, (motion.samples, 1, 1)), np.tile(T.translation, (motion.samples, 1))
+    if body >= 0:
+        p = states.position[:, body] + np.einsum("tij,j->ti", states.rotation[:, body], T.translation)
+        R = states.rotation[:, body] @ T.rotation
+    flat = Y.reshape(motion.samples, 6, -1)
+    force, moment = flat[:, :3], flat[:, 3:]
+    moment = moment - np.cross(p[:, :, None], force, axis=1)
+    return np.concatenate([np.einsum("tji,tjk->tik", R, each) for each in (force, moment)], axis=1)

@@ -1,0 +1,163 @@
+"""A sensor inside the robot reads what the bodies beyond it ask for, and nothing of those before it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.errors import BadRobot
+from exogauge.robots.base_parameters import find_base_parameters
+from exogauge.robots.cut_regressor import cut_regressor
+from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.export import export_urdf
+from exogauge.robots.motion import Motion
+from exogauge.robots.regressor import regressor
+from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.urdf import load_tree
+
+LINK = (
+    '<link name="{name}"><inertial><origin xyz="{c}"/><mass value="{m}"/>'
+    '<inertia ixx="0.05" ixy="0.003" ixz="0.002" iyy="0.04" iyz="-0.001" izz="0.03"/></inertial></link>'
+)
+JOINT = (
+    '<joint name="{name}" type="{kind}"><parent link="{a}"/><child link="{b}"/><origin xyz="{xyz}" rpy="{rpy}"/>'
+    "{axis}</joint>"
+)
+
+
+def _joint(name: str, kind: str, a: str, b: str, xyz: str, rpy: str, axis: str = "") -> str:
+    written = f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="50" velocity="5"/>' if axis else ""
+    return JOINT.format(name=name, kind=kind, a=a, b=b, xyz=xyz, rpy=rpy, axis=written)
+
+
+def _arm(sensor_mass: float = 0.0) -> bytes:
+    """Pedestal, foot sensor, two links, wrist sensor, tool, and a finger that moves beyond it."""
+    sensor = LINK.format(name="wrist_ft", c="0 0 0.01", m=sensor_mass) if sensor_mass else '<link name="wrist_ft"/>'
+    return "".join([
+        '<robot name="arm"><link name="stand"/>', '<link name="foot_ft"/>',
+        LINK.format(name="plate", c="0.1 0 0.02", m=4.0), LINK.format(name="upper", c="0.1 0.02 0.1", m=3.0),
+        LINK.format(name="fore", c="0.02 0.05 0.12", m=2.0), sensor, LINK.format(name="tool", c="0.03 0 0.08", m=0.8),
+        LINK.format(name="camera", c="0 0.02 0", m=0.2), LINK.format(name="finger", c="0.01 0 0.03", m=0.1),
+        _joint("ground", "fixed", "stand", "foot_ft", "0 0 0.1", "0 0 0.3"),
+        _joint("bolted", "fixed", "foot_ft", "plate", "0 0 0.05", "0.2 0 0"),
+        _joint("shoulder", "revolute", "plate", "upper", "0 0 0.2", "0.1 0.2 0.3", "0 1 0"),
+        _joint("elbow", "revolute", "upper", "fore", "0.05 0 0.3", "0 0.4 0", "1 0 0"),
+        _joint("flange", "fixed", "fore", "wrist_ft", "0 0.01 0.25", "0.3 0 0.1"),
+        _joint("mount", "fixed", "wrist_ft", "tool", "0 0 0.04", "0 0.2 0"),
+        _joint("clip", "fixed", "tool", "camera", "0.05 0 0.05", "0 0 1.0"),
+        _joint("grip", "revolute", "tool", "finger", "0.02 0 0.1", "0 0 0", "0 0 1"),
+        "</robot>",
+    ]).encode()  # fmt: skip
+
+
+JOINTS = ("shoulder", "elbow", "grip")
+
+
+def _tree(*sensors: str, urdf: bytes | None = None):
+    return load_tree(urdf or _arm(), joints=JOINTS, base_link="stand", floating=False, carrying=sensors)
+
+
+def _motion(samples: int = 9) -> Motion:
+    rng = np.random.default_rng(4)
+    q, dq, ddq = rng.normal(size=(3, samples, 3))
+    still = np.zeros((samples, 3))
+    return Motion(q, dq, ddq, still + [0.0, 0.0, 9.81], still, still)
+
+
+def _reading_by_pinocchio(motion: Motion, frame: str, beyond: set[str]) -> np.ndarray:
+    """(T, 6) force then moment in the sensor's frame: Newton and Euler link by link, all joints moving."""
+    model = pin.buildModelFromXML(_arm().decode())
+    data = model.createData()
+    readings = []
+    for q, dq, ddq in zip(motion.q, motion.dq, motion.ddq, strict=True):
+        pin.forwardKinematics(model, data, q, dq, ddq)
+        pin.updateFramePlacements(model, data)
+        sensor = data.oMf[model.getFrameId(frame)]
+        total = pin.Force.Zero()
+        for name in beyond:
+            inertia = {"tool": (0.8, [0.03, 0, 0.08]), "camera": (0.2, [0, 0.02, 0]), "finger": (0.1, [0.01, 0, 0.03]),
+                       "fore": (2.0, [0.02, 0.05, 0.12]), "upper": (3.0, [0.1, 0.02, 0.1]),
+                       "plate": (4.0, [0.1, 0, 0.02])}[name]  # fmt: skip
+            I = np.array([[0.05, 0.003, 0.002], [0.003, 0.04, -0.001], [0.002, -0.001, 0.03]])  # noqa: E741
+            body = pin.Inertia(inertia[0], np.array(inertia[1]), I)
+            k = model.getFrameId(name)
+            v = pin.getFrameVelocity(model, data, k)
+            a = pin.getFrameAcceleration(model, data, k)
+            a.linear = a.linear + data.oMf[k].rotation.T @ np.array([0, 0, 9.81])
+            f = body * a + v.cross(body * v)
+            total = total + data.oMf[k].act(f)
+        readings.append(sensor.actInv(total).vector)
+    return np.array(readings)
+
+
+CASES = [
+    ("wrist_ft", "wrist_ft", {"tool", "camera", "finger"}),
+    ("foot_ft", "foot_ft", {"plate", "upper", "fore", "tool", "camera", "finger"}),
+    ("mount", "tool", {"tool", "camera", "finger"}),
+    ("upper", "upper", {"fore", "tool", "camera", "finger"}),
+]
+
+
+@pytest.mark.parametrize(("frame", "sensor", "beyond"), CASES, ids=[case[0] for case in CASES])
+def test_a_reading_is_newton_and_euler_of_the_links_beyond(frame, sensor, beyond):
+    tree, motion = _tree(frame), _motion()
+    told = cut_regressor(tree, motion, frame) @ tree.phi.ravel()
+    assert told == pytest.approx(_reading_by_pinocchio(motion, sensor, beyond), abs=1e-10)
+
+
+@pytest.mark.parametrize("sensors", [("wrist_ft",), ("foot_ft",), ("wrist_ft", "foot_ft")])
+@pytest.mark.parametrize("fast", [False, True])
+def test_splitting_a_link_changes_nothing_of_the_joints(sensors, fast):
+    whole, tree, motion = _tree(), _tree(*sensors), _motion()
+    base = find_base_parameters(tree)
+    rows = row_blocks(tree, base, np.eye(3), fast)
+    expected = (regressor(whole, motion) @ whole.phi.ravel()).T
+    told = [block @ (base.regroup @ tree.phi.ravel())[own]
+            for block, own in zip(rows.fill(motion), rows.columns, strict=True)]  # fmt: skip
+    assert np.array(told) == pytest.approx(expected, abs=1e-10)
+    if "foot_ft" not in sensors:
+        assert tree.mass == pytest.approx(whole.mass, abs=1e-12)
+
+
+@pytest.mark.parametrize("sensors", [("wrist_ft",), ("foot_ft",), ("wrist_ft", "foot_ft")])
+def test_rows_in_base_parameters_are_the_dense_ones(sensors):
+    tree, motion = _tree(*sensors), _motion()
+    base = find_base_parameters(tree)
+    for frame in sensors:
+        cut = CutRows(tree, base, frame)
+        dense = cut_regressor(tree, motion, frame)[:, :, base.columns]
+        for row, (block, own) in enumerate(zip(cut.fill(motion, 2), cut.columns, strict=True)):
+            rest = np.delete(dense[:, row], own, axis=1)
+            assert block[:, :-2] == pytest.approx(dense[:, row, own], abs=1e-11)
+            assert not block[:, -2:].any()
+            assert not rest.any()
+
+
+def test_a_sensor_tells_the_tool_from_the_link_before_it():
+    without, with_sensor = (find_base_parameters(_tree(*sensors)) for sensors in ((), ("wrist_ft",)))
+    assert with_sensor.rank > without.rank
+    assert any(name == "m[tool]" or name.startswith("m[tool") or "tool" in name for name in with_sensor.names)
+
+
+def test_the_sensors_own_mass_is_not_in_its_reading():
+    heavy, light = (_tree("wrist_ft", urdf=_arm(mass)) for mass in (0.3, 0.0))
+    motion = _motion()
+    told = [cut_regressor(tree, motion, "wrist_ft") @ tree.phi.ravel() for tree in (heavy, light)]
+    assert told[0] == pytest.approx(told[1], abs=1e-12)
+    assert heavy.mass == pytest.approx(light.mass + 0.3)
+
+
+def test_an_unknown_frame_is_refused_by_name():
+    with pytest.raises(BadRobot, match="ft_nowhere"):
+        _tree("ft_nowhere")
+
+
+def test_identified_inertias_go_back_to_the_side_of_the_sensor_they_are_on():
+    urdf = _arm()
+    tree = _tree("wrist_ft", urdf=urdf)
+    phi = tree.phi.copy()
+    phi[tree.bodies.index("tool")] *= 1.5
+    again = load_tree(export_urdf(urdf, tree, phi), joints=JOINTS, base_link="stand", floating=False,
+                      carrying=["wrist_ft"])  # fmt: skip
+    assert again.phi == pytest.approx(phi, abs=1e-9)
