@@ -72,7 +72,9 @@ class Extension:
                 signals[each.axis] = axis_signals(self.parent, prepared, [each.axis])[0]
             raw.append(each.effect.columns(signals[each.axis], each.shape))
         stacked = np.hstack(raw) if raw else np.zeros((prepared.log.samples, 0))
-        return replace(prepared, added=prepared.low_pass.apply(stacked), raw_added=stacked)
+        before = prepared.low_pass.before
+        stored = before.apply(stacked) if before else stacked
+        return replace(prepared, added=prepared.low_pass.apply(stacked), raw_added=stored)
 
 
 def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> list[AxisSignals]:

@@ -19,7 +19,6 @@ from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
 from exogauge.identification.solution import Solution
-from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 from exogauge.robots.description import Robot
 
@@ -65,13 +64,15 @@ def with_noise(
     """The same log with sign · noise added; when axes rest or move, and which way, stays as it was."""
     log = prepared.log
     channels = {name: log.channels[name] + sign * noise[name] for name in noise}
-    noisy = prepare(robot, Log(log.name, log.time, channels), prepared.low_pass.cutoff_hz, at_rest)
+    noisy = prepare(robot, replace(log, channels=channels), prepared.low_pass.cutoff_hz, at_rest)
     return replace(
         noisy,
         direction=prepared.direction,
         rest=prepared.rest,
         steady=prepared.steady,
         raw_direction=prepared.raw_direction,
+        stored_direction=prepared.stored_direction,
+        stored_rest=prepared.stored_rest,
         added=prepared.added,
         raw_added=prepared.raw_added,
     )

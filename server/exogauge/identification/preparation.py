@@ -41,6 +41,7 @@ LONGEST_STEP = 1.5  # nominal sampling steps: a longer one is a gap
 class Prepared:
     """One log at its own rate, low-passed; A = J actuator axes, S contact sensors.
 
+    low_pass: for what is computed from the log; with the one that the log had passed before it was stored, if any.
     motion: filtered and differentiated. drive: (T, A) [A, or N·m where torque is logged], filtered.
     axis_velocity, axis_acceleration: (T, A).
     direction: (T, A) sgn_ε of the axis velocity; rest: (T, A) 1 - |direction|; both through the filter that the drive
@@ -49,6 +50,8 @@ class Prepared:
     for longer than a low-passed velocity can show.
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     raw_drive, raw_direction, raw_wrenches: not filtered.
+    stored_direction, stored_rest: (T, A) raw_direction and 1 - |raw_direction|, through what the drive had passed
+    before it was stored.
     kept: samples that enter a fit (settled ends left out, decimated).
     added, raw_added: (T, E) torque per unit of each added coefficient (`identification.added`), filtered and not.
     """
@@ -65,6 +68,8 @@ class Prepared:
     wrenches: Array
     raw_drive: Array
     raw_direction: Array
+    stored_direction: Array
+    stored_rest: Array
     raw_wrenches: Array
     kept: NDArray[np.intp]
     added: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -82,13 +87,12 @@ class Prepared:
         )
 
     def raw_signals(self, axis: int, samples: slice, stick: Array) -> JointSignals:
-        """The same with the drive and the signs as they are without the low-pass."""
-        direction = self.raw_direction[samples, axis]
+        """The same with the drive and the signs as they are without the common low-pass."""
         return replace(
             self.signals(axis, samples, stick),
             drive=self.raw_drive[samples, axis],
-            direction=direction,
-            rest=1.0 - np.abs(direction),
+            direction=self.stored_direction[samples, axis],
+            rest=self.stored_rest[samples, axis],
         )
 
 
@@ -177,22 +181,26 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
     fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
     direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / finest.cutoff_hz))
-    smooth_direction = low_pass.apply(direction)
+    rest = 1.0 - np.abs(direction)
+    alike = replace(low_pass, band_hz=log.band_hz)
+    smooth_direction = alike.apply(direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(low_pass.settle_samples, log.samples // 10)
     return Prepared(
         log=log,
-        low_pass=low_pass,
+        low_pass=alike,
         motion=Motion(q, dq, ddq, acc, gyro, gyro_dot),
         drive=low_pass.apply(raw_drive),
         axis_velocity=axis_velocity,
         axis_acceleration=ddq @ C.T,
         direction=smooth_direction,
-        rest=low_pass.apply(1.0 - np.abs(direction)),
+        rest=alike.apply(rest),
         steady=~binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool)),
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
         raw_direction=direction,
+        stored_direction=alike.before.apply(direction) if alike.before else direction,
+        stored_rest=alike.before.apply(rest) if alike.before else rest,
         raw_wrenches=raw_wrenches,
         kept=np.arange(settle, log.samples - settle, low_pass.decimation()),
     )

@@ -30,11 +30,14 @@ class LowPass:
 
     cutoff_hz: where one pass leaves 0.71 of an amplitude and both passes 0.5. rate_hz: of the samples to be filtered.
     order: of one pass; both together fall off with twice that.
+    band_hz: cut-off of another one before it, None for none: what was measured has passed that before it was stored,
+    so what is computed from it must pass both (`Log.band_hz`).
     """
 
     cutoff_hz: float
     rate_hz: float
     order: int = 4
+    band_hz: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.cutoff_hz < 0.5 * self.rate_hz:
@@ -49,6 +52,8 @@ class LowPass:
         reflection until a transient is over, however short the log. `settle_samples` at each end still deserve doubt:
         they lean on values that were never measured.
         """
+        if self.before is not None:
+            values = self.before.apply(values)
         if not np.isfinite(values).all():
             raise BadLog(_not_finite(values, np.argwhere(~np.isfinite(values))[0]))
         if values.shape[0] < 2:
@@ -69,8 +74,15 @@ class LowPass:
             filtered[:, start : start + AT_ONCE] = (line + extended[:, beyond:-beyond]).T
         return filtered.reshape(values.shape)
 
+    @property
+    def before(self) -> LowPass | None:
+        return None if self.band_hz is None else LowPass(self.band_hz, self.rate_hz)
+
     def gain(self, frequency_hz: ArrayLike) -> Array:
-        """What both passes leave of an amplitude at each frequency: 1 / (1 + (tan(pi f/r) / tan(pi f_c/r))^2n)."""
+        """What both passes leave of an amplitude at each frequency: 1 / (1 + (tan(pi f/r) / tan(pi f_c/r))^2n).
+
+        Without what is left by `before`.
+        """
         angle = np.pi * np.asarray(frequency_hz, dtype=np.float64) / self.rate_hz
         with np.errstate(over="ignore"):
             warped = np.abs(np.tan(angle)) / math.tan(math.pi * self.cutoff_hz / self.rate_hz)

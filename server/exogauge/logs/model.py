@@ -18,11 +18,14 @@ class Log:
     """One recording, SI units, contract channel names (`q.<joint>`, `acc.x`, `ft.<sensor>.fx` …).
 
     time: (T,) [s] strictly increasing. channels: name -> (T,) in the channel's SI unit.
+    band_hz: cut-off [Hz] of the `LowPass` that all channels have passed before they were stored, None where nothing
+    is known of one. What is computed from such a log has to pass it as well.
     """
 
     name: str
     time: Array
     channels: Mapping[str, Array]
+    band_hz: float | None = None
 
     def __post_init__(self) -> None:
         if self.time.ndim != 1:
