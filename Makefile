@@ -7,12 +7,23 @@ READY  := $(VENV)/.ready
 PIP    := $(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check
 COMPILE := .venv-lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
            --no-emit-index-url --no-header --no-annotate
+CHROMIUM := command -v chromium >/dev/null || { \
+	echo "installing Chromium with apt-get …"; \
+	apt-get update -qq && apt-get install -y -qq chromium >/dev/null || { \
+	echo "install the package chromium and try again"; exit 1; }; }
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help install demo serve test check bench blind lock clean
+SCREENSHOTS ?= screenshots
+WEB_SOURCES := $(shell find web -type f -not -path 'web/node_modules/*' -not -path 'web/dist/*' -not -name schema.d.ts)
+WEB := web/dist/index.html
+ifneq ($(filter-out 0,$(EXOGAUGE_WITHOUT_WEB)),)
+WEB :=
+endif
+
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check bench blind lock clean
 
 help:  ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
+	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("exogauge needs Python 3.11 or newer, this is " + sys.version.split()[0] + ": make PYTHON=python3.11 …" if sys.version_info < (3, 11) else 0)'
@@ -22,22 +33,45 @@ $(READY): requirements.lock pyproject.toml
 	@$(PIP) --no-deps --no-build-isolation --editable .
 	@touch $(READY)
 
-install: $(READY)  ## put exogauge and all it needs into .venv
+web/dist/index.html: $(WEB_SOURCES) | $(READY)  # whatever was changed since it was installed
+	@echo "building the web app …"
+	@$(BIN)/python web/build_page.py
+	@touch $@
 
-demo: $(READY)  ## start the service, evaluate the sample study through HTTP, print the result
+install: $(READY) $(WEB)  ## put exogauge and all it needs into .venv
+
+demo: $(READY) $(WEB)  ## start the service, evaluate the sample study through HTTP, print the result
 	$(BIN)/exogauge demo
 
-serve: $(READY)  ## start the service on 127.0.0.1 with the same data as `make demo`
+serve: $(READY) $(WEB)  ## start the service on 127.0.0.1 with the same data as `make demo`
 	$(BIN)/exogauge serve
 
-test: $(READY)  ## all tests
+web: $(READY)  ## build the web app into web/dist, where the service finds it
+	$(BIN)/python web/build_page.py
+
+web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `make serve` runs beside it
+	$(BIN)/python web/build_page.py dev
+
+openapi: $(READY)  ## write web/openapi.json, which the web app's types are made of
+	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
+
+test: $(READY) $(WEB)  ## all tests; those that drive a browser where Chromium is installed
 	$(BIN)/python -m pytest -n 2
 
-check: $(READY)  ## style, types, import layers, migrations and the quick tests, in under three minutes
+e2e: $(READY) $(WEB)  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
+	@$(CHROMIUM)
+	$(BIN)/python -m pytest tests/e2e
+
+screenshots: $(READY) $(WEB)  ## the same, keeping a picture of every page in the folder SCREENSHOTS
+	@$(CHROMIUM)
+	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
+
+check: $(READY) $(WEB)  ## style, types, import layers, migrations and the quick tests, in under three minutes
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(if $(WEB),$(BIN)/python web/build_page.py check)
 	$(BIN)/python -m pytest -m "not slow" -n 2
 
 .venv-bench/.ready: tests/bench/requirements.lock  # figaroh, the rival, in an environment of its own
@@ -64,4 +98,4 @@ lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no address
 	$(COMPILE) --extra build --extra fast --constraint requirements.lock pyproject.toml -o docker/requirements.lock
 
 clean:  ## remove the environment and caches
-	rm -rf .venv .venv-* .cache .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .venv-* web/node_modules web/dist .cache .pytest_cache .mypy_cache .ruff_cache

@@ -62,10 +62,17 @@ class Settings(BaseSettings):
             return self.host == "localhost"
 
 
+IN_CHECKOUT = {"web": "web/dist"}
+
+
 def packaged_folder(name: str) -> Path:
-    """A folder that ships with the code: `exogauge/_packaged/<name>` in a wheel, the top-level folder in a checkout."""
+    """A folder that ships with the code: `exogauge/_packaged/<name>` in a wheel; in a checkout the top-level folder, and
+    for the web app what was built from it.
+
+    FileNotFoundError: neither is there.
+    """
     package = Path(__file__).resolve().parent
-    for folder in (package / "_packaged" / name, package.parents[1] / name):
+    for folder in (package / "_packaged" / name, package.parents[1] / IN_CHECKOUT.get(name, name)):
         if folder.is_dir():
             return folder
     raise FileNotFoundError(f"the folder {name!r} is neither packaged with exogauge nor in a source checkout")

@@ -1,0 +1,47 @@
+/** The typed client. `answer(api.GET(…))` gives the body, or throws a `Refusal`. */
+
+import createClient from "openapi-fetch";
+
+import { basename } from "../app/base";
+import { answered, failed } from "./reachable";
+import { noAnswer, refusalOf } from "./refusal";
+import type { components, paths } from "./schema";
+
+export type Schemas = components["schemas"];
+
+export const api = createClient<paths>({
+  baseUrl: window.location.origin + basename,
+  querySerializer: { array: { style: "form", explode: true } },
+});
+
+api.use({
+  onRequest({ request }) {
+    if (request.method === "POST") request.headers.set("Idempotency-Key", newKey());
+    return request;
+  },
+});
+
+export async function answer<T>(asked: Promise<{ data?: T; error?: unknown; response: Response }>): Promise<T> {
+  let got;
+  try {
+    got = await asked;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    const refusal = noAnswer();
+    failed(refusal);
+    throw refusal;
+  }
+  if (!got.response.ok) {
+    const refusal = refusalOf(got.response.status, got.response.statusText, got.error);
+    failed(refusal);
+    throw refusal;
+  }
+  answered();
+  return got.data as T;
+}
+
+/** A key under which a request happens once, however often it is sent. */
+export function newKey(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}

@@ -1,0 +1,47 @@
+import { useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+
+import { answer, api, type Schemas } from "./client";
+
+export type Study = Schemas["StudyOut"];
+export type JobState = Schemas["LatestJob"]["state"];
+
+const PAGE = 30;
+const BUSY_MS = 2_000;
+const IDLE_MS = 20_000;
+
+export function isActive(state: JobState | undefined): boolean {
+  return state === "queued" || state === "running";
+}
+
+/** Newest first, page by page; asked again while something runs. */
+export function useStudies() {
+  return useInfiniteQuery({
+    queryKey: ["studies"],
+    queryFn: ({ pageParam, signal }) =>
+      answer(api.GET("/api/v1/studies", { params: { query: { limit: PAGE, cursor: pageParam } }, signal })),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next_cursor ?? undefined,
+    refetchInterval: ({ state }) => {
+      const all = state.data?.pages.flatMap((page) => page.items) ?? [];
+      return all.some((study) => isActive(study.latest_job?.state)) ? BUSY_MS : IDLE_MS;
+    },
+  });
+}
+
+export function useStudy(id: string) {
+  return useQuery({
+    queryKey: ["studies", id],
+    queryFn: ({ signal }) =>
+      answer(api.GET("/api/v1/studies/{study_id}", { params: { path: { study_id: id } }, signal })),
+    refetchInterval: ({ state }) => (isActive(state.data?.latest_job?.state) ? BUSY_MS : IDLE_MS),
+  });
+}
+
+/** Start an evaluation; an equal one that is there already is its answer. */
+export function useSubmitJob() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (wanted: Schemas["JobRequest"]) => answer(api.POST("/api/v1/jobs", { body: wanted })),
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["studies"] }),
+  });
+}

@@ -1,0 +1,39 @@
+import { NavLink } from "react-router";
+
+import { address } from "./base";
+import { SchemeSwitch } from "./SchemeSwitch";
+import styles from "./Shell.module.css";
+
+const PLACES = [
+  ["/studies", "Studies"],
+  ["/robots", "Robots"],
+  ["/devices", "Devices"],
+  ["/compare", "Compare"],
+] as const;
+
+export function Header() {
+  return (
+    <header className={styles.header}>
+      <div className={styles.inner}>
+        <NavLink to="/studies" className={styles.name} aria-current={undefined} aria-label="exogauge: to the studies">
+          <img src={address("icon.svg")} alt="" width={28} height={28} />
+          exogauge
+        </NavLink>
+        <nav aria-label="Main" className={styles.nav}>
+          <ul className={styles.links}>
+            {PLACES.map(([to, name]) => (
+              <li key={to}>
+                <NavLink to={to} className={styles.link}>
+                  {name}
+                </NavLink>
+              </li>
+            ))}
+          </ul>
+        </nav>
+        <div className={styles.switch}>
+          <SchemeSwitch />
+        </div>
+      </div>
+    </header>
+  );
+}

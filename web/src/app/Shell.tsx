@@ -1,0 +1,33 @@
+import { useEffect, useRef } from "react";
+import { Outlet, ScrollRestoration, useLocation, useNavigation } from "react-router";
+
+import { Header } from "./Header";
+import { SkipLink } from "./SkipLink";
+import styles from "./Shell.module.css";
+import { UnreachableBanner } from "./UnreachableBanner";
+
+/** What stands around every page. A new page takes the focus, so that a screen reader begins there. */
+export function Shell() {
+  const main = useRef<HTMLElement>(null);
+  const first = useRef(true);
+  const { pathname } = useLocation();
+  const loading = useNavigation().state === "loading";
+  const page = pathname.split("/").slice(0, 3).join("/"); // tabs below a page move no focus
+
+  useEffect(() => {
+    if (first.current) first.current = false;
+    else main.current?.focus({ preventScroll: true });
+  }, [page]);
+
+  return (
+    <>
+      <SkipLink target={main} />
+      <Header />
+      <UnreachableBanner />
+      <main ref={main} tabIndex={-1} className={styles.main} aria-busy={loading}>
+        <Outlet />
+      </main>
+      <ScrollRestoration getKey={(location) => location.pathname} />
+    </>
+  );
+}

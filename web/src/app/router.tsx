@@ -1,0 +1,41 @@
+/** Which page an address shows. Each page is a file of its own that exports `Component`, loaded when it is first asked for.
+
+The first segment of every path is also named in `server/exogauge/api/page.py`, which answers others with 404.
+*/
+
+import { createBrowserRouter, Navigate } from "react-router";
+
+import { basename } from "./base";
+import { NotFound } from "./NotFound";
+import { PageError } from "./PageError";
+import { Shell } from "./Shell";
+
+export function newRouter() {
+  return createBrowserRouter(
+    [
+      {
+        element: <Shell />,
+        errorElement: <PageError />,
+        hydrateFallbackElement: <></>,
+        children: [
+          {
+            errorElement: <PageError />,
+            children: [
+              { index: true, element: <Navigate to="/studies" replace /> },
+              { path: "studies", lazy: () => import("../pages/studies/StudiesPage") },
+              { path: "studies/:studyId/*", lazy: () => import("../pages/study/StudyPage") },
+              { path: "import", lazy: () => import("../pages/import/ImportPage") },
+              { path: "robots", lazy: () => import("../pages/robot/RobotsPage") },
+              { path: "robots/:robotId/*", lazy: () => import("../pages/robot/RobotPage") },
+              { path: "devices", lazy: () => import("../pages/device/DevicesPage") },
+              { path: "devices/:deviceId/*", lazy: () => import("../pages/device/DevicePage") },
+              { path: "compare", lazy: () => import("../pages/compare/ComparePage") },
+              { path: "*", element: <NotFound /> },
+            ],
+          },
+        ],
+      },
+    ],
+    { basename: basename || "/" },
+  );
+}

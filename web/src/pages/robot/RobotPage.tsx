@@ -1,0 +1,5 @@
+import { PageTitle } from "../../parts/PageTitle";
+
+export function Component() {
+  return <PageTitle title="Robot" />;
+}
