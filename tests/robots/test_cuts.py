@@ -62,7 +62,7 @@ def _motion(samples: int = 9) -> Motion:
     rng = np.random.default_rng(4)
     q, dq, ddq = rng.normal(size=(3, samples, 3))
     still = np.zeros((samples, 3))
-    return Motion(q, dq, ddq, still + [0.0, 0.0, 9.81], still, still)
+    return Motion(q, dq, ddq, np.tile([0.0, 0.0, 9.81], (samples, 1)), still, still)
 
 
 def _reading_by_pinocchio(motion: Motion, frame: str, beyond: set[str]) -> np.ndarray:

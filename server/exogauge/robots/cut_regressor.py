@@ -13,8 +13,10 @@ Array = NDArray[np.float64]
 
 
 def cut_regressor(tree: RigidTree, motion: Motion, frame: str) -> Array:
-    """(T, 6, 10N) force then moment about the origin of the sensor's frame, in its axes, that moves the bodies beyond it,
-    per standard parameter."""
+    """(T, 6, 10N) wrench that moves the bodies beyond a sensor, per standard parameter.
+
+    Force then moment about the origin of the sensor's frame, in its axes.
+    """
     wrench, states = wrench_regressor(tree, motion)
     Y = np.zeros((motion.samples, 6, len(tree.bodies), 10))
     beyond = list(tree.cuts[frame])

@@ -104,7 +104,9 @@ def _fill(
     segments: Ints, movers: Ints, weights: Array,
     signals: Array, base: Array, axes: Ints, entries: Ints, first: Ints, whole: Array,
 ) -> None:  # fmt: skip
-    """All tiles. signals: (5, J + 1, T) q, cos q, sin q, dq, ddq, 0 for a joint that is none. base: (9, T) acc, gyro, gyro_dot. whole: (rows, T)."""
+    """All tiles. signals: (5, J + 1, T) q, cos q, sin q, dq, ddq; the last joint is none.
+
+    base: (9, T) acc, gyro, gyro_dot. whole: (rows, T)."""
     n, joints, samples = parent.shape[0], signals.shape[1], base.shape[1]
     R, B = np.empty((n + 1, 9, TILE)), np.empty((n + 1, 9, TILE))
     p, w, dw, b = (

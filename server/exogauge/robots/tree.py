@@ -23,8 +23,8 @@ class RigidTree:
     that hang on it have parent -1. Links joined by fixed joints are one body, named by the link its joint moves.
 
     bodies: (N,) link names. joints: (J,) names, in the order of the log's columns.
-    parent: (N,) body index or -1. dof: (N,) column in q, or -1 for the floating base and for a body that is fixed to its
-    parent, or to the base, behind a force/torque sensor (`robots.cuts`).
+    parent: (N,) body index or -1. dof: (N,) column in q, or -1 for the floating base and for a body that is fixed to
+    its parent, or to the base, behind a force/torque sensor (`robots.cuts`).
     axis: (N, 3) unit joint axis. prismatic: (N,) bool.
     T_before, T_after: N poses; T_parent_body(q) = T_before · motion(axis, q) · T_after
     (T_after is the identity except where the tree was re-rooted).
