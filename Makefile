@@ -14,12 +14,6 @@ CHROMIUM := command -v chromium >/dev/null || { \
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-WEB_SOURCES := $(shell find web -type f -not -path 'web/node_modules/*' -not -path 'web/dist/*' -not -name schema.d.ts)
-WEB := web/dist/index.html
-ifneq ($(filter-out 0,$(EXOGAUGE_WITHOUT_WEB)),)
-WEB :=
-endif
-
 .PHONY: help install demo serve web web-dev openapi test e2e screenshots check bench blind lock clean
 
 help:  ## list the targets
@@ -33,21 +27,16 @@ $(READY): requirements.lock pyproject.toml
 	@$(PIP) --no-deps --no-build-isolation --editable .
 	@touch $(READY)
 
-web/dist/index.html: $(WEB_SOURCES) | $(READY)  # whatever was changed since it was installed
-	@echo "building the web app …"
-	@$(BIN)/python web/build_page.py
-	@touch $@
+install: web  ## put exogauge and all it needs into .venv
 
-install: $(READY) $(WEB)  ## put exogauge and all it needs into .venv
-
-demo: $(READY) $(WEB)  ## start the service, evaluate the sample study through HTTP, print the result
+demo: web  ## start the service, evaluate the sample study through HTTP, print the result
 	$(BIN)/exogauge demo
 
-serve: $(READY) $(WEB)  ## start the service on 127.0.0.1 with the same data as `make demo`
+serve: web  ## start the service on 127.0.0.1 with the same data as `make demo`
 	$(BIN)/exogauge serve
 
-web: $(READY)  ## build the web app into web/dist, where the service finds it
-	$(BIN)/python web/build_page.py
+web: $(READY)  ## build the web app into web/dist, if its source has changed
+	@$(BIN)/python web/build_page.py
 
 web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `make serve` runs beside it
 	$(BIN)/python web/build_page.py dev
@@ -55,23 +44,23 @@ web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `m
 openapi: $(READY)  ## write web/openapi.json, which the web app's types are made of
 	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
 
-test: $(READY) $(WEB)  ## all tests; those that drive a browser where Chromium is installed
+test: web  ## all tests; those that drive a browser where Chromium is installed
 	$(BIN)/python -m pytest -n 2
 
-e2e: $(READY) $(WEB)  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
+e2e: web  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
 	@$(CHROMIUM)
 	$(BIN)/python -m pytest tests/e2e
 
-screenshots: $(READY) $(WEB)  ## the same, keeping a picture of every page in the folder SCREENSHOTS
+screenshots: web  ## the same, keeping a picture of every page in the folder SCREENSHOTS
 	@$(CHROMIUM)
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
-check: $(READY) $(WEB)  ## style, types, import layers, migrations and the quick tests, in under three minutes
+check: web  ## style, types, import layers, migrations and the quick tests, in under three minutes
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(if $(WEB),$(BIN)/python web/build_page.py check)
+	$(BIN)/python web/build_page.py check
 	$(BIN)/python -m pytest -m "not slow" -n 2
 
 .venv-bench/.ready: tests/bench/requirements.lock  # figaroh, the rival, in an environment of its own

@@ -6,6 +6,7 @@ installing a wheel needs no Node. EXOGAUGE_WITHOUT_WEB=1 leaves the page out: th
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -16,6 +17,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 WEB = Path(__file__).resolve().parent
 SKIP = "EXOGAUGE_WITHOUT_WEB"
+MADE = ("dist", "node_modules", "__pycache__")
+MADE_OF = "made-of"  # beside the build: the sources it is made of
 
 
 class PageBuild(BuildHookInterface):  # type: ignore[type-arg]
@@ -35,9 +38,26 @@ def skipped() -> bool:
 
 
 def build() -> None:
-    """Fill web/dist. Packages are installed as package-lock.json pins them, and none of their scripts is run."""
+    """Fill web/dist, unless it is of these sources already (an installer asks twice).
+
+    Packages are installed as package-lock.json pins them, and none of their scripts is run.
+    """
+    made_of, now = WEB / "dist" / MADE_OF, sources()
+    if made_of.is_file() and made_of.read_text() == now:
+        return
     install()
     npm("run", "--silent", "build", "--", "--logLevel", "warn")
+    made_of.write_text(now)
+
+
+def sources() -> str:
+    """The SHA-256 of every file that the build is made of."""
+    digest = hashlib.sha256()
+    for path in sorted(WEB.rglob("*")):
+        place = path.relative_to(WEB)
+        if place.parts[0] not in MADE and path.is_file() and place.name != "schema.d.ts":
+            digest.update(f"{place.as_posix()}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def install() -> None:
@@ -77,6 +97,6 @@ def node_and_npm() -> tuple[Path, Path]:
 if __name__ == "__main__":
     if sys.argv[1:2] in (["dev"], ["check"]):
         install()
-        npm("run", "--silent", sys.argv[1], *sys.argv[2:])
-    else:
+        npm("run", "--silent", sys.argv[1])
+    elif not skipped():
         build()

@@ -29,6 +29,7 @@ class Settings(BaseSettings):
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
     max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
+    upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")
     max_bundle_files: int = Field(default=1000, ge=1, description="most files in one bundle")
     max_description_bytes: int = Field(default=MIB, ge=1024, description="largest study.yaml, robot.yaml, device.yaml")
     lab: str = Field(default="local", min_length=1, max_length=64, description="the one lab of this installation")
@@ -54,6 +55,11 @@ class Settings(BaseSettings):
         return self.data_dir / "scratch"
 
     @property
+    def uploads(self) -> Path:
+        """Folder of resumable uploads that are not yet used or given up."""
+        return self.data_dir / "uploads"
+
+    @property
     def local_only(self) -> bool:
         """Whether the server listens on the loopback interface only."""
         try:
@@ -66,8 +72,8 @@ IN_CHECKOUT = {"web": "web/dist"}
 
 
 def packaged_folder(name: str) -> Path:
-    """A folder that ships with the code: `exogauge/_packaged/<name>` in a wheel; in a checkout the top-level folder, and
-    for the web app what was built from it.
+    """A folder that ships with the code: `exogauge/_packaged/<name>` in a wheel, and in a checkout the top-level
+    folder or what was built from it.
 
     FileNotFoundError: neither is there.
     """

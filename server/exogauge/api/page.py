@@ -44,7 +44,8 @@ POLICY = (
 MISSING = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>exogauge: no web app</title></head>
 <body><h1>The web app is not built</h1>
-<p>The service runs, and its API answers under <a href="{base}api/v1/openapi.json">api/v1</a>; only the pages are missing.</p>
+<p>The service runs, and its API answers under <a href="{base}api/v1/openapi.json">api/v1</a>.
+Only the pages are missing.</p>
 <ul><li>In a checkout of the source, run <code>make web</code> and load this page again.</li>
 <li>An installation made with <code>EXOGAUGE_WITHOUT_WEB</code> set has no pages: install it again without.</li></ul>
 </body></html>
