@@ -14,6 +14,8 @@ import numpy as np
 import scipy.linalg as sl
 from numpy.typing import NDArray
 
+from exogauge.discrepancy.score import residual_memory
+from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 from exogauge.robots.kinematics import forward
@@ -22,7 +24,7 @@ Array = NDArray[np.float64]
 
 MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from its frame: std of a broad belief
 BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
-MEMORY = 4.0  # samples that count as one, at least: residuals are coloured
+MEMORY = 4.0  # samples that count as one, at least: residuals are coloured, and more so where more is missing
 SURE = 20.0  # twice the log likelihood ratio: odds of e^10, before some forty links are counted
 SIGNIFICANT = 4.0  # standard deviations of the mass
 TELL_APART = 6.0  # by which the best link must stand above another one
@@ -63,9 +65,10 @@ def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
     measured acceleration, which the residual holds too.
     """
     bodies = _tilting(model, logs)
-    solved, prior = model.solution.unbounded, model.solution.prior
-    R = solved.information / np.sqrt(MEMORY)
-    z = solved.target / np.sqrt(MEMORY) - R @ prior.seen_mean[prior.free]
+    solution, prior = model.solution, model.solution.prior
+    memory = _memory(model, logs)
+    data = PriorLeastSquares(solution.statistics.square_root(solution.weights / memory), prior, solution.strength)
+    R, z = data.information, data.target - data.information @ prior.seen_mean[prior.free]
     covariance = np.eye(len(z)) + R @ prior.seen_covariance[np.ix_(prior.free, prior.free)] @ R.T
     pulls = {body: R @ prior.seen[prior.free][:, 10 * body : 10 * body + 4] * BROAD for body in bodies}
     found: list[OddLink] = []
@@ -82,6 +85,19 @@ def odd_links(model: RobotModel, logs: Sequence[Log]) -> list[OddLink]:
         found.append(OddLink(best, alike, tuple(each for each in ordered[1:4] if each not in alike)))
         covariance = covariance + pulls[best.body] @ pulls[best.body].T
     return found
+
+
+def _memory(model: RobotModel, logs: Sequence[Log]) -> Array:
+    """(rows,) samples of each kind of row that count as one: as many as its residual remembers, in the median log."""
+    equations, x = model.equations, model.solution.unbounded.x
+    of_logs = []
+    for log in logs:
+        prepared = model.prepare(log)
+        residual = equations.residuals(prepared, x)
+        residual[:, equations.first_axis :][~prepared.steady[prepared.kept]] = np.nan
+        of_logs.append([residual_memory(each) for each in residual.T])
+    memory = np.maximum(np.median(of_logs, axis=0), MEMORY)
+    return np.concatenate([memory, memory[equations.first_axis :]])
 
 
 def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
