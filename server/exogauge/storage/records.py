@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Generic, TypeVar, final
@@ -71,7 +71,7 @@ class StudyRecord:
 @dataclass(frozen=True)
 class JobRecord:
     """progress: 0..1. reason: why it failed. failure: {class, faults} where what was handed in is to blame.
-    log: the last lines of what the worker said."""
+    steps: {message, progress, at} of the present attempt. log: the last lines of what the worker said."""
 
     id: str
     created_at: datetime
@@ -85,6 +85,7 @@ class JobRecord:
     message: str
     reason: str | None
     failure: Mapping[str, Any] | None
+    steps: Sequence[Mapping[str, Any]] | None
     attempts: int
     cancel_requested: bool
     started_at: datetime | None
@@ -92,6 +93,31 @@ class JobRecord:
     worker: str | None
     log: str
     revision: int
+
+
+@final
+@dataclass(frozen=True)
+class UploadRecord:
+    """size: bytes the file will have."""
+
+    id: str
+    created_at: datetime
+    name: str
+    size: int
+    expires_at: datetime
+
+
+@final
+@dataclass(frozen=True)
+class MappingRecord:
+    """content: as in mapping.yaml."""
+
+    id: str
+    created_at: datetime
+    robot_id: str
+    content: Mapping[str, Any]
+    content_hash: str
+    changed_at: datetime
 
 
 @final

@@ -28,11 +28,13 @@ from exogauge.storage.devices import Devices
 from exogauge.storage.jobs import Jobs
 from exogauge.storage.keys import Keys
 from exogauge.storage.logs import Logs
+from exogauge.storage.mappings import Mappings
 from exogauge.storage.results import Results
 from exogauge.storage.robots import Robots
 from exogauge.storage.rows import Lab
 from exogauge.storage.studies import Studies
 from exogauge.storage.tables import WorkerLease
+from exogauge.storage.uploads import Uploads
 
 
 @final
@@ -51,6 +53,8 @@ class Store:
         self.jobs = Jobs(lab)
         self.results = Results(lab)
         self.keys = Keys(lab)
+        self.uploads = Uploads(lab)
+        self.mappings = Mappings(lab)
 
     def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
         """How many workers have given a sign of life on the database's clock."""

@@ -158,6 +158,7 @@ class Job(Owned, Base):
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
     failure: {class, faults} of the error that ended it, where what was handed in is to blame.
+    steps: what the present attempt has done, {message, progress, at}, in order.
     """
 
     __tablename__ = "jobs"
@@ -185,6 +186,7 @@ class Job(Owned, Base):
     message: Mapped[str] = mapped_column(sa.Text, default="")
     reason: Mapped[str | None] = mapped_column(sa.Text)
     failure: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
+    steps: Mapped[list[dict[str, Any]] | None] = mapped_column(sa.JSON(none_as_null=True))
     attempts: Mapped[int] = mapped_column(default=0)
     cancel_requested: Mapped[bool] = mapped_column(default=False)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
@@ -217,6 +219,29 @@ class Artifact(Owned, Base):
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
     media_type: Mapped[str] = mapped_column(sa.String(100))
+
+
+@final
+class Upload(Owned, Base):
+    """A file that is being received. size: bytes it will have; those that arrived are on disk and nowhere else."""
+
+    __tablename__ = "uploads"
+    __table_args__ = (sa.Index(None, "expires_at"),)
+    name: Mapped[str] = mapped_column(PATH)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+    expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
+
+
+@final
+class RobotMapping(Owned, Base):
+    """How the logs of a robot are read, remembered from the last import. content: as in mapping.yaml."""
+
+    __tablename__ = "robot_mappings"
+    __table_args__ = (sa.UniqueConstraint("robot_id"),)
+    robot_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("robots.id", ondelete="CASCADE"))
+    content: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
 @final

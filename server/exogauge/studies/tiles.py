@@ -92,7 +92,8 @@ def make_blocks(series: SeriesFile) -> Blocks:
 def _at_starts(series: SeriesFile, first: int, stop: int, rows: NDArray[np.int64]) -> Array:
     begin, end = series.groups[first], series.groups[stop]
     here = rows[:-1][(rows[:-1] >= begin) & (rows[:-1] < end)]
-    return series.read(TIME, first, stop)[here - begin]
+    starts: Array = series.read(TIME, first, stop)[here - begin]
+    return starts
 
 
 def _portions(series: SeriesFile) -> list[tuple[int, int]]:

@@ -1,0 +1,60 @@
+"""Mappings that are remembered per robot, so that the next log of it need not be explained again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+import sqlalchemy as sa
+
+from exogauge.errors import Conflict, NotFound
+from exogauge.storage.records import MappingRecord
+from exogauge.storage.robots import Robots
+from exogauge.storage.rows import Lab
+from exogauge.storage.tables import Base, Robot, RobotMapping, utc_now
+
+
+@final
+@dataclass(frozen=True)
+class Mappings:
+    lab: Lab
+
+    def of_robot(self, robot_id: str) -> MappingRecord:
+        """The robot's own, or else the last that was kept for another version of it (its robot_id tells)."""
+        robot = Robots(self.lab).get(robot_id)
+        found = self._own(robot_id)
+        if found is None:
+            versions = sa.select(Robot.id).where(Robot.lab_id == self.lab.lab_id, Robot.name == robot.name)
+            query = self.lab.select(RobotMapping).where(RobotMapping.robot_id.in_(versions))
+            found = self.lab.one(MappingRecord, query.order_by(RobotMapping.changed_at.desc(), RobotMapping.id))
+        if found is None:
+            raise NotFound(f"no mapping is kept for robot {robot_id}")
+        return found
+
+    def keep(
+        self, robot_id: str, content: Mapping[str, Any], content_hash: str, expected: str | None = None
+    ) -> tuple[MappingRecord, bool]:
+        """The mapping as it is now kept, and whether it is the robot's first. expected: hash of what it replaces;
+        Conflict where another is there."""
+        Robots(self.lab).get(robot_id)
+        if expected is not None and getattr(self._own(robot_id), "content_hash", None) != expected:
+            raise Conflict("the robot's mapping has been changed meanwhile; read it again")
+        values = {"content": dict(content), "content_hash": content_hash}
+
+        def make() -> list[Base]:
+            return [RobotMapping(lab_id=self.lab.lab_id, robot_id=robot_id, **values)]
+
+        kept, new = self.lab.find_or_add(lambda: self._own(robot_id), make, "mapping")
+        if not new and kept.content_hash != content_hash:
+            mine = [RobotMapping.robot_id == robot_id, RobotMapping.content_hash == kept.content_hash]
+            statement = sa.update(RobotMapping).where(*mine).values(**values, changed_at=utc_now())
+            if not getattr(self.lab.session.execute(statement), "rowcount", 0):
+                raise Conflict("the robot's mapping is being changed by someone else; try again")
+        if new or kept.content_hash != content_hash:
+            before = None if new else kept.content_hash
+            self.lab.audit("keep", "mapping", robot_id, before=before, after=content_hash)
+        return self._own(robot_id) or kept, new
+
+    def _own(self, robot_id: str) -> MappingRecord | None:
+        return self.lab.one(MappingRecord, self.lab.select(RobotMapping).where(RobotMapping.robot_id == robot_id))

@@ -1,0 +1,99 @@
+"""Files that arrive piece by piece. How much of one has arrived is how long it is on disk: nothing else remembers it,
+so nothing can disagree with it after a kill."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, final
+
+from exogauge.errors import NotFound
+from exogauge.storage.blobs import chunks, disk, fsync_folder
+
+CHECKED = ".checking"  # beside a file: a piece whose checksum is not known yet
+
+
+@final
+class InUse(Exception):
+    """Another request writes to the file."""
+
+
+@final
+@dataclass(frozen=True)
+class PartialFiles:
+    folder: Path
+
+    def create(self, key: str) -> None:
+        with disk("begin the upload"):
+            self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self.path(key).touch(mode=0o600, exist_ok=False)
+            fsync_folder(self.folder)
+
+    def path(self, key: str) -> Path:
+        return self.folder / key
+
+    def offset(self, key: str) -> int:
+        """Bytes that have arrived."""
+        try:
+            return self.path(key).stat().st_size
+        except FileNotFoundError as error:
+            raise NotFound(f"nothing is left of upload {key}; begin it again") from error
+
+    def remove(self, key: str) -> None:
+        self.path(key).unlink(missing_ok=True)
+        self.path(key + CHECKED).unlink(missing_ok=True)
+
+    def remove_strays(self, older_than_s: float) -> None:
+        """Files that nobody touched for so long."""
+        for path in self.folder.iterdir() if self.folder.is_dir() else ():
+            with suppress(FileNotFoundError):
+                if time.time() - path.stat().st_mtime > older_than_s:
+                    path.unlink()
+
+    @contextmanager
+    def appending(self, key: str) -> Iterator[BinaryIO]:
+        """The file's end, for one writer at a time (InUse), whoever was killed before; durable when it is left."""
+        self.offset(key)
+        with disk("receive the upload"), self.path(key).open("ab", buffering=0) as file:
+            with one_writer():
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            try:
+                yield file  # type: ignore[misc]  # unbuffered: every write is on its way to the disk
+            finally:
+                os.fsync(file.fileno())
+
+    @contextmanager
+    def checked_piece(self, key: str) -> Iterator[BinaryIO]:
+        """A file for one piece until its checksum is known; gone afterwards."""
+        path = self.path(key + CHECKED)
+        try:
+            with disk("receive the upload"), path.open("w+b", buffering=0) as file:
+                yield file  # type: ignore[misc]
+        finally:
+            path.unlink(missing_ok=True)
+
+
+@contextmanager
+def one_writer() -> Iterator[None]:
+    try:
+        yield
+    except BlockingIOError as error:
+        raise InUse from error
+
+
+def write_all(file: BinaryIO, data: bytes) -> None:
+    """An unbuffered write may take only a part."""
+    left = memoryview(data)
+    while left:
+        left = left[file.write(left) :]
+
+
+def copy_piece(piece: BinaryIO, file: BinaryIO) -> None:
+    piece.seek(0)
+    for chunk in chunks(piece):
+        write_all(file, chunk)

@@ -1,0 +1,50 @@
+"""Resumable uploads: what will arrive, and until when it is waited for. The bytes are `partial_files`' business."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import final
+
+import sqlalchemy as sa
+
+from exogauge.errors import NotFound
+from exogauge.storage import tables
+from exogauge.storage.records import UploadRecord
+from exogauge.storage.rows import Lab, as_record
+from exogauge.storage.tables import Upload, utc_now
+
+
+@final
+@dataclass(frozen=True)
+class Uploads:
+    lab: Lab
+
+    def add(self, key: str, name: str, size: int, expires_at: datetime) -> UploadRecord:
+        row = Upload(id=key, lab_id=self.lab.lab_id, name=name, size=size, expires_at=expires_at)
+        self.lab.session.add(row)
+        self.lab.session.flush()
+        return as_record(UploadRecord, row)
+
+    def get(self, key: str) -> UploadRecord:
+        """NotFound for one whose time has run out, too."""
+        found = self.lab.get(UploadRecord, Upload, key, "upload")
+        if found.expires_at <= utc_now():
+            raise NotFound(f"upload {key} was given up at {found.expires_at:%Y-%m-%d %H:%M} UTC; begin it again")
+        return found
+
+    def wait_longer(self, key: str, expires_at: datetime) -> bool:
+        """False where it is gone."""
+        done = self.lab.session.execute(sa.update(Upload).where(*self._mine(key)).values(expires_at=expires_at))
+        return bool(getattr(done, "rowcount", 0))
+
+    def delete(self, key: str) -> None:
+        self.lab.session.execute(sa.delete(Upload).where(*self._mine(key)))
+
+    def expired(self) -> list[str]:
+        """Ids of those whose time has run out, of this lab."""
+        query = sa.select(Upload.id).where(Upload.lab_id == self.lab.lab_id, Upload.expires_at <= utc_now())
+        return list(self.lab.session.scalars(query))
+
+    def _mine(self, key: str) -> tuple[sa.ColumnElement[bool], ...]:
+        return tables.Upload.lab_id == self.lab.lab_id, tables.Upload.id == key
