@@ -18,11 +18,13 @@ from exogauge.identification.model import AxisSizes, RobotModel
 from exogauge.identification.noise_bias import noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
-from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predicted_channels, split
+from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, RestDetection, prepare, rest_detection
 from exogauge.identification.prior import added_std, per_parameter, scales
+from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction
+from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
@@ -31,6 +33,7 @@ from exogauge.identification.validate import fits, noise_floors, predict_log, rm
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
+from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.row_blocks import row_blocks
 
@@ -62,8 +65,9 @@ def identify(
     progress(0.0, "choosing the bandwidth")
     base = find_base_parameters(robot.tree)
     blocks = row_blocks(robot.tree, base, robot.axes_from_joints)
-    added = extension.columns if extension else ()
-    equations = Equations(robot, blocks, base, choose(settings.effects), added)
+    added = (*zero_columns(robot), *(extension.columns if extension else ()))
+    cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
+    equations = Equations(robot, blocks, base, choose(settings.effects), added, cuts)
     cutoff_hz = extension.parent.cutoff_hz if extension else settings.cutoff_hz
     cutoff_hz = cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
     progress(0.05, "filtering and differentiating")
@@ -75,9 +79,7 @@ def identify(
 
     fitted = [ready(log) for log in fitted_logs]
     seen = scales(robot, fitted)
-    prior = per_parameter(
-        robot, base, equations.effects, seen, added_std(fitted, [column.axis for column in added], seen)
-    )
+    prior = per_parameter(robot, base, equations.effects, seen, added_std(equations, fitted, seen))
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
 
@@ -170,14 +172,8 @@ def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
 
 def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
     """Mean log share of the unfiltered channels of `log` that one quick solution leaves unexplained."""
-    robot = equations.robot
-    prepared = prepare(robot, log, cutoff_hz, rest_detection(robot, [log], cutoff_hz))
-    prior = per_parameter(robot, equations.base, equations.effects, scales(robot, [prepared]))
-    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
-    parameters = split(equations, solution.solved.prior.lift(solution.sticking.x))
-    measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
-    predicted = predicted_channels(equations, prepared, parameters)
-    left = [rms(values - predicted[channel]) / rms(values) for channel, values in measured.items()]
+    (fit,) = quick_fit(equations, [log], cutoff_hz)
+    left = [rms(fit.residual[channel]) / rms(values) for channel, values in fit.measured.items()]
     return float(np.mean(np.log(left)))
 
 
