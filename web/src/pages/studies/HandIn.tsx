@@ -1,0 +1,73 @@
+import { Button, Checkbox, FileButton, Group, Text } from "@mantine/core";
+import { Dropzone } from "@mantine/dropzone";
+import { IconFiles, IconFolder } from "@tabler/icons-react";
+import { useState } from "react";
+
+import { limits } from "../../api/limits";
+import { ProblemBox } from "../../parts/ProblemBox";
+import { sizeOf } from "../../parts/size";
+import styles from "./HandIn.module.css";
+import { picked } from "./picked";
+import { SendingFiles } from "./SendingFiles";
+import { useHandIn } from "./useHandIn";
+
+/** Where a study is handed in: by a drop, or by a choice of files or of a folder. */
+export function HandIn() {
+  const [evaluate, setEvaluate] = useState(true);
+  const { state, handIn, stop } = useHandIn(evaluate);
+  const take = (files: File[]) => void handIn(picked(files));
+
+  if (state.step === "sending") return <SendingFiles files={state.files} progress={state.progress} stop={stop} />;
+  return (
+    <section aria-labelledby="hand-in">
+      <Dropzone
+        onDrop={take}
+        activateOnClick={false}
+        activateOnKeyboard={false}
+        tabIndex={-1}
+        className={styles.zone}
+        classNames={{ inner: styles.inner }}
+      >
+        <Text id="hand-in" component="h2" fw={600} size="lg">
+          Drop a study here
+        </Text>
+        <Text size="sm">
+          One zip, a folder, or its files: <code>study.yaml</code>, <code>robot.yaml</code>, the URDF and the logs.
+          Meshes are not needed.
+        </Text>
+        <Group gap="sm" mt="sm">
+          <FileButton onChange={take} multiple>
+            {(props) => (
+              <Button {...props} leftSection={<IconFiles size={16} aria-hidden />}>
+                Choose files
+              </Button>
+            )}
+          </FileButton>
+          <FileButton onChange={take} multiple inputProps={{ webkitdirectory: "" } as object}>
+            {(props) => (
+              <Button {...props} variant="default" leftSection={<IconFolder size={16} aria-hidden />}>
+                Choose a folder
+              </Button>
+            )}
+          </FileButton>
+          <Checkbox
+            label="Evaluate at once"
+            checked={evaluate}
+            onChange={(event) => setEvaluate(event.currentTarget.checked)}
+          />
+        </Group>
+        {limits && (
+          <Text size="sm" c="dimmed" mt="xs">
+            At most {sizeOf(limits.upload_bytes)} at once, {sizeOf(limits.bundle_bytes)} unpacked,{" "}
+            {limits.bundle_files} files.
+          </Text>
+        )}
+      </Dropzone>
+      {state.step === "refused" && (
+        <div className={styles.refusal}>
+          <ProblemBox error={state.error} problem={state.problem} />
+        </div>
+      )}
+    </section>
+  );
+}
