@@ -10,7 +10,10 @@ from types import MappingProxyType
 from typing import Any
 
 import exogauge.effects as package
+from exogauge.effects.band import BandEffect
+from exogauge.effects.base import BaseEffect
 from exogauge.effects.effect import JointEffect
+from exogauge.effects.sensor import SensorEffect
 from exogauge.effects.shaped import ShapedEffect
 from exogauge.errors import BadInput, Fault
 
@@ -24,8 +27,29 @@ def all_effects() -> Mapping[str, JointEffect]:
 
 @cache
 def shaped_effects() -> Mapping[str, ShapedEffect]:
-    """Identifier -> effect that may be missing (it has `columns`), found likewise: adding one file is all it takes."""
-    found: list[ShapedEffect] = [effect for effect in _offered() if hasattr(effect, "columns")]
+    """Identifier -> effect of a joint that may be missing, found likewise: adding one file is all it takes."""
+    found: list[ShapedEffect] = _placed("joint")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
+def sensor_effects() -> Mapping[str, SensorEffect]:
+    """Identifier -> effect of a force/torque sensor."""
+    found: list[SensorEffect] = _placed("sensor")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
+def base_effects() -> Mapping[str, BaseEffect]:
+    """Identifier -> effect of the base and its IMU."""
+    found: list[BaseEffect] = _placed("base")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
+def band_effects() -> Mapping[str, BandEffect]:
+    """Identifier -> effect of a band that the model of the wear may miss (it has `added_tension`), found likewise."""
+    found: list[BandEffect] = [effect for effect in _offered() if hasattr(effect, "added_tension")]
     return MappingProxyType({effect.name: effect for effect in found})
 
 
@@ -37,6 +61,10 @@ def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:
         advice = f"Known effects: {', '.join(sorted(known))}."
         raise BadInput([Fault(f"there is no effect {name!r}", "unknown_effect", advice) for name in unknown])
     return tuple(known[name] for name in names)
+
+
+def _placed(place: str) -> list[Any]:
+    return [effect for effect in _offered() if getattr(effect, "place", "") == place]
 
 
 def _offered() -> list[Any]:

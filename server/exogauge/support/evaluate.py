@@ -38,13 +38,27 @@ LEAST_SIGMA = 1e-3  # [N·m] of a joint on which nothing was found where there i
 @final
 @dataclass(frozen=True)
 class Nothing:
-    """A log without the device, at its kept samples: (n, J) posture, (n, D) torques that ought to be zero."""
+    """A log without the device, at its kept samples: (n,) time [s], (n, J) posture, (n, D) torques that ought to be
+    zero."""
 
     motion: str
+    time: Array
     posture: Array
     b: Array
     a_priori: Array
     steady: BoolArray
+
+
+@final
+@dataclass(frozen=True)
+class Gathered:
+    """What all logs say before any band is known. backgrounds: by motion. joints: (D,) columns of q, names: theirs."""
+
+    evidences: Sequence[Evidence]
+    backgrounds: Mapping[str, Background]
+    nothings: Sequence[Nothing]
+    joints: IntArray
+    names: Sequence[str]
 
 
 def estimate_support(
@@ -55,6 +69,17 @@ def estimate_support(
     progress: Progress = lambda _fraction, _phrase: None,
 ) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
     """[Evaluator] sections 5.3 and 5.4: supporting torque by A, B and the maker's values, then the bands from each."""
+    return conclude_support(model, gather_support(model, plain, worn, settings, progress), worn, settings, progress)
+
+
+def gather_support(
+    model: RobotModel,
+    plain: Sequence[PlainLog],
+    worn: Sequence[WornLog],
+    settings: SupportSettings = DEFAULTS,
+    progress: Progress = lambda _fraction, _phrase: None,
+) -> Gathered:
+    """The supporting torque of every log with a device, and what is found without one."""
     joints = acted_joints(model.robot, worn)
     evidences: list[Evidence] = []
     backgrounds: dict[str, Background] = {}
@@ -69,16 +94,27 @@ def estimate_support(
                 evidences.append(_evidence(model, pair, plain, background, settings))
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
+    return Gathered(evidences, backgrounds, nothings, joints, [model.robot.joints[j].name for j in joints])
+
+
+def conclude_support(
+    model: RobotModel,
+    gathered: Gathered,
+    worn: Sequence[WornLog],
+    settings: SupportSettings = DEFAULTS,
+    progress: Progress = lambda _fraction, _phrase: None,
+) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
+    """Bands from what was gathered, and supporting torques joint by joint."""
+    evidences, backgrounds, nothings = gathered.evidences, gathered.backgrounds, gathered.nothings
     progress(0.8, "identifying the bands")
-    names = [model.robot.joints[j].name for j in joints]
     devices = {each.device.name: each.device for each in worn}
     stiffness = [
         result
         for device in devices.values()
-        for result in _bands(model, device, evidences, backgrounds, nothings, names)
+        for result in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
     ]
     progress(0.95, "comparing with the band model")
-    return _result(model, evidences, backgrounds, stiffness, names, settings), tuple(stiffness)
+    return _result(model, evidences, backgrounds, stiffness, gathered.names, settings), tuple(stiffness)
 
 
 def _of_motion(plain: Sequence[PlainLog], motion: str) -> Sequence[PlainLog]:
@@ -117,7 +153,14 @@ def _evidence(
 
 def _nothing(plain: Plain, motion: str) -> Nothing:
     own, kept = plain.balance, plain.balance.prepared.kept
-    return Nothing(motion, own.prepared.motion.q[kept], own.torque[kept], own.torque_a_priori[kept], own.steady[kept])
+    return Nothing(
+        motion,
+        own.time[kept],
+        own.prepared.motion.q[kept],
+        own.torque[kept],
+        own.torque_a_priori[kept],
+        own.steady[kept],
+    )
 
 
 def _bands(

@@ -1,0 +1,80 @@
+"""What an effect is that a band may have beside its spring: tension that enters linearly, with shapes that do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Shape
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class BandSignals:
+    """T samples of one band in one whole log with the wear on, in the order of time.
+
+    time: (T,) [s] from the log's start. clock: (T,) [s] the same with all logs of the wear laid end to end; start,
+    span: where this log begins on it and how long all are. length: (T,) [m]. rate: (T,) [m/s]. stretch: (T,) [m]
+    beyond the natural length, 0 where slack. stiffness [N/m], natural_length [m]: as fitted so far. shortest, travel:
+    [m] of the band's length over all logs. segment_length: (T, S) [m] of its straight parts, wrap: (T, S-1) [rad] by
+    how much it turns between them; None where they do not matter.
+    """
+
+    time: Array
+    clock: Array
+    start: float
+    span: float
+    length: Array
+    rate: Array
+    stretch: Array
+    stiffness: float
+    natural_length: float
+    shortest: float
+    travel: float
+    segment_length: Array | None = None
+    wrap: Array | None = None
+
+    @property
+    def taut(self) -> Array:
+        """(T,) 1 where the band pulls, else 0."""
+        return (self.stretch > 0.0).astype(np.float64)
+
+    @property
+    def tension(self) -> Array:
+        """(T,) [N] of the linear law."""
+        return self.stiffness * self.stretch
+
+
+class BandEffect(Protocol):
+    """A reason why a band does not pull as the linear law says. One file each; `EFFECT` is what the catalogue finds.
+
+    name: identifier, a contract with results.json. sentence: for the user. coefficients: what is estimated linearly.
+    shapes: what is searched. confounds: what can stand in for it: other effects, or `stiffness` and `natural_length`
+    that are fitted in any case. needs: in words, the motion that shows it. coordinate: of the evidence plot, one of
+    `stretch`, `rate`, `clock`. once: it happens at one moment, so that nothing can be held out to judge it.
+    per_segment: the tension differs along the band.
+    """
+
+    name: ClassVar[str]
+    sentence: ClassVar[str]
+    coefficients: ClassVar[tuple[Quantity, ...]]
+    shapes: ClassVar[tuple[Shape, ...]]
+    confounds: ClassVar[tuple[str, ...]]
+    needs: ClassVar[str]
+    coordinate: ClassVar[str]
+    once: ClassVar[bool]
+    per_segment: ClassVar[bool]
+
+    def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
+        """(T, C) [N] that the band pulls more per unit of each coefficient; (T, S, C) per segment."""
+        ...
+
+    def applies(self, signals: BandSignals) -> bool:
+        """Whether the log holds what the effect needs (a taut band, both directions, corners …)."""
+        ...

@@ -1,0 +1,45 @@
+"""A second spring in a band that lets go with time."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from exogauge.effects.band import Array, BandSignals
+from exogauge.effects.effect import Quantity
+from exogauge.effects.presliding import relaxed
+from exogauge.effects.shaped import Shape
+
+
+@final
+class BandRelaxation:
+    """T = k_M s where taut, on top of k x (Maxwell): ṡ = ẋ - s/τ_r, x the stretch, s from 0 at the log's start.
+
+    The step is exact for a stretch that changes evenly between samples: s ← E s + τ_r (1 - E) Δx/h, E = e^{-h/τ_r}.
+    """
+
+    name = "band_relaxation"
+    place = "band"
+    sentence = "Held at one stretch, the band's pull falls off with time; stretched fast, it is stiffer."
+    coefficients = (Quantity("branch_stiffness", "N/m", low=0.0),)
+    shapes = (Shape("relaxation_time", "s", 0.05, 60.0, (0.2, 0.6, 2.0, 6.0, 20.0)),)
+    confounds = ("band_viscous", "stiffness")
+    needs = "Quick stretches that are then held for several times as long as the pull takes to settle."
+    coordinate = "rate"
+    once = False
+    per_segment = False
+
+    def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
+        (tau,) = shape
+        step = np.diff(signals.time, prepend=signals.time[:1]) / tau
+        kept = np.exp(-step)
+        driven = np.divide(-np.expm1(-step), step, out=np.ones_like(step), where=step > 0.0)
+        rise = np.diff(signals.stretch, prepend=signals.stretch[:1])
+        return (signals.taut * relaxed(kept, driven * rise))[:, None]
+
+    def applies(self, signals: BandSignals) -> bool:
+        return bool(len(signals.time) > 1 and np.ptp(signals.stretch) > 0.0)
+
+
+EFFECT = BandRelaxation()
