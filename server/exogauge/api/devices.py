@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
-from fastapi import Path as InPath
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.logs import lay_out_robot
-from exogauge.api.results import ANY_FILE, file_response
+from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import DeviceList, DeviceOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -75,12 +74,7 @@ def get_device(device_id: Id, store: ReaderDep) -> DeviceOut:
 
 
 @router.get("/devices/{device_id}/files/{path:path}", operation_id="getDeviceFile", responses=ANY_FILE)
-def get_device_file(
-    device_id: Id,
-    path: Annotated[str, InPath(max_length=500, pattern=r"^[^\x00]*$")],
-    store: ReaderDep,
-    request: Request,
-) -> Response:
+def get_device_file(device_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
     """One file as it was handed in; ranges and If-None-Match are honoured."""
     file = store.devices.file(str(device_id), path)
     return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")

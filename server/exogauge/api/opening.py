@@ -63,9 +63,10 @@ def study(folder: str) -> dict[str, Any]:
 def robot(folder: str, file: str) -> dict[str, Any]:
     from exogauge.studies.bundle import Bundle
     from exogauge.studies.robot_file import read_robot
+    from exogauge.studies.robot_model import robot_model
 
     described, entry, _ = read_robot(Bundle(Path(folder), file), file)
-    return {"urdf": entry.urdf, **about(described)}
+    return {"urdf": entry.urdf, **about(described), "model": robot_model(described, entry)}
 
 
 def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from exogauge.storage.blobs import BlobStore, chunks
 router = APIRouter(tags=["results"])
 
 NOT_MODIFIED: dict[str, Any] = {"description": "The ETag given in If-None-Match still holds"}
+FilePath = Annotated[str, Path(max_length=500, pattern=r"^[^\x00]*$")]
 JSON_FILE: dict[int | str, dict[str, Any]] = {
     200: {"description": "results.json", "content": {"application/json": {"schema": {"type": "object"}}}},
     304: NOT_MODIFIED,
@@ -52,9 +53,7 @@ def list_artifacts(job_id: Id, store: ReaderDep) -> ArtifactList:
 
 
 @router.get("/jobs/{job_id}/artifacts/{name:path}", operation_id="getArtifact", responses=ANY_FILE)
-def get_artifact(
-    job_id: Id, name: Annotated[str, Path(max_length=500, pattern=r"^[^\x00]*$")], store: ReaderDep, request: Request
-) -> Response:
+def get_artifact(job_id: Id, name: FilePath, store: ReaderDep, request: Request) -> Response:
     """One file that the job made; ranges and If-None-Match are honoured."""
     artifact = store.results.artifact(str(job_id), name)
     return file_response(store.blobs, request, artifact.sha256, artifact.name, artifact.media_type)

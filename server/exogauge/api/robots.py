@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import RobotList, RobotOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
 from exogauge.storage.files import keep_folder
@@ -51,3 +52,10 @@ def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> RobotLis
 @router.get("/robots/{robot_id}", operation_id="getRobot")
 def get_robot(robot_id: Id, store: ReaderDep) -> RobotOut:
     return RobotOut.of(store.robots.get(str(robot_id)), store.robots.files(str(robot_id)))
+
+
+@router.get("/robots/{robot_id}/files/{path:path}", operation_id="getRobotFile", responses=ANY_FILE)
+def get_robot_file(robot_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
+    """One file as it was handed in; ranges and If-None-Match are honoured."""
+    file = store.robots.file(str(robot_id), path)
+    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")

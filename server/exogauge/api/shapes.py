@@ -31,7 +31,8 @@ class FileOut(Answer):
 
 @final
 class RobotOut(Answer):
-    """One version of a robot. content_hash covers every file; files are given when one robot is asked for."""
+    """One version of a robot. content_hash covers every file; files and the summary's `model` (joints, links and their
+    places) are given when one robot is asked for."""
 
     id: str
     name: str
@@ -45,6 +46,8 @@ class RobotOut(Answer):
     def of(cls, robot: RobotRecord, files: Sequence[PinnedFile] | None = None) -> Self:
         answer = cls.model_validate(robot)
         answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        if files is None:
+            answer.summary = {key: value for key, value in robot.summary.items() if key != "model"}
         return answer
 
 

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Annotated
 
 import yaml
-from fastapi import APIRouter, Depends, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -45,14 +46,9 @@ def create_study(
             put_together(body, storage, scratch)
         else:
             lay_out(body.files, scratch, settings)
-        root = root_of(scratch, STUDY)
-        summary = checking.check_study(root)
-        files = keep_folder(storage.blobs, root)
-    with storage.transaction() as store:
-        study, new = store.studies.add(summary["name"], files, summary)
-        job = store.jobs.latest([study.id]).get(study.id)
+        study, new = keep_study(scratch, storage)
     response.status_code = 201 if new else 200
-    return StudyOut.of(study, job, files)
+    return study
 
 
 @router.get("/studies", operation_id="listStudies")
@@ -67,6 +63,24 @@ def list_studies(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> StudyLi
 def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
     study = store.studies.get(str(study_id))
     return StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
+
+
+@router.get("/studies/{study_id}/files/{path:path}", operation_id="getStudyFile", responses=ANY_FILE)
+def get_study_file(study_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
+    """One file as it was handed in; ranges and If-None-Match are honoured."""
+    file = store.studies.file(str(study_id), path)
+    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+
+
+def keep_study(folder: Path, storage: Storage) -> tuple[StudyOut, bool]:
+    """The study below `folder`, checked and stored, and whether it is new."""
+    root = root_of(folder, STUDY)
+    summary = checking.check_study(root)
+    files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        study, new = store.studies.add(summary["name"], files, summary)
+        job = store.jobs.latest([study.id]).get(study.id)
+    return StudyOut.of(study, job, files), new
 
 
 def put_together(parts: StudyFromParts, storage: Storage, folder: Path) -> None:

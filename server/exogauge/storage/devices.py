@@ -9,9 +9,8 @@ from typing import Any, final
 
 import sqlalchemy as sa
 
-from exogauge.errors import NotFound
 from exogauge.storage import tables
-from exogauge.storage.files import PinnedFile, content_hash
+from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.records import DeviceRecord, Page
 from exogauge.storage.robots import Robots
 from exogauge.storage.rows import Lab
@@ -66,12 +65,8 @@ class Devices:
         return tuple(PinnedFile(row.path, row.sha256, row.size) for row in rows)
 
     def file(self, key: str, path: str) -> PinnedFile:
-        """By its path in the database; no path on disk is ever made of what a caller asks for."""
         self.get(key)
-        found = next((file for file in self.files(key) if file.path == path), None)
-        if found is None:
-            raise NotFound(f"device {key} has no file of this path")
-        return found
+        return file_at(self.files(key), path, f"device {key}")
 
     def _newest_version(self, name: str) -> int:
         device = tables.Device

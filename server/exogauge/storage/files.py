@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from exogauge.errors import BadStudy, Fault
+from exogauge.errors import BadStudy, Fault, NotFound
 from exogauge.storage.blobs import BlobStore
 
 LONGEST_PATH = 400
@@ -44,6 +44,14 @@ def safe_path(text: str) -> str:
             Fault(f"a file of the bundle is refused: {fault}", "unsafe_path", "Use plain relative paths.", value=shown)
         )
     return path
+
+
+def file_at(files: Iterable[PinnedFile], path: str, what: str) -> PinnedFile:
+    """The one at `path`; no path on disk is ever made of what a caller asks for. what: whose files they are."""
+    found = next((file for file in files if file.path == path), None)
+    if found is None:
+        raise NotFound(f"{what} has no file of this path")
+    return found
 
 
 def content_hash(files: Iterable[PinnedFile]) -> str:

@@ -10,7 +10,7 @@ from typing import Any, final
 import sqlalchemy as sa
 
 from exogauge.storage import tables
-from exogauge.storage.files import PinnedFile, content_hash
+from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.records import Page, RobotRecord
 from exogauge.storage.rows import Lab
 
@@ -48,6 +48,10 @@ class Robots:
         query = self.lab.select(tables.RobotFile).where(tables.RobotFile.robot_id == key)
         rows = self.lab.session.scalars(query.order_by(tables.RobotFile.path))
         return tuple(PinnedFile(row.path, row.sha256, row.size) for row in rows)
+
+    def file(self, key: str, path: str) -> PinnedFile:
+        self.get(key)
+        return file_at(self.files(key), path, f"robot {key}")
 
     def _newest_version(self, name: str) -> int:
         robot = tables.Robot

@@ -10,7 +10,7 @@ from typing import Any, final
 
 from exogauge.storage import tables
 from exogauge.storage.blobs import BlobStore, copy_out
-from exogauge.storage.files import PinnedFile, content_hash
+from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.records import Page, StudyRecord
 from exogauge.storage.rows import Lab
 
@@ -48,6 +48,10 @@ class Studies:
         query = self.lab.select(tables.StudyFile).where(tables.StudyFile.study_id == key)
         rows = self.lab.session.scalars(query.order_by(tables.StudyFile.path))
         return tuple(PinnedFile(row.path, row.sha256, row.size) for row in rows)
+
+    def file(self, key: str, path: str) -> PinnedFile:
+        self.get(key)
+        return file_at(self.files(key), path, f"study {key}")
 
     def write_to(self, key: str, folder: Path) -> StudyRecord:
         """Lay the study's files out below `folder`, as they were handed in."""

@@ -69,18 +69,18 @@ def draw_device(robot: Robot, device: Device | None) -> str:
     Forward is +x of the base link, left +y, up +z.
     """
     posture = Posture(robot.tree)
-    bones = list(_bones(robot.tree, posture))
+    figure = list(bones(robot.tree, posture))
     bands = () if device is None else device.bands
     routes = [np.array([posture.place(point) for point in band.via_points]) for band in bands]
     links = [point.link for band in bands for point in band.via_points]
     links = links or list(dict.fromkeys([base_link(robot.tree), *robot.tree.bodies]))
     labels = {link: np.asarray(posture.pose(link).translation) for link in links}
     longest = LETTER * max(map(len, labels))
-    views, width, foot = _views(np.vstack([*(np.array(bone) for bone in bones), *routes]), longest)
+    views, width, foot = _views(np.vstack([*(np.array(bone) for bone in figure), *routes]), longest)
     name = robot.name if device is None else f"{device.name} on {robot.name}"
     lines = [f'<text class="title" x="16" y="24">{escape(name)}</text>']
     for view in views:
-        lines += _figure(view, bones)
+        lines += _figure(view, figure)
         if view.two_sided or bands:
             lines += _labels(view, labels)
         for k, (band, places) in enumerate(zip(bands, routes, strict=True)):
@@ -108,7 +108,7 @@ def draw_device(robot: Robot, device: Device | None) -> str:
     )
 
 
-def _bones(tree: RigidTree, posture: Posture) -> Iterator[tuple[Array, Array]]:
+def bones(tree: RigidTree, posture: Posture) -> Iterator[tuple[Array, Array]]:
     """From every body's origin to its parent's; a last body goes on to its farthest frame, so that it has a length."""
     origins = [np.asarray(posture.pose(body).translation) for body in tree.bodies]
     for n, up in enumerate(tree.parent):
