@@ -9,10 +9,26 @@ from contextlib import asynccontextmanager
 from fastapi import APIRouter, FastAPI
 
 from exogauge import __version__
-from exogauge.api import devices, health, logs, openapi, page, problems, results, robots, series, studies, what_if
+from exogauge.api import (
+    devices,
+    from_uploads,
+    health,
+    logs,
+    openapi,
+    page,
+    problems,
+    results,
+    robots,
+    scenes,
+    series,
+    studies,
+    uploads_resumable,
+    what_if,
+)
 from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
+from exogauge.api.uploads_resumable import TusHeaders, sweep
 from exogauge.settings import Settings
 from exogauge.storage.blobs import remove_abandoned
 from exogauge.storage.migrate import prepare
@@ -29,6 +45,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     storage = open_storage(settings)
     settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
     remove_abandoned(settings.scratch)
+    sweep(storage, settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -50,7 +67,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
     app.add_middleware(Idempotency)
-    app.add_middleware(BodyLimit, limit=settings.max_upload_bytes)
+    app.add_middleware(BodyLimit, limit=settings.max_upload_bytes, piece_limit=settings.max_bundle_bytes)
+    app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
     app.add_middleware(Guard, local_only=settings.local_only)
     for router in (
         robots.router,
@@ -60,6 +78,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         what_if.router,
         results.router,
         series.router,
+        scenes.router,
+        uploads_resumable.router,
+        from_uploads.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

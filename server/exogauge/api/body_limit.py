@@ -1,4 +1,4 @@
-"""No request body is larger than the limit: announced, it is refused at once; unannounced, it is cut off."""
+"""No request body is larger than its limit: announced, it is refused at once; unannounced, it is cut off."""
 
 from __future__ import annotations
 
@@ -13,20 +13,22 @@ from exogauge.api.problems import of_http
 
 @final
 class BodyLimit:
-    """ASGI middleware. limit: bytes."""
+    """ASGI middleware. limit: bytes. piece_limit: bytes of a PATCH, which only resumable uploads take and which goes
+    straight to the disk."""
 
-    def __init__(self, app: ASGIApp, limit: int) -> None:
+    def __init__(self, app: ASGIApp, limit: int, piece_limit: int) -> None:
         self.app = app
-        self.limit = limit
-        self.refusal = HTTPException(413, f"a request body may have at most {limit} bytes; send the logs one by one")
+        self.limit, self.piece_limit = limit, piece_limit
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        limit = self.piece_limit if scope["method"] == "PATCH" else self.limit
+        refusal = HTTPException(413, f"a request body may have at most {limit} bytes; upload large files in pieces")
         declared = Headers(scope=scope).get("content-length", "0")
-        if not declared.isdecimal() or int(declared) > self.limit:
-            await of_http(self.refusal, scope["path"])(scope, receive, send)
+        if not declared.isdecimal() or int(declared) > limit:
+            await of_http(refusal, scope["path"])(scope, receive, send)
             return
         received = 0
 
@@ -34,8 +36,8 @@ class BodyLimit:
             nonlocal received
             message = await receive()
             received += len(message.get("body", b""))
-            if received > self.limit:
-                raise self.refusal
+            if received > limit:
+                raise refusal
             return message
 
         await self.app(scope, receive_counted, send)

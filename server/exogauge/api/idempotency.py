@@ -25,7 +25,7 @@ from exogauge.storage.store import Storage
 
 LONGEST_KEY = 255
 LONGEST_ANSWER = 1024 * 1024
-KEPT_HEADERS = (b"content-type", b"location", b"etag")
+KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
 
 
 @final
@@ -85,8 +85,9 @@ class HashedBody:
 
     def __init__(self, scope: Scope, receive: Receive) -> None:
         self._receive = receive
-        self.complete = False
-        kind, self._boundary = content_type(Headers(scope=scope).get("content-type", ""))
+        headers = Headers(scope=scope)
+        self.complete = headers.get("content-length", "0") == "0" and "transfer-encoding" not in headers
+        kind, self._boundary = content_type(headers.get("content-type", ""))
         head = [scope["method"], scope["path"], scope.get("query_string", b"").decode("latin-1"), kind]
         self._hash = hashlib.sha256("\0".join(head).encode())
         self._tail = b""

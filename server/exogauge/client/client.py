@@ -14,6 +14,7 @@ import httpx
 
 from exogauge.client.bundle import zipped, zipped_description
 from exogauge.client.problem import ClientProblem, problem_of_job
+from exogauge.client.resumable import upload
 from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, WhatIf, thing
 from exogauge.client.transport import Transport
 from exogauge.terminal import bar
@@ -21,6 +22,7 @@ from exogauge.terminal import bar
 Thing = TypeVar("Thing")
 
 POLL_S = 0.2
+LARGE = 64 << 20  # bytes from which a study goes up in pieces
 STUDY, ROBOT, DEVICE = "study.yaml", "robot.yaml", "device.yaml"
 YAML = (".yaml", ".yml")
 
@@ -45,8 +47,30 @@ class Client:
         return answer
 
     def upload_study(self, path: str | Path) -> Study:
-        """A study's folder, its study.yaml, or a zip. The same files are the same study."""
-        return thing(Study, self._upload_bundle("studies", Path(path), STUDY))
+        """A study's folder, its study.yaml, or a zip. The same files are the same study.
+
+        From 64 MiB on it goes up in pieces and survives broken connections; a bar on stderr shows what has arrived.
+        """
+        source = Path(path)
+        source = source.parent if source.name == STUDY else source
+        with tempfile.TemporaryDirectory() as temporary:
+            if source.is_dir():
+                source = zipped(source, STUDY, Path(temporary) / f"{source.resolve().name}.zip")
+            if source.is_file() and source.stat().st_size >= LARGE:
+                return self.study_of_uploads([self.upload(source, progress=True)])
+            return thing(Study, self._http.post("studies", files={"files": source}))
+
+    def upload(self, file: str | Path, *, progress: bool = False) -> str:
+        """Send one file of any size in pieces, going on where it was when the line breaks; returns the upload's id."""
+        file = Path(file)
+        size = max(file.stat().st_size, 1)
+        with bar(f"sending {file.name}", shown=progress) as say:
+            return upload(self._http, file, lambda sent: say(sent / size, file.name, "sending"))
+
+    def study_of_uploads(self, uploads: Sequence[str], paths: Sequence[str] | None = None) -> Study:
+        """A study of files that were uploaded before: one zip, or several files with their paths in the study."""
+        body = {"upload_ids": list(uploads)} | ({} if paths is None else {"paths": list(paths)})
+        return thing(Study, self._http.post("studies/from-upload", body))
 
     def upload_robot(self, path: str | Path) -> Robot:
         """A robot.yaml (with the URDF it names), a folder that holds nothing but the robot, or a zip."""

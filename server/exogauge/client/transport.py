@@ -49,6 +49,14 @@ class Transport:
         content = {"data": form, "files": files} if files else {"json": body}
         return self._send("POST", path, headers=headers, **content).json()
 
+    def begin(self, path: str, headers: Mapping[str, str]) -> Any:
+        """POST that says all in its headers; one idempotency key for all attempts."""
+        return self._send("POST", path, headers={**headers, "Idempotency-Key": str(uuid.uuid4())}).json()
+
+    def once(self, method: str, path: str, **request: Any) -> httpx.Response:
+        """One attempt; the caller judges what comes back, and catches httpx.TransportError."""
+        return self._once(method, path, **request)
+
     def ask(self, path: str, body: Any) -> Any:
         """POST of a question that changes nothing: no key, for the answer need not be kept; sent again all the same."""
         return self._send("POST", path, json=body).json()

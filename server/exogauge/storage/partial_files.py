@@ -57,15 +57,12 @@ class PartialFiles:
 
     @contextmanager
     def appending(self, key: str) -> Iterator[BinaryIO]:
-        """The file's end, for one writer at a time (InUse), whoever was killed before; durable when it is left."""
+        """The file's end, unbuffered, for one writer at a time (InUse), whoever was killed before. `sync` it."""
         self.offset(key)
         with disk("receive the upload"), self.path(key).open("ab", buffering=0) as file:
             with one_writer():
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            try:
-                yield file  # type: ignore[misc]  # unbuffered: every write is on its way to the disk
-            finally:
-                os.fsync(file.fileno())
+            yield file
 
     @contextmanager
     def checked_piece(self, key: str) -> Iterator[BinaryIO]:
@@ -73,7 +70,7 @@ class PartialFiles:
         path = self.path(key + CHECKED)
         try:
             with disk("receive the upload"), path.open("w+b", buffering=0) as file:
-                yield file  # type: ignore[misc]
+                yield file
         finally:
             path.unlink(missing_ok=True)
 
@@ -91,6 +88,11 @@ def write_all(file: BinaryIO, data: bytes) -> None:
     left = memoryview(data)
     while left:
         left = left[file.write(left) :]
+
+
+def sync(file: BinaryIO) -> None:
+    """What was written survives a power cut."""
+    os.fsync(file.fileno())
 
 
 def copy_piece(piece: BinaryIO, file: BinaryIO) -> None:
