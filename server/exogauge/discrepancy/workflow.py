@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from exogauge.discrepancy.axis_rows import AxisRows, collect_rows, sums_of
+from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.chain import lineage, link
 from exogauge.discrepancy.everywhere import merged
@@ -56,11 +57,11 @@ def find_missing_effects(
     progress: Progress = lambda _fraction, _phrase: None,
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing."""
+    recordings, models, findings = _filtered_alike(found, recordings, settings, progress)
+    found = models[-1]
     base, current = found.model, found
     floors = {(fit.log, fit.channel): fit.noise_floor for fit in found.validation}
-    findings: list[Finding] = []
     added: tuple[AddedEffect, ...] = ()
-    models = [found]
     rejected: list[Alternative] = []
     failed: dict[tuple[str, int], Alternative] = {}
     tried = 0
@@ -115,6 +116,16 @@ def find_missing_effects(
         ),
         current,
     )
+
+
+def _filtered_alike(
+    found: Identification, recordings: Sequence[Recording], settings: Settings, progress: Progress
+) -> tuple[Sequence[Recording], list[Identification], list[Finding]]:
+    """Before anything else is sought: what a log's own low-pass has done looks like several effects."""
+    limited = band_limits(found, recordings, lambda anew: identify(found.model.robot, anew, settings), progress)
+    if limited is None:
+        return recordings, [found], []
+    return limited.recordings, [limited.before, limited.identification], [limited.finding]
 
 
 def key_of(judged: Judgement) -> tuple[str, int]:

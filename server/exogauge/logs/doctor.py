@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exogauge.logs import body_rules, clock_rules, joint_rules, signal_rules
+from exogauge.logs import band_rules, body_rules, clock_rules, joint_rules, signal_rules
 from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity, kind_of
 from exogauge.logs.model import Log
 
@@ -18,6 +18,7 @@ RULES: tuple[Rule, ...] = (
     signal_rules.saturated,
     signal_rules.coarse,
     signal_rules.noisier_than_declared,
+    band_rules.stored_low_passed,
     joint_rules.joint_missing,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,
