@@ -52,6 +52,17 @@ class RecordedMotion:
 
 @final
 @dataclass(frozen=True)
+class LoggedRobot:
+    """A log as it was recorded, the robot that moved (urdf: the bytes of its URDF), and what it wore, if anything."""
+
+    robot: Robot
+    urdf: bytes
+    log: Log
+    device: Device | None
+
+
+@final
+@dataclass(frozen=True)
 class _Opened:
     """A study as far as a what-if opens it. names: of the logs."""
 
@@ -61,6 +72,16 @@ class _Opened:
     names: tuple[str, ...]
     robot: Robot
     robot_file: RobotFile
+    urdf: bytes
+
+
+def read_logged(bundle: Bundle, log: str) -> LoggedRobot:
+    """log: a name in study.yaml; the tables of other logs need not be there. Raises BadStudy, BadRobot, BadLog."""
+    study = _open(bundle)
+    entry = _entry(study, log)
+    worn = (entry.device or study.file.device) if entry.role == "with_device" else None
+    device = None if worn is None else _read_device(study, worn)
+    return LoggedRobot(study.robot, study.urdf, _read_entry(study, entry, log), device)
 
 
 def read_motion(
@@ -100,8 +121,8 @@ def _open(bundle: Bundle) -> _Opened:
     name = bundle.study_file
     data = bundle.read(name, limit=MAX_BYTES)
     file = load_yaml(data, StudyFile, file=name)
-    robot, robot_file, _ = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
-    return _Opened(bundle, data, file, log_names(file, name, data), robot, robot_file)
+    robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
+    return _Opened(bundle, data, file, log_names(file, name, data), robot, robot_file, urdf)
 
 
 def _entry(study: _Opened, log: str) -> LogEntry:

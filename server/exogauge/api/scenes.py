@@ -1,0 +1,147 @@
+"""The 3D view of a job: which logs can be looked at, each as one recording, and the page that plays them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, final
+
+from fastapi import APIRouter, Request
+from fastapi import Path as InPath
+from fastapi.responses import FileResponse, Response
+from pydantic import BaseModel, Field
+
+from exogauge.api.dependencies import Id, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.series import opened, series_of
+from exogauge.api.shapes import Role
+from exogauge.api.uploads import scratch_folder
+from exogauge.api.what_if import lay_out
+from exogauge.errors import NotFound
+from exogauge.scene.drawing import Shelf, draw_log
+from exogauge.scene.frames import Frames
+from exogauge.scene.player import POLICY, made_for, player_page
+from exogauge.settings import Settings
+from exogauge.storage.blobs import copy_out
+from exogauge.storage.records import StudyRecord
+from exogauge.storage.store import Storage
+
+if TYPE_CHECKING:
+    from exogauge.studies.series_file import SeriesFile
+
+router = APIRouter(tags=["scenes"])
+CREATING = threading.Lock()
+MEDIA_TYPE = "application/gzip"
+RECORDING: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The packed scene",
+        "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+    },
+    206: {"description": "The range asked for", "content": {MEDIA_TYPE: {}}},
+    304: {"description": "The ETag given in If-None-Match still holds"},
+}
+PAGE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "HTML", "content": {"text/html": {"schema": {"type": "string"}}}}
+}
+
+
+@final
+class SceneOut(BaseModel):
+    """One log that can be looked at. Frame k of its recording is at `start` + k / `fps`, in the log's own time."""
+
+    name: str
+    log: str
+    role: Role | None
+    motion: str | None
+    start: float = Field(description="[s]")
+    end: float = Field(description="[s]")
+    fps: float = Field(description="frames per second of log time")
+    frames: int
+    samples: int = Field(description="of the log")
+
+
+@final
+class SceneList(BaseModel):
+    items: list[SceneOut]
+
+
+@router.get("/jobs/{job_id}/scenes", operation_id="listScenes")
+def list_scenes(job_id: Id, store: ReaderDep) -> SceneList:
+    """The logs that this job evaluated, in the study's order. A recording is drawn when it is first asked for."""
+    job = store.jobs.get(str(job_id))
+    study = store.studies.get(job.study_id)
+    series = series_of(store, job.id)
+    logs = [log for log in study.summary.get("logs", []) if log["name"] in series]
+    return SceneList(items=[scene_of(log, opened(store.blobs, series[log["name"]])) for log in logs])
+
+
+@router.get("/jobs/{job_id}/scenes/{name}.scene", operation_id="getScene", responses=RECORDING)
+def get_scene(
+    job_id: Id,
+    name: Annotated[str, InPath(max_length=200, pattern=r"^[^\x00/]*$")],
+    request: Request,
+    storage: StorageDep,
+    settings: SettingsDep,
+) -> Response:
+    """One log drawn: for the page under `/scenes/player`, which takes it from the page that shows it."""
+    with storage.reading() as store:
+        job = store.jobs.get(str(job_id))
+        study = store.studies.get(job.study_id)
+        series, result = series_of(store, job.id), store.results.of_job(job.id)
+    if name not in series or name not in {log["name"] for log in study.summary.get("logs", [])}:
+        raise NotFound(f"job {job_id} has evaluated no log of this name")
+    key = scene_key(study, result.sha256, series[name], name)
+    headers = {"ETag": f'"{key}"', "Cache-Control": "private, no-cache"}
+    if headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    drawn = shelf_of(request, settings).get(
+        key, lambda: drawn_now(study, name, series[name], result.sha256, storage, settings)
+    )
+    return FileResponse(drawn, headers=headers, media_type=MEDIA_TYPE, filename=f"{name}.scene")
+
+
+@router.get("/scenes/player", operation_id="getScenePlayer", responses=PAGE)
+def get_scene_player() -> Response:
+    """The page that shows a scene in a frame (`sandbox="allow-scripts"`). It requests nothing: the page around it hands
+    it the scene, and says what time to show, by `postMessage`."""
+    return Response(player_page(), media_type="text/html", headers={"Content-Security-Policy": POLICY})
+
+
+def scene_of(log: Mapping[str, Any], series: SeriesFile) -> SceneOut:
+    frames = Frames.of(*series.span(), series.samples)
+    return SceneOut(
+        name=log["name"],
+        log=log["name"],
+        role=log.get("role"),
+        motion=log.get("motion"),
+        start=frames.start,
+        end=frames.end,
+        fps=frames.fps,
+        frames=frames.count,
+        samples=series.samples,
+    )
+
+
+def scene_key(study: StudyRecord, result: str, series: str, log: str) -> str:
+    """The same for as long as the picture is the same."""
+    parts = [study.content_hash, result, series, log, made_for()]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def shelf_of(request: Request, settings: Settings) -> Shelf:
+    with CREATING:
+        if not hasattr(request.app.state, "scene_shelf"):
+            request.app.state.scene_shelf = Shelf(settings.data_dir / "scenes")
+    shelf: Shelf = request.app.state.scene_shelf
+    return shelf
+
+
+def drawn_now(study: StudyRecord, log: str, series: str, result: str, storage: Storage, settings: Settings) -> bytes:
+    with storage.reading() as store:
+        files = store.studies.files(study.id)
+    with scratch_folder(settings) as scratch:
+        lay_out(study, files, log, storage, scratch / "study")
+        copy_out(storage.blobs, series, scratch / "series.parquet")
+        copy_out(storage.blobs, result, scratch / "results.json")
+        return draw_log(scratch / "study", log, scratch / "series.parquet", scratch / "results.json")

@@ -1,0 +1,51 @@
+"""Drawn scenes are kept, each made once, and the oldest go when there is no room."""
+
+from __future__ import annotations
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from exogauge.scene.drawing import Shelf
+
+
+def test_a_scene_is_made_once_however_many_ask(tmp_path: Path) -> None:
+    shelf, made, together = Shelf(tmp_path / "scenes"), list[int](), threading.Barrier(4)
+
+    def make() -> bytes:
+        made.append(1)
+        return b"scene"
+
+    def ask() -> None:
+        together.wait()
+        assert shelf.get("a", make).read_bytes() == b"scene"
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert made == [1]
+
+
+def test_the_scene_looked_at_longest_ago_goes_first(tmp_path: Path) -> None:
+    shelf = Shelf(tmp_path, kept_bytes=25)
+    for age, key in ((300, "a"), (200, "b")):
+        os.utime(shelf.get(key, lambda: b"x" * 10), (1e9 - age, 1e9 - age))
+    shelf.get("a", lambda: b"")  # looked at again
+    shelf.get("c", lambda: b"x" * 10)
+    assert sorted(path.stem for path in tmp_path.iterdir()) == ["a", "c"]
+
+
+def test_what_fails_is_not_kept(tmp_path: Path) -> None:
+    shelf = Shelf(tmp_path)
+
+    def fail() -> bytes:
+        raise ValueError("no")
+
+    with pytest.raises(ValueError, match="no"):
+        shelf.get("a", fail)
+    assert shelf.get("a", lambda: b"now").read_bytes() == b"now"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.scene"]
