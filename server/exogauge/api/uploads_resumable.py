@@ -80,7 +80,7 @@ class TusHeaders:
 
 
 def spoken(
-    version: Annotated[str | None, Header(alias="Tus-Resumable", max_length=20, description=VERSION)] = None,
+    version: Annotated[str, Header(alias="Tus-Resumable", json_schema_extra={"const": VERSION})] = "",
 ) -> None:
     """412 for a client that speaks another version, or no tus."""
     if version != VERSION:
