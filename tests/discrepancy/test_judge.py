@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from scipy.stats import wilcoxon
 
-from exogauge.discrepancy.axis_rows import collect_rows
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.judge import apart, judge
 from exogauge.discrepancy.score import Score
+from exogauge.discrepancy.site_rows import collect_rows
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.identification.site import AxisSite
 
 AXIS = 1
+SITE = AxisSite(AXIS)
 LOSING, WINNING = 0.49, 5.0  # shares: below one half the square error grows
 
 
@@ -22,25 +24,43 @@ def case(study, identified):
     """(model, rows of one axis, a score whose coefficient is one and which leaves the baseline alone)."""
     recordings = study()
     model = identified(recordings).model
-    candidate = Candidate(shaped_effects()["asym_viscous"], AXIS, ())
+    candidate = Candidate(shaped_effects()["asym_viscous"], SITE, ())
     score = Score(candidate, 1.0, 100.0, np.ones(1), np.zeros(model.equations.size), 1.0)
-    return model, collect_rows(model, recordings, [AXIS])[AXIS], score
+    return model, collect_rows(model, recordings, [SITE])[SITE], score
 
 
 def torque(score, rows):
-    return rows.torque(score.candidate.effect, score.candidate.shape)[:, 0]
+    (columns,) = rows.columns(score.candidate.effect, score.candidate.shape).values()
+    return columns[:, 0]
+
+
+def own(rows):
+    """The one kind of rows that an axis has."""
+    (found,) = rows.rows.values()
+    return found
+
+
+def with_own(rows, **changed):
+    (kind,) = rows.rows
+    return replace(rows, rows={kind: replace(own(rows), **changed)})
 
 
 def blocks(rows):
     """(n,) number of the second that each row lies in."""
-    return np.unique(np.floor(rows.signals.time[rows.samples]), return_inverse=True)[1]
+    return np.unique(np.floor(rows.time[own(rows).samples]), return_inverse=True)[1]
+
+
+def weight(case):
+    model, rows, _ = case
+    (kind,) = rows[0].rows
+    return model.solution.weights[kind]
 
 
 def with_share(case, share, fitted=1.0):
     """The rows with residuals of which the candidate explains `share` (n,) of its own torque on the held-out log."""
     _, rows, score = case
     return [
-        replace(each, e=-torque(score, each) * (share(each) if each.held_out else fitted * np.ones(len(each.e))))
+        with_own(each, e=-torque(score, each) * (share(each) if each.held_out else fitted * np.ones(len(own(each).e))))
         for each in rows
     ]
 
@@ -58,7 +78,7 @@ def test_sureness_is_that_of_the_mean_where_the_mean_says_more(case):
     model, _, score = case
     rows, gains = with_gains(case, lambda n: 1.0 + 0.02 * np.sin(np.arange(n)))
     found = judge(model, score, rows)
-    np.testing.assert_allclose(found.blocks, gains, rtol=1e-9)
+    np.testing.assert_allclose(list(found.blocks.values()), weight(case) * gains, rtol=1e-9)
     assert found.z == pytest.approx(gains.mean() / (gains.std(ddof=1) / np.sqrt(len(gains))), rel=1e-6)
     assert found.z > abs(wilcoxon(gains, method="approx", correction=False).zstatistic)
     assert found.objection == ""
@@ -85,16 +105,17 @@ def test_gains_that_come_and_go_are_not_sure(case):
 
 def test_what_explains_next_to_nothing_is_not_worth_a_name(case):
     model, _, score = case
-    found = judge(model, score, with_share(case, lambda each: np.full(len(each.e), 50.0)))
+    found = judge(model, score, with_share(case, lambda each: np.full(len(own(each).e), 50.0)))
     assert found.explained == pytest.approx(1.0 - (49.0 / 50.0) ** 2)
     assert "not worth a name" in found.objection
 
 
 def test_one_block_of_the_fitted_logs_is_not_enough(case):
     model, _, score = case
-    fitted = with_share(case, lambda each: np.ones(len(each.e)))
+    fitted = with_share(case, lambda each: np.ones(len(own(each).e)))
     once = [
-        each if each.held_out else replace(each, e=np.where(blocks(each) == 4, 9.0, 0.5) * each.e) for each in fitted
+        each if each.held_out else with_own(each, e=np.where(blocks(each) == 4, 9.0, 0.5) * own(each).e)
+        for each in fitted
     ]
     found = judge(model, score, once)
     assert found.z > 3.0
@@ -114,7 +135,8 @@ def test_a_regime_that_gets_worse_is_an_objection(case, name, inside):
     model, _, score = case
 
     def share(rows):
-        worse = inside(rows.signals.velocity[rows.samples], rows.signals.speed_scale)
+        signals = rows.seen.signals
+        worse = inside(signals.velocity[own(rows).samples], signals.speed_scale)
         return np.where(worse, LOSING, WINNING)
 
     found = judge(model, score, with_share(case, share))
@@ -124,11 +146,12 @@ def test_a_regime_that_gets_worse_is_an_objection(case, name, inside):
 
 def test_a_few_seconds_are_too_little_to_judge(case):
     model, _, score = case
-    made = with_share(case, lambda each: np.ones(len(each.e)))
+    made = with_share(case, lambda each: np.ones(len(own(each).e)))
     few = []
     for each in made:
-        part = blocks(each) < 4 if each.held_out else np.ones(len(each.e), dtype=bool)
-        few.append(replace(each, samples=each.samples[part], A=each.A[part], e=each.e[part]))
+        rows = own(each)
+        part = blocks(each) < 4 if each.held_out else np.ones(len(rows.e), dtype=bool)
+        few.append(with_own(each, samples=rows.samples[part], A=rows.A[part], e=rows.e[part]))
     assert judge(model, score, few).objection.startswith("too little steady motion")
 
 
@@ -141,7 +164,7 @@ def test_without_held_out_rows_there_is_no_number_and_an_objection(case):
 
 def test_rms_errors_are_those_of_the_rows(case):
     model, _, score = case
-    rows = with_share(case, lambda each: np.full(len(each.e), 3.0))
+    rows = with_share(case, lambda each: np.full(len(own(each).e), 3.0))
     (out,) = [each for each in rows if each.held_out]
     size = np.sqrt(np.mean(torque(score, out) ** 2))
     found = judge(model, score, rows)

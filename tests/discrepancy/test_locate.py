@@ -8,10 +8,11 @@ from exogauge.discrepancy.locate import located, pooled
 
 
 @pytest.fixture
-def located_in(robot, identified):
+def located_in(identified):
     def find(recordings):
         found = identified(recordings)
-        return located(robot, found, lay_ground(found.model, recordings, (), lambda _fraction, _phrase: None).residuals)
+        ground = lay_ground(found.model, recordings, (), lambda _fraction, _phrase: None)
+        return located(found.model.equations, found, ground.residuals)
 
     return find
 

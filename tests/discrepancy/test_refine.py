@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.axis_rows import collect_rows, sums_of
 from exogauge.discrepancy.candidates import Candidate, grid
 from exogauge.discrepancy.doubt import parameters
 from exogauge.discrepancy.refine import refined
 from exogauge.discrepancy.score import residual_memory, score
+from exogauge.discrepancy.site_rows import collect_rows, sums_of
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording
+from exogauge.identification.site import AxisSite
 
 AXIS = 1
+SITE = AxisSite(AXIS)
 TAU_B, V_S, DELTA = 3.0, 0.3, 1.4  # [N·m], [rad/s], 1
 DRAWS = 20
 
@@ -27,9 +29,10 @@ def fitted_to(identified):
 
     def run(recordings, effect="stribeck"):
         model = identified(recordings).model
-        rows = collect_rows(model, recordings, [AXIS])[AXIS]
-        memory = float(np.median([residual_memory(each.e) for each in rows]))
-        tried = [Candidate(shaped_effects()[effect], AXIS, shape) for shape in grid(shaped_effects()[effect])]
+        rows = collect_rows(model, recordings, [SITE])[SITE]
+        (kind,) = SITE.kinds(model.equations)
+        memory = {kind: float(np.median([residual_memory(each.rows[kind].e) for each in rows]))}
+        tried = [Candidate(shaped_effects()[effect], SITE, shape) for shape in grid(shaped_effects()[effect])]
         scores = [score(model, each, sums_of(rows, each.effect, each.shape), memory) for each in tried]
         best = max((each for each in scores if each is not None), key=lambda each: each.gain)
         return model, rows, best, refined(model, best, rows, memory)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.candidates import Candidate, grid, torques
+from exogauge.discrepancy.candidates import Candidate, columns_of, grid
 from exogauge.discrepancy.score import residual_memory, score
-from exogauge.discrepancy.sums import AxisSums, Sums
+from exogauge.discrepancy.sums import KindSums, Sums
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.identification.added import axis_signals
+from exogauge.identification.site import AxisSite
 
-MEMORY = 5.0
+MEMORY = dict.fromkeys(range(20), 5.0)
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +28,13 @@ def scored(case):
     model, logs, x = case
 
     def of(name, axis, shape):
-        candidate, sums = Candidate(shaped_effects()[name], axis, shape), Sums()
+        site = AxisSite(axis)
+        candidate, sums = Candidate(shaped_effects()[name], site, shape), Sums()
         for prepared in logs:
-            (signals,) = axis_signals(model, prepared, [axis])
-            sums.take(model.equations, prepared, x, {axis: torques([candidate], signals, prepared)})
-        return score(model, candidate, sums.by_axis[axis], MEMORY)
+            sums.take(
+                model.equations, prepared, x, {site: columns_of([candidate], site.see(model, prepared), prepared, 1)}
+            )
+        return score(model, candidate, sums.by_site[site], MEMORY)
 
     return of
 
@@ -44,14 +46,13 @@ def dense(model, logs, candidate=None):
     rows, right = [], []
     for prepared in logs:
         if candidate:
-            (signals,) = axis_signals(model, prepared, [candidate.axis])
-            delivered = torques([candidate], signals, prepared)
+            delivered = columns_of([candidate], candidate.site.see(model, prepared), prepared, 1)[:, :, 0]
         for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
             for chunk in chunks:
                 root = np.sqrt(model.solution.weights[chunk.kind])
                 full = np.zeros((len(chunk.samples), equations.size + width))
                 full[:, kinds[chunk.kind]] = chunk.block[:, :-1]
-                if candidate and chunk.kind == equations.first_axis + candidate.axis:
+                if candidate and chunk.kind == equations.first_axis + candidate.site.axis:
                     full[:, equations.size :] = -delivered[chunk.samples]
                 rows.append(root * full)
                 right.append(root * chunk.block[:, -1])
@@ -94,32 +95,32 @@ def test_an_effect_that_would_have_to_push_is_held_at_nothing(case, scored):
 @pytest.mark.parametrize("axis", range(3))
 def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
     model, logs, at = case
-    kind, nothing = model.equations.first_axis + axis, Candidate(shaped_effects()["asym_viscous"], axis, ())
+    kind, nothing = model.equations.first_axis + axis, Candidate(shaped_effects()["asym_viscous"], AxisSite(axis), ())
     names = [effect.name for effect in model.equations.effects]
     for name in ("viscous", "coulomb", "motor_offset", "rotor_inertia"):
         place = len(model.equations.blocks.columns[kind]) + names.index(name)
-        sums = AxisSums.empty(1, len(model.equations.columns()[kind]))
+        sums = KindSums.empty(1, len(model.equations.columns()[kind]))
         for prepared in logs:
             for _, chunks in model.equations.rows(prepared, at):
                 for chunk in (each for each in chunks if each.kind == kind):
                     A, y = chunk.block[:, :-1], chunk.block[:, -1]
                     sums.add(A, -A[:, [place]], y - A @ at[model.equations.columns()[kind]])
-        found = score(model, nothing, sums, MEMORY)
+        found = score(model, nothing, {kind: sums}, MEMORY)
         assert found is None or (found.left < 1e-4 and found.evidence < 0.0)
 
 
 def test_what_least_squares_cannot_see_beside_the_baseline_has_no_score(case):
     model, _, _ = case
     kind = model.equations.first_axis
-    still = AxisSums.empty(1, len(model.equations.columns()[kind]))
+    still = KindSums.empty(1, len(model.equations.columns()[kind]))
     still.add(np.zeros((50, still.cross.shape[1])), np.zeros((50, 1)), np.ones(50))
-    assert score(model, Candidate(shaped_effects()["asym_viscous"], 0, ()), still, MEMORY) is None
+    assert score(model, Candidate(shaped_effects()["asym_viscous"], AxisSite(0), ()), {kind: still}, MEMORY) is None
 
 
 def test_sums_of_two_halves_are_the_sums_of_the_whole():
     rng = np.random.default_rng(0)
     A, c, e = rng.normal(size=(40, 3)), rng.normal(size=(40, 4)), rng.normal(size=40)
-    halves = AxisSums.empty(4, 3)
+    halves = KindSums.empty(4, 3)
     for part in (slice(0, 15), slice(15, 40)):
         halves.add(A[part], c[part], e[part])
     some = halves.part(slice(1, 3))

@@ -6,6 +6,7 @@ import pytest
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.site import AxisSite
 
 
 def falling_with_speed(m):
@@ -46,7 +47,7 @@ def test_friction_that_falls_with_speed_is_named_at_its_joint_and_nothing_else(s
 
 def test_what_was_named_is_part_of_the_robot_that_is_handed_on(stribeck):
     (added,) = stribeck.identification.model.extension.effects
-    assert (added.effect.name, added.axis) == ("stribeck", 1)
+    assert (added.effect.name, added.site) == ("stribeck", AxisSite(1))
     values = {each.name: each.value for each in stribeck.identification.parameters}
     assert values["stribeck.tau_b[j2]"] > 0.0
     assert [(each.parent, each.added) for each in stribeck.discrepancy.lineage] == [

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.identification.added import AddedEffect, Extension, axis_signals, loads
+from exogauge.identification.added import AddedEffect, Extension
+from exogauge.identification.axis_signals import axis_signals, loads
 from exogauge.identification.identify import identify
 from exogauge.identification.predict import predicted_channels
 from exogauge.identification.result import Parameter
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.site import AxisSite
 from exogauge.logs.model import Log
 from exogauge.support.balance import balance, slopes
 
@@ -54,7 +56,7 @@ def asymmetry(found) -> Parameter:
 
 def test_a_known_coefficient_comes_back(recordings):
     truth, logs = recordings(D_A)
-    first, found = extended(truth, logs, AddedEffect(ASYMMETRIC, AXIS))
+    first, found = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))
     d_a = asymmetry(found)
     assert d_a.value == pytest.approx(D_A, abs=max(3.0 * d_a.std, 0.02 * D_A))
     assert d_a.std < 0.05 * D_A
@@ -68,14 +70,14 @@ def test_a_known_coefficient_comes_back(recordings):
 
 def test_an_effect_that_is_not_there_is_zero_within_its_standard_deviation(recordings):
     truth, logs = recordings(0.0)
-    d_a = asymmetry(extended(truth, logs, AddedEffect(ASYMMETRIC, AXIS))[1])
+    d_a = asymmetry(extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))[1])
     assert abs(d_a.value) < 2.5 * d_a.std
     assert d_a.std < 0.1
 
 
 def test_predictions_hold_the_added_torque(recordings):
     truth, logs = recordings(D_A)
-    model = extended(truth, logs, AddedEffect(ASYMMETRIC, AXIS))[1].model
+    model = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))[1].model
     prepared = model.prepare(logs[2].log)
     with_it, without = (
         predicted_channels(model.equations, prepared, each)
@@ -91,7 +93,9 @@ def test_predictions_hold_the_added_torque(recordings):
 
 def test_the_supporting_torque_and_its_slopes_know_the_added_torque(recordings):
     truth, logs = recordings(D_A)
-    model = extended(truth, logs, AddedEffect(RIPPLE, 0, (5.0,)), AddedEffect(ASYMMETRIC, AXIS))[1].model
+    model = extended(truth, logs, AddedEffect(RIPPLE, AxisSite(0), (5.0,)), AddedEffect(ASYMMETRIC, AxisSite(AXIS)))[
+        1
+    ].model
     prepared, joints = model.prepare(logs[2].log), np.arange(3)
     plain = replace(model, identified=replace(model.identified, added=np.zeros(3)))
     more = balance(model, prepared, joints).torque - balance(plain, prepared, joints).torque
@@ -105,7 +109,7 @@ def test_the_supporting_torque_and_its_slopes_know_the_added_torque(recordings):
 
 def test_columns_are_named_after_effect_and_coefficient(recordings):
     truth, logs = recordings(0.0)
-    found = extended(truth, logs, AddedEffect(ASYMMETRIC, AXIS), AddedEffect(RIPPLE, 2, (5.0,)))[1]
+    found = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)), AddedEffect(RIPPLE, AxisSite(2), (5.0,)))[1]
     assert [(each.name, each.axis) for each in found.model.equations.added] == [
         ("asym_viscous.d_a", 1), ("torque_ripple.ripple_sin", 2), ("torque_ripple.ripple_cos", 2),
     ]  # fmt: skip
@@ -135,7 +139,7 @@ def test_noise_floors_of_the_parent_are_kept(recordings):
     truth, logs = recordings(D_A)
     first = identify(truth.robot, logs, Settings(cutoff_hz=8.0))
     floors = {(fit.log, fit.channel): fit.noise_floor for fit in first.validation}
-    extension = Extension(first.model, (AddedEffect(ASYMMETRIC, AXIS),), floors)
+    extension = Extension(first.model, (AddedEffect(ASYMMETRIC, AxisSite(AXIS)),), floors)
     again = identify(truth.robot, logs, Settings(cutoff_hz=8.0), extension=extension)
     assert {(fit.log, fit.channel): fit.noise_floor for fit in again.validation} == floors
 
@@ -144,7 +148,9 @@ def test_the_cut_off_is_the_parents(make_truth, make_log):
     truth = make_truth(False, actuation="torque")
     logs = [Recording(make_log(truth, 1, seconds=15.0, noise=0.3), False)]
     first = identify(truth.robot, logs, Settings(cutoff_hz=6.0))
-    again = identify(truth.robot, logs, Settings(), extension=Extension(first.model, (AddedEffect(ASYMMETRIC, 0),)))
+    again = identify(
+        truth.robot, logs, Settings(), extension=Extension(first.model, (AddedEffect(ASYMMETRIC, AxisSite(0)),))
+    )
     assert again.cutoff_hz == 6.0
 
 

@@ -127,7 +127,7 @@ def test_rows_in_base_parameters_are_the_dense_ones(sensors):
     for frame in sensors:
         cut = CutRows(tree, base, frame)
         dense = cut_regressor(tree, motion, frame)[:, :, base.columns]
-        for row, (block, own) in enumerate(zip(cut.fill(motion, 2), cut.columns, strict=True)):
+        for row, (block, own) in enumerate(zip(cut.fill(motion, [2] * 6), cut.columns, strict=True)):
             rest = np.delete(dense[:, row], own, axis=1)
             assert block[:, :-2] == pytest.approx(dense[:, row, own], abs=1e-11)
             assert not block[:, -2:].any()

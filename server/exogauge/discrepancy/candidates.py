@@ -1,4 +1,4 @@
-"""Everything that could be missing: each effect of the catalogue on each axis, at each of its shapes."""
+"""Everything that could be missing: each effect of the catalogue at each site, at each of its shapes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.shaped import AxisSignals, ShapedEffect
+from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.site import AxisSite, BaseSite, Effect, Seen, SensorSite, Site
 
 Array = NDArray[np.float64]
 
@@ -19,10 +20,10 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Candidate:
-    """One effect on one axis at one shape."""
+    """One effect at one site with one shape."""
 
-    effect: ShapedEffect
-    axis: int
+    effect: Effect
+    site: Site
     shape: tuple[float, ...]
 
     @property
@@ -30,20 +31,39 @@ class Candidate:
         """Number of its columns."""
         return len(self.effect.coefficients)
 
+    @property
+    def key(self) -> tuple[str, Site]:
+        """What it is and where, whatever its shape."""
+        return self.effect.name, self.site
 
-def candidates_on(axis: int, effects: Sequence[ShapedEffect]) -> list[Candidate]:
-    return [Candidate(effect, axis, shape) for effect in effects for shape in grid(effect)]
+
+def sites(model: RobotModel) -> tuple[Site, ...]:
+    """Where effects can sit: axes whose drive is logged, components of sensors that carry bodies, the base."""
+    joints = model.robot.joints
+    axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
+    components = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
+    return (*axes, *components, BaseSite())
 
 
-def grid(effect: ShapedEffect) -> Iterator[tuple[float, ...]]:
+def place_kind(site: Site) -> str:
+    """`Effect.place` of the effects that can sit here."""
+    return {AxisSite: "joint", SensorSite: "sensor", BaseSite: "base"}[type(site)]
+
+
+def candidates_at(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
+    return [(effect, shape) for effect in effects for shape in grid(effect)]
+
+
+def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
     """All combinations of the shapes' grid values; the empty one where it has none."""
     yield from itertools.product(*(shape.grid for shape in effect.shapes))
 
 
-def torques(candidates: Sequence[Candidate], signals: AxisSignals, prepared: Prepared) -> Array:
-    """(n, C) what they deliver to the joint per unit of each coefficient, at the log's kept samples, as the drive sees
-    it: low-passed alike."""
+def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, kinds: int) -> Array:
+    """(n, C, kinds) what they take off the site's rows per unit of each coefficient, at the log's kept samples,
+    low-passed as the rows are."""
     if not candidates:
-        return np.zeros((len(prepared.kept), 0))
-    raw = np.hstack([each.effect.columns(signals, each.shape) for each in candidates])
-    return np.asarray(prepared.low_pass.apply(raw)[prepared.kept])
+        return np.zeros((len(prepared.kept), 0, kinds))
+    raw = np.concatenate([seen.columns(each.effect, each.shape) for each in candidates], axis=1)
+    flat = prepared.low_pass.apply(raw.reshape(len(raw), -1))[prepared.kept]
+    return np.asarray(flat.reshape(len(prepared.kept), -1, kinds))

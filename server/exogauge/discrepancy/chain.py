@@ -9,24 +9,35 @@ import numpy as np
 from exogauge.discrepancy.locate import pooled
 from exogauge.discrepancy.result import Finding, Lineage, Link
 from exogauge.identification.result import Identification
+from exogauge.identification.validate import unit_of
+
+FLOORS = "floors"
 
 
 def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[str]) -> Link:
-    step = f"+ {so_far[-1].effect} at {so_far[-1].place.name}" if so_far else "identified model"
+    """channels: those in question, none for all joint torques."""
+    step = f"+ {so_far[-1].effect} at {so_far[-1].place.words}" if so_far else "identified model"
     joints = [f"tau.{joint.name}" for joint in found.model.robot.joints]
-    fits = [fit for fit in found.validation if fit.held_out and fit.channel in (channels or joints)]
-    rmse, floor = pooled(fits)
-    each = {name: pooled([fit for fit in found.validation if fit.held_out and fit.channel == name]) for name in joints}
+    asked = list(dict.fromkeys(channels)) or joints
+    each = {name: pooled([fit for fit in found.validation if fit.held_out and fit.channel == name])
+            for name in dict.fromkeys([*asked, *joints])}  # fmt: skip
     known = {name: values for name, values in each.items() if np.isfinite(values[0]) and values[1] > 0.0}
     worst = max(known, key=lambda name: known[name][0] / known[name][1], default="")
     worst_rmse, worst_floor = known.get(worst, (float("nan"), float("nan")))
-    return Link(step, rmse, floor, worst, worst_rmse, worst_floor)
+    units = {unit_of(name) for name in asked}
+    if len(units) == 1:
+        rmse, floor = pooled([fit for fit in found.validation if fit.held_out and fit.channel in asked])
+        return Link(step, rmse, floor, worst, worst_rmse, worst_floor, units.pop())
+    ratios = [known[name][0] / known[name][1] for name in asked if name in known]
+    rmse = float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
+    return Link(step, rmse, 1.0, worst, worst_rmse, worst_floor, FLOORS)
 
 
 def lineage(findings: Sequence[Finding]) -> tuple[Lineage, ...]:
     names = ["identified"]
     lines = [Lineage(names[0], None, "")]
     for each in findings:
-        names.append(f"{names[-1]}+{each.effect}@{each.place.name}")
-        lines.append(Lineage(names[-1], names[-2], f"{each.effect}@{each.place.name}"))
+        added = f"{each.effect}@{each.place.words}"
+        names.append(f"{names[-1]}+{added}")
+        lines.append(Lineage(names[-1], names[-2], added))
     return tuple(lines)

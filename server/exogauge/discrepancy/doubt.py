@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.score import Score, residual_memory
-from exogauge.discrepancy.sums import AxisSums
-from exogauge.effects.scales import in_si
+from exogauge.discrepancy.site_rows import SiteRows
+from exogauge.discrepancy.sums import KindSums
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -19,43 +18,57 @@ Array = NDArray[np.float64]
 STEP = 0.02  # of a shape's value, for its slope
 
 
-def parameters(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Mapping[str, Estimate]:
+def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Mapping[str, Estimate]:
     """Name -> value, standard deviation, unit; shapes in units of the axis are given in SI units."""
     candidate, effect = found.candidate, found.candidate.effect
-    kind = model.equations.first_axis + candidate.axis
-    own = model.equations.columns()[kind]
+    weights, own = model.solution.weights, model.equations.columns()
     fitted = [each for each in rows if not each.held_out]
-    left = [each.after(effect, candidate.shape, found.coefficients, found.step[own]) for each in fitted]
-    variance = float(np.mean(np.concatenate(left) ** 2))
-    memory = float(np.median([residual_memory(each) for each in left]))
-    total = AxisSums.empty(candidate.width + len(candidate.shape), fitted[0].A.shape[1])
-    for each, e in zip(fitted, left, strict=True):
-        total.add(each.A, np.hstack([each.torque(effect, candidate.shape), *_slopes(found, each)]), e)
-    w = model.solution.weights[kind]
-    B = np.zeros((model.equations.size, len(total.own)))
-    B[own] = w * total.cross.T
-    S = w * total.own - B.T @ model.solution.unbounded.divided(B)
-    std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * w * variance * memory)
-    names = [(each.name, each.unit) for each in effect.coefficients] + [
-        (each.name, each.unit) for each in effect.shapes
-    ]
-    values = [*found.coefficients, *candidate.shape]
+    total: dict[int, KindSums] = {}
+    square, memories, count = 0.0, list[float](), 0
+    for each in fitted:
+        left = each.after(effect, candidate.shape, found.coefficients, found.step, own)
+        slopes = [each.columns(effect, candidate.shape), *_slopes(found, each)]
+        for kind, e in left.items():
+            if weights[kind] > 0.0:
+                c = np.hstack([one[kind] for one in slopes])
+                total.setdefault(kind, KindSums.empty(c.shape[1], each.rows[kind].A.shape[1])).add(
+                    each.rows[kind].A, c, e
+                )
+                square, count = square + weights[kind] * float(e @ e), count + len(e)
+                memories.append(residual_memory(e))
+    size = candidate.width + len(_free(found))
+    B, S = np.zeros((model.equations.size, size)), np.zeros((size, size))
+    for kind, sums in total.items():
+        B[own[kind]] += weights[kind] * sums.cross.T
+        S += weights[kind] * sums.own
+    S -= B.T @ model.solution.unbounded.divided(B)
+    scale = float(np.median(memories)) * square / max(count, 1)
+    std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * scale)
+    doubt = dict(zip([*(each.name for each in effect.coefficients), *_free(found)], std, strict=True))
+    named = [(each.name, each.unit) for each in effect.coefficients] + [(one.name, one.unit) for one in effect.shapes]
     estimates = {}
-    for (name, own_unit), value, doubt in zip(names, values, std, strict=True):
-        sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
-        size, unit = in_si(own_unit, *(float(each[candidate.axis]) for each in sizes))
-        estimates[name] = Estimate(float(value) * size, float(doubt) * size, unit)
+    for (name, own_unit), value in zip(named, [*found.coefficients, *candidate.shape], strict=True):
+        factor, unit = candidate.site.in_si(model, own_unit, candidate.shape)
+        estimates[name] = Estimate(float(value) * factor, float(doubt.get(name, 0.0)) * factor, unit)
     return estimates
 
 
-def _slopes(found: Score, rows: AxisRows) -> list[Array]:
-    """(n, 1) per shape: change of the effect's torque with it."""
+def _free(found: Score) -> list[str]:
+    """Shapes that are not a choice."""
+    return [one.name for one in found.candidate.effect.shapes if not one.choice]
+
+
+def _slopes(found: Score, rows: SiteRows) -> list[Mapping[int, Array]]:
+    """Per free shape: kind -> (n, 1) change of what the effect takes off the row with it."""
     effect, shape = found.candidate.effect, found.candidate.shape
-    columns = []
+    slopes: list[Mapping[int, Array]] = []
     for k, (value, one) in enumerate(zip(shape, effect.shapes, strict=True)):
+        if one.choice:
+            continue
         step = STEP * (abs(value) or one.high - one.low)
         low, high = max(value - step, one.low), min(value + step, one.high)
-        below, above = ((*shape[:k], end, *shape[k + 1 :]) for end in (low, high))
-        rise = (rows.torque(effect, above) - rows.torque(effect, below)) @ found.coefficients / (high - low)
-        columns.append(rise[:, None])
-    return columns
+        below, above = (rows.columns(effect, (*shape[:k], end, *shape[k + 1 :])) for end in (low, high))
+        slopes.append(
+            {kind: ((above[kind] - below[kind]) @ found.coefficients / (high - low))[:, None] for kind in above}
+        )
+    return slopes

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.result import Evidence
 from exogauge.discrepancy.score import Score
+from exogauge.discrepancy.site_rows import SiteRows
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -23,20 +23,21 @@ UNITS = {
 }  # fmt: skip
 
 
-def evidence(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Evidence:
-    """Held-out rows where there are any. Signs: torque that the joint gets and the model lacks."""
+def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows]) -> Evidence:
+    """Rows of one kind, held-out ones where there are any. Signs: torque that the joint gets and the model lacks; what
+    a sensor reads too much."""
     candidate, effect = found.candidate, found.candidate.effect
-    own = model.equations.columns()[model.equations.first_axis + candidate.axis]
-    shown = [each for each in rows if each.held_out] or list(rows)
-    edge = (model.solution.solved.x - model.solution.unbounded.x)[
-        own
-    ]  # the model that is added to keeps to physical ranges
-    at = np.concatenate([_coordinate(each, effect.coordinate) for each in shown])
-    before = np.concatenate([-(each.e - each.A @ edge) for each in shown])
-    after = np.concatenate(
-        [-each.after(effect, candidate.shape, found.coefficients, found.step[own]) for each in shown]
+    own, sign = model.equations.columns(), -candidate.site.sign(model.equations)
+    known = [each for each in rows if kind in each.rows]
+    shown = [each for each in known if each.held_out] or known
+    edge = model.solution.solved.x - model.solution.unbounded.x  # the model that is added to keeps to physical ranges
+    at = np.concatenate([each.seen.coordinate(effect.coordinate)[each.rows[kind].samples] for each in shown])
+    before = sign * np.concatenate([each.rows[kind].e - each.rows[kind].A @ edge[own[kind]] for each in shown])
+    after = sign * np.concatenate(
+        [each.after(effect, candidate.shape, found.coefficients, found.step, own)[kind] for each in shown]
     )
-    torque = np.concatenate([each.torque(effect, candidate.shape) @ found.coefficients for each in shown])
+    columns = [each.columns(effect, candidate.shape)[kind] for each in shown]
+    torque = -sign * np.concatenate(columns) @ found.coefficients
     bins = int(np.clip(len(at) // USUAL, 1, BINS))
     edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
     if effect.coordinate == "velocity":  # friction turns round at zero: no bin may hold both sides
@@ -49,19 +50,13 @@ def evidence(model: RobotModel, found: Score, rows: Sequence[AxisRows]) -> Evide
         return np.asarray(np.bincount(place, values, minlength=len(count))[full] / count[full])
 
     spread = np.sqrt(np.maximum(mean(before**2) - mean(before) ** 2, 0.0) / count[full])
-    return Evidence(
-        effect.coordinate, UNITS.get(effect.coordinate, ""), mean(at), mean(before), mean(after), spread, mean(torque)
-    )
+    unit = UNITS.get(effect.coordinate) or candidate.site.in_si(model, effect.coordinate, candidate.shape)[1]
+    return Evidence(effect.coordinate, unit, mean(at), mean(before), mean(after), spread, mean(torque))
 
 
-def strongest(shown: Evidence) -> str:
-    """Where the missing torque is largest: `+3.1 N·m at a velocity of 0.02 rad/s`."""
+def strongest(shown: Evidence, unit: str) -> str:
+    """Where what is missing is largest: `+3.1 N·m at a velocity of 0.02 rad/s`."""
     if not len(shown.at):
         return ""
     k = int(np.argmax(np.abs(shown.before)))
-    return f"{shown.before[k]:+.2g} N·m at a {shown.coordinate} of {shown.at[k]:.2g} {shown.unit}"
-
-
-def _coordinate(rows: AxisRows, name: str) -> Array:
-    values = getattr(rows.signals, name)
-    return np.asarray((values if values is not None else rows.signals.time)[rows.samples])
+    return f"{shown.before[k]:+.2g} {unit} at a {shown.coordinate} of {shown.at[k]:.2g} {shown.unit}"

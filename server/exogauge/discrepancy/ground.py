@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.discrepancy.candidates import Candidate, candidates_on, torques
+from exogauge.discrepancy.candidates import Candidate, candidates_at, columns_of, place_kind, sites
 from exogauge.discrepancy.score import Score, residual_memory, score
 from exogauge.discrepancy.sums import Sums
-from exogauge.effects.shaped import AxisSignals, ShapedEffect
-from exogauge.identification.added import axis_signals
+from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Recording
+from exogauge.identification.site import AxisSite, Effect, Seen, Site
 
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
@@ -26,111 +26,94 @@ FEWEST = 20  # samples of steady motion, below which a log says nothing of how r
 @final
 @dataclass(frozen=True)
 class LogResiduals:
-    """What is left of one log at its n kept samples: (n, A) each, NaN where an axis gives no row.
+    """What is left of one log at its n kept samples.
 
-    residual [N·m]; signals: by axis, at the kept samples, for words and plots.
+    residual: kind of row -> (n,), NaN where there is no row. time: (n,) [s]. axes: actuator axis -> what it did, for
+    words and plots; at: (n,) samples of the log.
     """
 
     log: str
     held_out: bool
-    rate_hz: float
-    residual: Array
-    velocity: Array
-    position: Array
-    load: Array
     time: Array
+    at: NDArray[np.intp]
+    residual: Mapping[int, Array]
+    axes: Mapping[int, AxisSignals]
 
 
 @final
 @dataclass(frozen=True)
 class Ground:
-    """candidates: axis -> those that any fitted log holds what they need for. fitted: sums of the columns of all
-    effects that the model has not, in the order of `candidates_on`. memory: axis -> samples of the fitted logs that
-    count as one. scores: of every candidate that the baseline does not swallow, best first."""
+    """candidates: site -> those that any fitted log holds what they need for. fitted: sums of the columns of all
+    effects that the model has not, in the order of `candidates_at`. memory: kind of row -> samples of the fitted logs
+    that count as one. scores: of every candidate that the baseline does not swallow, best first."""
 
     model: RobotModel
-    candidates: Mapping[int, Sequence[Candidate]]
+    candidates: Mapping[Site, Sequence[Candidate]]
     fitted: Sums
     memory: Mapping[int, float]
     residuals: tuple[LogResiduals, ...]
     scores: tuple[Score, ...]
 
 
-def measured_axes(model: RobotModel) -> list[int]:
-    return [axis for axis, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
-
-
-def lay_ground(
-    model: RobotModel, recordings: Sequence[Recording], effects: Sequence[ShapedEffect], tick: Tick
-) -> Ground:
+def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequence[Effect], tick: Tick) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones."""
-    axes, x = measured_axes(model), model.solution.unbounded.x
-    fitted, kept_out = Sums(), Sums()
-    missing = {axis: _not_in(model, axis, effects) for axis in axes}
-    candidates = {axis: candidates_on(axis, missing[axis]) for axis in axes}
-    shown: dict[int, set[str]] = {axis: set() for axis in axes}  # effects that some fitted log can show
+    x, fitted = model.solution.unbounded.x, Sums()
+    everywhere = {site: _all_at(model, site, effects) for site in sites(model)}
+    everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
+    shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
     residuals: list[LogResiduals] = []
     order = sorted(recordings, key=lambda each: each.held_out)
     for number, recording in enumerate(order):
         tick(number / len(order), f"trying what may be missing in {recording.log.name}")
         prepared = model.prepare(recording.log)
-        signals = dict(zip(axes, axis_signals(model, prepared, axes), strict=True))
-        if not recording.held_out:
-            for axis in axes:
-                shown[axis] |= {effect.name for effect in missing[axis] if effect.applies(signals[axis])}
-        columns: dict[int, Array] = (
-            {axis: np.zeros((len(prepared.kept), 0)) for axis in axes}
-            if recording.held_out
-            else {axis: torques(candidates[axis], signals[axis], prepared) for axis in axes}
-        )
-        left = (kept_out if recording.held_out else fitted).take(model.equations, prepared, x, columns)
-        residuals.append(_residuals(recording, left, signals, prepared.kept, prepared.log.rate_hz))
-    memory = {axis: _memory(residuals, axis) for axis in axes}
-    scores = [each for each in _ranked(model, candidates, fitted, memory) if _is_shown(each.candidate, shown)]
-    tried = {axis: [each for each in candidates[axis] if _is_shown(each, shown)] for axis in axes}
-    return Ground(model, tried, fitted, memory, tuple(residuals), tuple(scores))
+        axes = [site for site in sites(model) if isinstance(site, AxisSite)]
+        needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
+        seen: dict[Site, Seen] = {site: site.see(model, prepared) for site in needed}
+        columns: dict[Site, Array] = {}
+        for site in () if recording.held_out else everywhere:
+            shown[site] |= {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}
+            columns[site] = columns_of(everywhere[site], seen[site], prepared, len(site.kinds(model.equations)))
+        left = (Sums() if recording.held_out else fitted).take(model.equations, prepared, x, columns)
+        time = recording.log.time[prepared.kept] - recording.log.time[0]
+        moved = {site.axis: seen[site].signals for site in axes}
+        residuals.append(LogResiduals(recording.log.name, recording.held_out, time, prepared.kept, left, moved))
+    memory = {kind: _memory(residuals, kind) for kind in range(model.equations.kinds)}
+    tried = {
+        site: [each for each in candidates if each.effect.name in shown[site]]
+        for site, candidates in everywhere.items()
+    }
+    scores = [each for each in _scores(model, everywhere, fitted, memory)
+              if each.candidate.effect.name in shown[each.candidate.site]]  # fmt: skip
+    ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
+    return Ground(model, tried, fitted, memory, tuple(residuals), ranked)
 
 
-def _is_shown(candidate: Candidate, shown: Mapping[int, set[str]]) -> bool:
-    return candidate.effect.name in shown[candidate.axis]
+def _all_at(model: RobotModel, site: Site, effects: Sequence[Effect]) -> list[Candidate]:
+    """An effect sits at a site once."""
+    there = {each.effect.name for each in model.extension.effects if each.site == site} if model.extension else set()
+    fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
+    return [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
 
 
-def _not_in(model: RobotModel, axis: int, effects: Sequence[ShapedEffect]) -> list[ShapedEffect]:
-    """An effect sits on an axis once."""
-    there = {each.effect.name for each in model.extension.effects if each.axis == axis} if model.extension else set()
-    return [effect for effect in effects if effect.name not in there]
+def _applies(effect: Effect, seen: Seen) -> bool:
+    return bool(effect.applies(seen.signals))
 
 
-def _memory(residuals: Sequence[LogResiduals], axis: int) -> float:
-    """Median of the fitted logs in which the axis moves; one in which it rests knows nothing of it."""
-    fitted = [each.residual[:, axis] for each in residuals if not each.held_out]
+def _memory(residuals: Sequence[LogResiduals], kind: int) -> float:
+    """Median of the fitted logs in which there are such rows; a log in which an axis rests knows nothing of it."""
+    fitted = [each.residual[kind] for each in residuals if not each.held_out and kind in each.residual]
     known = [residual_memory(e) for e in fitted if np.isfinite(e).sum() >= FEWEST]
     return float(np.median(known)) if known else 1.0
 
 
-def _residuals(
-    recording: Recording, left: Array, signals: Mapping[int, AxisSignals], kept: NDArray[np.intp], rate_hz: float
-) -> LogResiduals:
-    velocity, position, load = (np.zeros_like(left) for _ in range(3))
-    for axis, seen in signals.items():
-        velocity[:, axis], position[:, axis], load[:, axis] = (
-            seen.velocity[kept], seen.position[kept], seen.load[kept],
-        )  # fmt: skip
-    time = recording.log.time[kept] - recording.log.time[0]
-    rate = rate_hz / float(kept[1] - kept[0])
-    return LogResiduals(recording.log.name, recording.held_out, rate, left, velocity, position, load, time)
-
-
-def _ranked(
-    model: RobotModel, candidates: Mapping[int, Sequence[Candidate]], fitted: Sums, memory: Mapping[int, float]
-) -> tuple[Score, ...]:
-    scores = []
-    for axis, sums in fitted.by_axis.items():
+def _scores(
+    model: RobotModel, candidates: Mapping[Site, Sequence[Candidate]], fitted: Sums, memory: Mapping[int, float]
+) -> Iterator[Score]:
+    for site, sums in fitted.by_site.items():
         start = 0
-        for candidate in candidates[axis]:
+        for candidate in candidates[site]:
             part = slice(start, start + candidate.width)
             start += candidate.width
-            found = score(model, candidate, sums.part(part), memory[axis])
+            found = score(model, candidate, {kind: each.part(part) for kind, each in sums.items()}, memory)
             if found is not None and found.gain > 0.0:
-                scores.append(found)
-    return tuple(sorted(scores, key=lambda each: -each.evidence))
+                yield found

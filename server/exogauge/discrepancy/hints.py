@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.ground import Ground
-from exogauge.effects.shaped import ShapedEffect
+from exogauge.identification.site import AxisSite, Effect
 
 Array = NDArray[np.float64]
 
@@ -24,23 +24,27 @@ class Promising(Protocol):
     def promising(self, position: Array, residual: Array, span: float) -> Sequence[float]: ...
 
 
-def hinted(ground: Ground, effects: Sequence[ShapedEffect]) -> Iterator[Candidate]:
+def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
     """Candidates whose shape the fitted residuals suggest, where they would explain more than chance."""
     fitted = [each for each in ground.residuals if not each.held_out]
     for effect in effects:
         if not isinstance(effect, Promising):
             continue
-        for axis in ground.candidates:
-            if not any(each.effect is effect for each in ground.candidates[axis]):
+        for site in ground.candidates:
+            if not isinstance(site, AxisSite) or not any(each.effect is effect for each in ground.candidates[site]):
                 continue
-            residual = np.concatenate([each.residual[:, axis] for each in fitted])
-            position = np.concatenate([each.position[:, axis] for each in fitted])
-            ok, span = np.isfinite(residual), float(ground.model.sizes.range[axis])
+            kind = ground.model.equations.first_axis + site.axis
+            known = [each for each in fitted if kind in each.residual]
+            if not known:
+                continue
+            residual = np.concatenate([each.residual[kind] for each in known])
+            position = np.concatenate([each.axes[site.axis].position[each.at] for each in known])
+            ok, span = np.isfinite(residual), float(ground.model.sizes.range[site.axis])
             if ok.sum() < 100:
                 continue
             for cycles in effect.promising(position[ok], residual[ok], span):
-                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[axis]) > WORTH_TRYING:
-                    yield Candidate(effect, axis, (cycles,))
+                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[kind]) > WORTH_TRYING:
+                    yield Candidate(effect, site, (cycles,))
 
 
 def _gain(position: Array, residual: Array, order: float, memory: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from exogauge.discrepancy.axis_rows import AxisRows
 from exogauge.discrepancy.score import Score
+from exogauge.discrepancy.site_rows import SiteRows
+from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
+Blocks = Mapping[tuple[str, int], float]  # (log, block of time) -> sum
 
 BLOCK_S = 1.0  # length of the parts that count as independent
 FEWEST_BLOCKS = 5
@@ -30,16 +32,18 @@ FEWEST_IN_REGIME = 30
 class Judgement:
     """z: standard errors by which the held-out square error falls; z_fitted: the same in the fitted logs.
 
-    before, after: RMSE of the axis on held-out rows, low-passed [N·m]. blocks: difference of the square error in each
-    held-out block, for comparing candidates of one axis with each other. objection: why it may not be claimed, or "".
+    kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
+    [N·m or N]. blocks: by how much the weighted square error falls in each held-out block, for comparing candidates
+    with each other. objection: why it may not be claimed, or "".
     """
 
     score: Score
+    kind: int
     z: float
     z_fitted: float
     before: float
     after: float
-    blocks: Array
+    blocks: Blocks
     objection: str
 
     @property
@@ -48,39 +52,70 @@ class Judgement:
         return 1.0 - (self.after / max(self.before, 1e-300)) ** 2
 
 
-def judge(model: RobotModel, score: Score, rows: Sequence[AxisRows]) -> Judgement:
-    """rows: of the candidate's axis, in all logs."""
-    candidate, equations = score.candidate, model.equations
-    own = equations.columns()[equations.first_axis + candidate.axis]
-    out = [each for each in rows if each.held_out]
-    fitted = [each for each in rows if not each.held_out]
-    left = {
-        id(each): each.after(candidate.effect, candidate.shape, score.coefficients, score.step[own]) for each in rows
-    }
-    gains, gains_fitted = (
-        np.concatenate(
-            [_by_block(each.samples, each, each.e**2 - left[id(each)] ** 2) for each in part] or [np.zeros(0)]
-        )
-        for part in (out, fitted)
-    )
-    z, z_fitted = _z(gains), _z(gains_fitted)
+@final
+@dataclass(frozen=True)
+class _Change:
+    """One kind of row in one log. before, after: (n,) residuals."""
+
+    rows: SiteRows
+    kind: int
+    before: Array
+    after: Array
+
+    @property
+    def gain(self) -> Array:
+        return np.asarray(self.before**2 - self.after**2)
+
+    def blocks(self, weight: float, inside: NDArray[np.bool_] | None = None) -> Iterator[tuple[tuple[str, int], float]]:
+        """Sums of the weighted gain over blocks of `BLOCK_S` of the log's time."""
+        chosen = np.ones(len(self.before), dtype=bool) if inside is None else inside
+        block = np.floor(self.rows.time[self.rows.rows[self.kind].samples[chosen]] / BLOCK_S).astype(np.intp)
+        places, number = np.unique(block, return_inverse=True)
+        total = np.bincount(number, self.gain[chosen], minlength=len(places))
+        for place, value in zip(places, total, strict=True):
+            yield (self.rows.log, int(place)), weight * float(value)
+
+
+def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgement:
+    """rows: of the candidate's site, in all logs."""
+    candidate, weights = score.candidate, model.solution.weights
+    own = model.equations.columns()
+    changes = []
+    for each in rows:
+        left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
+        changes += [_Change(each, kind, each.rows[kind].e, after) for kind, after in left.items() if weights[kind] > 0]
+    out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))
+    blocks, blocks_fitted = _summed(out, weights), _summed(fitted, weights)
+    z, z_fitted = (_z(np.array(list(each.values()))) for each in (blocks, blocks_fitted))
+    by_kind = {kind: weights[kind] * sum(float(each.gain.sum()) for each in out or fitted if each.kind == kind)
+               for kind in {each.kind for each in out or fitted}}  # fmt: skip
+    kind = max(by_kind, key=lambda one: by_kind[one])
+    shown = [each for each in out if each.kind == kind]
     before, after = (
         float(np.sqrt(np.mean(np.concatenate(values) ** 2))) if values else float("nan")
-        for values in ([each.e for each in out], [left[id(each)] for each in out])
+        for values in ([each.before for each in shown], [each.after for each in shown])
     )
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
-    return Judgement(score, z, z_fitted, before, after, gains, _objection(z, z_fitted, explained, gains, out, left))
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights)
+    return Judgement(score, kind, z, z_fitted, before, after, blocks, objection)
 
 
 def apart(one: Judgement, other: Judgement) -> float:
-    """Standard errors by which one candidate explains more than another of the same axis, on the same blocks."""
-    return _z(one.blocks - other.blocks) if len(one.blocks) == len(other.blocks) else float("nan")
+    """Standard errors by which one candidate explains more than another one, block by block."""
+    every = one.blocks.keys() | other.blocks.keys()
+    return _z(np.array([one.blocks.get(each, 0.0) - other.blocks.get(each, 0.0) for each in sorted(every)]))
 
 
-def _objection(
-    z: float, z_fitted: float, explained: float, gains: Array, out: Sequence[AxisRows], left: dict[int, Array]
-) -> str:
-    if len(gains) < FEWEST_BLOCKS:
+def _summed(changes: Sequence[_Change], weights: Array) -> dict[tuple[str, int], float]:
+    total: dict[tuple[str, int], float] = {}
+    for change in changes:
+        for place, value in change.blocks(float(weights[change.kind])):
+            total[place] = total.get(place, 0.0) + value
+    return total
+
+
+def _objection(z: float, z_fitted: float, explained: float, blocks: int, out: Sequence[_Change], weights: Array) -> str:
+    if blocks < FEWEST_BLOCKS:
         return "too little steady motion in logs that were not fitted to judge it"
     if z_fitted < SURE_FITTED:
         return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
@@ -89,39 +124,31 @@ def _objection(
     if z < SURE:
         return f"on held-out logs the error does not fall surely ({z:.1f} standard errors, {SURE:.0f} are asked for)"
     for name, chosen in REGIMES.items():
-        inside = [chosen(each) for each in out]
+        moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
+        inside = [chosen(each) for each in moving]
         if sum(int(mask.sum()) for mask in inside) < FEWEST_IN_REGIME:
             continue
-        change = [
-            _by_block(each.samples[mask], each, (each.e**2 - left[id(each)] ** 2)[mask])
-            for each, mask in zip(out, inside, strict=True)
-            if mask.any()
-        ]
-        worse = _z(np.concatenate(change))
+        change = dict(
+            pair for each, mask in zip(moving, inside, strict=True) for pair in each.blocks(weights[each.kind], mask)
+        )
+        worse = _z(np.array(list(change.values())))
         if worse < -WORSE:
             return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
     return ""
 
 
-def _speed(each: AxisRows) -> Array:
-    return np.abs(each.signals.velocity[each.samples]) / max(each.signals.speed_scale, 1e-12)
+def _velocity(each: _Change) -> Array:
+    """(n,) in units of the axis' usual speed."""
+    signals: AxisSignals = each.rows.seen.signals
+    return np.asarray(signals.velocity[each.rows.rows[each.kind].samples] / max(signals.speed_scale, 1e-12))
 
 
-REGIMES: dict[str, Callable[[AxisRows], NDArray[np.bool_]]] = {
-    "at low speed": lambda each: _speed(each) < 0.5,
-    "at high speed": lambda each: _speed(each) > 1.2,
-    "in positive motion": lambda each: each.signals.velocity[each.samples] > 0.0,
-    "in negative motion": lambda each: each.signals.velocity[each.samples] < 0.0,
+REGIMES: dict[str, Callable[[_Change], NDArray[np.bool_]]] = {
+    "at low speed": lambda each: np.abs(_velocity(each)) < 0.5,
+    "at high speed": lambda each: np.abs(_velocity(each)) > 1.2,
+    "in positive motion": lambda each: _velocity(each) > 0.0,
+    "in negative motion": lambda each: _velocity(each) < 0.0,
 }
-
-
-def _by_block(samples: NDArray[np.intp], each: AxisRows, values: Array) -> Array:
-    """Sums over blocks of `BLOCK_S` of the log's time."""
-    block = np.floor(each.signals.time[samples] / BLOCK_S).astype(np.intp)
-    places, number = np.unique(block, return_inverse=True)
-    total = np.zeros(len(places))
-    np.add.at(total, number, values)
-    return total
 
 
 def _z(gains: Array) -> float:

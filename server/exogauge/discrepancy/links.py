@@ -94,10 +94,10 @@ def _memory(model: RobotModel, logs: Sequence[Log]) -> Array:
     for log in logs:
         prepared = model.prepare(log)
         residual = equations.residuals(prepared, x)
-        residual[:, equations.first_axis :][~prepared.steady[prepared.kept]] = np.nan
+        steady = slice(equations.first_axis, equations.first_axis + len(model.robot.joints))
+        residual[:, steady][~prepared.steady[prepared.kept]] = np.nan
         of_logs.append([residual_memory(each) for each in residual.T])
-    memory = np.maximum(np.median(of_logs, axis=0), MEMORY)
-    return np.concatenate([memory, memory[equations.first_axis :]])
+    return np.maximum(np.median(of_logs, axis=0), MEMORY)
 
 
 def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:

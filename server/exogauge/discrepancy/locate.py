@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from exogauge.discrepancy.ground import LogResiduals
 from exogauge.discrepancy.result import Excess
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import wrench_channels
 from exogauge.identification.result import ChannelFit, Identification
-from exogauge.robots.description import Robot
+from exogauge.identification.validate import unit_of
 
 Array = NDArray[np.float64]
 
@@ -20,20 +22,27 @@ BLOCK_S = 1.0
 PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
 
 
-def located(robot: Robot, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
-    """Joint torques in steady motion whose held-out error stands above the noise floor; largest ratio first."""
+def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
+    """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
     result = []
-    for axis, joint in enumerate(robot.joints):
-        channel = f"tau.{joint.name}"
+    for kind, channel in channels(equations).items():
         fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
         rmse, floor = pooled(fits)
         if not np.isfinite(rmse) or rmse < ABOVE * floor:
             continue
-        z = _sureness(found, residuals, channel, axis, fits)
+        z = _sureness(found, residuals, channel, kind, fits)
         if z > SURE:
-            where = _where([each for each in residuals if each.held_out], axis)
-            result.append(Excess(channel, "N·m", rmse, floor, z, where))
+            where = _where([each for each in residuals if each.held_out], kind, kind - equations.first_axis)
+            result.append(Excess(channel, unit_of(channel), rmse, floor, z, where))
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
+
+
+def channels(equations: Equations) -> dict[int, str]:
+    """Kind of row -> channel of joint torques and of the sensors that carry bodies."""
+    robot, first = equations.robot, equations.first_axis
+    found = {first + axis: f"tau.{joint.name}" for axis, joint in enumerate(robot.joints)}
+    names = [name for sensor in robot.cuts for name in wrench_channels(sensor.name)]
+    return found | dict(enumerate(names, equations.first_cut))
 
 
 def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
@@ -46,18 +55,18 @@ def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
 
 
 def _sureness(
-    found: Identification, residuals: Sequence[LogResiduals], channel: str, axis: int, fits: Sequence[ChannelFit]
+    found: Identification, residuals: Sequence[LogResiduals], channel: str, kind: int, fits: Sequence[ChannelFit]
 ) -> float:
     """Standard errors by which blocks' mean square error stands above the floor's."""
     floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
     predictions = {prediction.log: prediction for prediction in found.predictions}
     excess: list[Array] = []
     for each in residuals:
-        if not each.held_out or each.log not in floor:
+        if not each.held_out or each.log not in floor or kind not in each.residual:
             continue
         prediction = predictions[each.log]
         time = prediction.time - prediction.time[0]
-        at = np.searchsorted(time, each.time[np.isfinite(each.residual[:, axis])])
+        at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
         error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
         block = np.unique((time[np.minimum(at, len(time) - 1)] / BLOCK_S).astype(np.intp), return_inverse=True)[1]
         if len(block):
@@ -69,23 +78,25 @@ def _sureness(
     return float(values.mean() / max(values.std(ddof=1) / np.sqrt(len(values)), 1e-300)) if len(values) > 1 else 0.0
 
 
-def _where(residuals: Sequence[LogResiduals], axis: int) -> str:
-    """The third of speeds, loads, positions or times in which the error is largest, in words."""
-    e, v, q, load, t = (
-        np.concatenate([getattr(each, name)[..., axis] if getattr(each, name).ndim > 1 else getattr(each, name)
-                        for each in residuals])
-        for name in ("residual", "velocity", "position", "load", "time")
-    )  # fmt: skip
+def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
+    """The third of times, and for an axis of speeds, loads or positions, in which the error is largest, in words."""
+    known = [each for each in residuals if kind in each.residual]
+    e = np.concatenate([each.residual[kind] for each in known])
     used = np.isfinite(e)
     if used.sum() < 30:
         return "throughout"
     square = e[used] ** 2
-    words = {
-        "speed": (np.abs(v[used]), "rad/s"),
-        "position": (q[used], "rad"),
-        "load": (np.abs(load[used]), "N·m"),
-        "time since the start": (t[used], "s"),
-    }
+    words = {"time since the start": (np.concatenate([each.time for each in known])[used], "s")}
+    if all(axis in each.axes for each in known):
+
+        def of_axis(name: str) -> Array:
+            return np.asarray(np.concatenate([getattr(each.axes[axis], name)[each.at] for each in known])[used])
+
+        words |= {
+            "speed": (np.abs(of_axis("velocity")), "rad/s"),
+            "position": (of_axis("position"), "rad"),
+            "load": (np.abs(of_axis("load")), "N·m"),
+        }
     best, said = PART, "throughout"
     for name, (values, unit) in words.items():
         low, high = np.quantile(values, [1 / 3, 2 / 3])

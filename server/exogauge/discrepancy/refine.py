@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.discrepancy.axis_rows import AxisRows, sums_of
-from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.score import Score, score
+from exogauge.discrepancy.site_rows import SiteRows, sums_of
 from exogauge.effects.shaped import Shape
 from exogauge.identification.model import RobotModel
 
@@ -19,16 +19,16 @@ Array = NDArray[np.float64]
 TRIALS = 40  # of the search, per shape
 
 
-def refined(model: RobotModel, first: Score, rows: Sequence[AxisRows], memory: float) -> Score:
+def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score:
     """The candidate with its shapes searched from the grid's best, within their bounds."""
     candidate = first.candidate
     shapes = candidate.effect.shapes
-    if not shapes:
+    if not shapes or any(one.choice for one in shapes):
         return first
 
     def at(values: Array) -> Score | None:
         shape = tuple(_value(u, one) for u, one in zip(values, shapes, strict=True))
-        moved = Candidate(candidate.effect, candidate.axis, shape)
+        moved = replace(candidate, shape=shape)
         return score(model, moved, sums_of(rows, candidate.effect, shape), memory)
 
     def cost(values: Array) -> float:

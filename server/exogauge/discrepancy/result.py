@@ -18,10 +18,17 @@ Verdict = Literal["effects", "none", "unexplained"]
 @final
 @dataclass(frozen=True)
 class Place:
-    """kind: `joint`, `link`, `band`, `sensor`, `base` or `log`; name: which one (`all` for every joint)."""
+    """kind: `joint`, `link`, `band`, `sensor`, `base` or `log`; name: which one (`all` for every joint); part: of a
+    sensor, the component `fx` … `mz`."""
 
     kind: str
     name: str
+    part: str = ""
+
+    @property
+    def words(self) -> str:
+        """`torso_pitch`, `wrist.fx`."""
+        return f"{self.name}.{self.part}" if self.part else self.name
 
 
 @final
@@ -62,8 +69,8 @@ class Alternative:
 class Evidence:
     """The plot that shows an effect: residual before and after in the coordinate it depends on, binned.
 
-    coordinate, unit: of `at` (n,). before, after: (n,) mean residual [N·m]; spread: (n,) its standard error.
-    model: (n,) mean of the effect's own torque.
+    coordinate, unit: of `at` (n,). before, after: (n,) mean residual [of the finding's channel]; spread: (n,) its
+    standard error. model: (n,) mean of what the effect itself adds.
     """
 
     coordinate: str
@@ -100,9 +107,9 @@ class Finding:
 class Link:
     """One bar of the chain: what the model is, and its RMSE over all joints' channels relative to the noise floor.
 
-    rmse: pooled over the joint torques in question (those with a finding, or above their floor; else all) in steady
-    motion on held-out logs [N·m]; worst, worst_rmse, worst_floor: the channel
-    furthest above its floor.
+    rmse: pooled over the channels in question (those with a finding, or above their floor; else all joint torques) in
+    steady motion on held-out logs [unit]; with channels of several units in multiples of each one's noise floor (unit
+    `floors`). worst, worst_rmse, worst_floor: the channel furthest above its floor.
     """
 
     step: str
@@ -111,6 +118,7 @@ class Link:
     worst: str
     worst_rmse: float
     worst_floor: float
+    unit: str = "N·m"
 
 
 @final

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -10,13 +11,13 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.sums import AxisSums
+from exogauge.discrepancy.sums import KindSums
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
 
 BLIND = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
-NEARLY_ALL = 0.999  # of an axis' square sum: no candidate is credited with more
+NEARLY_ALL = 0.999  # of the square sum: no candidate is credited with more
 
 
 @final
@@ -35,28 +36,35 @@ class Score:
     left: float
 
 
-def score(model: RobotModel, candidate: Candidate, sums: AxisSums, memory: float) -> Score | None:
-    """sums: of the candidate's columns over the fitted logs. memory: samples that count as one. None where blind."""
-    equations, solution = model.equations, model.solution
-    kind = equations.first_axis + candidate.axis
-    w, own = solution.weights[kind], equations.columns()[kind]
-    if w <= 0.0 or sums.rows == 0:
+def score(
+    model: RobotModel, candidate: Candidate, sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> Score | None:
+    """sums: of the candidate's columns over the fitted logs, by kind of row. memory: kind -> samples that count as one.
+
+    None where the baseline swallows it, or nothing weighs.
+    """
+    weights, own = model.solution.weights, model.equations.columns()
+    live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
+    if not live:
         return None
-    B = np.zeros((equations.size, len(sums.own)))
-    B[own] = w * sums.cross.T
+    C = candidate.width
+    B, squares, g = np.zeros((model.equations.size, C)), np.zeros((C, C)), np.zeros(C)
+    for kind, each in live.items():
+        B[own[kind]] += weights[kind] * each.cross.T
+        squares += weights[kind] * each.own
+        g += weights[kind] * each.with_residual
     V = model.solution.unbounded.divided(B)
-    S = w * sums.own - B.T @ V
-    size = np.sqrt(np.maximum(np.diag(sums.own) * w, 1e-300))
-    S = S / np.outer(size, size)
+    size = np.sqrt(np.maximum(np.diag(squares), 1e-300))
+    S = (squares - B.T @ V) / np.outer(size, size)
     left = float(np.min(np.linalg.eigvalsh(S)))
     if left < BLIND:
         return None
-    g = w * sums.with_residual / size
-    theta = _within_range(S, g, candidate, size)
-    gain = float(2.0 * g @ theta - theta @ S @ theta)
-    independent = sums.rows / memory
-    share = float(np.clip(gain / (w * sums.square), 0.0, NEARLY_ALL))
-    chosen = candidate.width + len(candidate.shape)
+    theta = _within_range(S, g / size, candidate, size)
+    gain = float(2.0 * (g / size) @ theta - theta @ S @ theta)
+    independent = sum(each.rows / memory[kind] for kind, each in live.items())
+    square = sum(weights[kind] * each.square for kind, each in live.items())
+    share = float(np.clip(gain / max(square, 1e-300), 0.0, NEARLY_ALL))
+    chosen = C + len(candidate.shape)
     evidence = -independent * np.log1p(-share) - chosen * np.log(max(independent, 2.0))
     coefficients = theta / size
     return Score(candidate, gain, float(evidence), coefficients, -V @ coefficients, left)
@@ -74,7 +82,7 @@ def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Arra
 
 
 def residual_memory(residuals: Array) -> float:
-    """Samples of one axis' residuals (n,) that count as one: their integral correlation time. NaN are gaps."""
+    """Samples of one kind of row's residuals (n,) that count as one: their integral correlation time. NaN: gaps."""
     e = np.nan_to_num(residuals)
     used = np.isfinite(residuals)
     n = len(e)

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.site import Site
 
 Array = NDArray[np.float64]
 
 
 @final
 @dataclass
-class AxisSums:
-    """Steady rows of one axis, k parameters, C candidate columns c (torque delivered, so that the row holds -c).
+class KindSums:
+    """Rows of one kind, k parameters, C candidate columns c (taken off the row, so that the row holds -c).
 
     cross: (C, k) Σ -c a^T. own: (C, C) Σ c c^T. with_residual: (C,) Σ -c e. square: Σ e². rows: how many.
     """
@@ -33,8 +34,8 @@ class AxisSums:
     rows: int = 0
 
     @staticmethod
-    def empty(columns: int, parameters: int) -> AxisSums:
-        return AxisSums(np.zeros((columns, parameters)), np.zeros((columns, columns)), np.zeros(columns))
+    def empty(columns: int, parameters: int) -> KindSums:
+        return KindSums(np.zeros((columns, parameters)), np.zeros((columns, columns)), np.zeros(columns))
 
     def add(self, A: Array, c: Array, e: Array) -> None:
         """A: (n, k). c: (n, C). e: (n,) y - A x."""
@@ -44,32 +45,42 @@ class AxisSums:
         self.square += float(e @ e)
         self.rows += len(e)
 
-    def part(self, which: slice) -> AxisSums:
+    def part(self, which: slice) -> KindSums:
         """Of some of the columns."""
-        return AxisSums(self.cross[which], self.own[which, which], self.with_residual[which], self.square, self.rows)
+        return KindSums(self.cross[which], self.own[which, which], self.with_residual[which], self.square, self.rows)
+
+
+SiteSums = dict[int, KindSums]  # row kind -> sums
 
 
 @final
 @dataclass
 class Sums:
-    """by_axis: axis -> sums over all logs taken in."""
+    """by_site: site -> sums of its candidates' columns, by kind of row, over all logs taken in."""
 
-    by_axis: dict[int, AxisSums] = field(default_factory=dict)
+    by_site: dict[Site, SiteSums] = field(default_factory=dict)
 
-    def take(self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[int, Array]) -> Array:
-        """Add one log; its residuals (n_kept, A), NaN where an axis gives no row.
+    def take(
+        self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[Site, Array]
+    ) -> Mapping[int, Array]:
+        """Add one log; its residuals by kind (n_kept,), NaN where there is no row.
 
-        x: (P,). columns: axis -> (n_kept, C) candidate torques.
+        x: (P,). columns: site -> (n_kept, C, kinds of the site).
         """
-        kinds, axes = equations.columns(), len(equations.robot.joints)
-        residuals = np.full((len(prepared.kept), axes), np.nan)
+        own, axes = equations.columns(), len(equations.robot.joints)
+        at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
+        residuals: dict[int, Array] = {}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:
-                axis = chunk.kind - equations.first_axis
-                if axis in columns and 0 <= axis < axes:
-                    A, y = chunk.block[:, :-1], chunk.block[:, -1]
-                    e = y - A @ x[kinds[chunk.kind]]
-                    residuals[chunk.samples, axis] = e
-                    sums = self.by_axis.setdefault(axis, AxisSums.empty(columns[axis].shape[1], A.shape[1]))
-                    sums.add(A, columns[axis][chunk.samples], e)
+                kind = chunk.kind
+                if equations.first_axis + axes <= kind < equations.first_cut:
+                    continue  # at rest
+                A, y = chunk.block[:, :-1], chunk.block[:, -1]
+                e = y - A @ x[own[kind]]
+                residuals.setdefault(kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
+                for site, places in at.items():
+                    if kind in places and columns[site].shape[1]:
+                        c = columns[site][chunk.samples, :, places[kind]]
+                        sums = self.by_site.setdefault(site, {})
+                        sums.setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
         return residuals

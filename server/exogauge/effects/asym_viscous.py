@@ -19,6 +19,7 @@ class AsymViscous:
     """
 
     name = "asym_viscous"
+    place = "joint"
     sentence = "Viscous friction is larger in one direction of motion than in the other."
     coefficients = (Quantity("d_a", "N·m·s/rad"),)
     shapes: tuple[Shape, ...] = ()

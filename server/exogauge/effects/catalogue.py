@@ -53,6 +53,11 @@ def band_effects() -> Mapping[str, BandEffect]:
     return MappingProxyType({effect.name: effect for effect in found})
 
 
+def missing_effects() -> tuple[ShapedEffect | SensorEffect | BaseEffect, ...]:
+    """Every effect of joints, sensors and the base that a model may miss."""
+    return (*shaped_effects().values(), *sensor_effects().values(), *base_effects().values())
+
+
 def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:
     """The named effects, in the order asked for."""
     known = all_effects()

@@ -28,6 +28,7 @@ class Elasticity:
     """
 
     name = "elasticity"
+    place = "joint"
     sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
     coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
     shapes: tuple[Shape, ...] = ()

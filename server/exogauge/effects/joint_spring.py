@@ -19,6 +19,7 @@ class JointSpring:
     """
 
     name = "joint_spring"
+    place = "joint"
     sentence = "A harness or cover pulls the joint back, more the further it turns."
     coefficients = (Quantity("k_h", "N·m/rad", low=0.0), Quantity("k_3", "N·m/rad³", low=0.0))
     shapes = (Shape("theta_h", "rad", -3.0, 3.0, (-1.5, 0.0, 1.5)),)

@@ -18,6 +18,7 @@ class KtSaturation:
     """
 
     name = "kt_saturation"
+    place = "joint"
     sentence = "At high current the motor gives less torque per ampere."
     coefficients = (Quantity("g", "1", low=0.0, high=0.5),)
     shapes = (Shape("power", "1", 1.5, 4.0, (2.0, 3.0)),)

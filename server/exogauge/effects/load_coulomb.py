@@ -17,6 +17,7 @@ class LoadCoulomb:
     """τ = -μ |τ_load| sgn θ̇: the teeth of a gear press and rub in proportion to the torque that they pass on."""
 
     name = "load_coulomb"
+    place = "joint"
     sentence = "Friction grows with the torque that the joint has to carry."
     coefficients = (Quantity("mu", "1", low=0.0, high=1.0),)
     shapes: tuple[Shape, ...] = ()

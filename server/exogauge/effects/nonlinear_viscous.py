@@ -18,6 +18,7 @@ class NonlinearViscous:
     """
 
     name = "nonlinear_viscous"
+    place = "joint"
     sentence = "Friction grows with speed along a curve, not along a straight line."
     coefficients = (Quantity("tau_n", "N·m", low=0.0),)
     shapes = (Shape("power", "1", 0.25, 3.0, (0.33, 0.5, 0.7, 1.5, 2.0, 3.0)),)

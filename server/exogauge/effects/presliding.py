@@ -19,6 +19,7 @@ class Presliding:
     """
 
     name = "presliding"
+    place = "joint"
     sentence = "After a turn of the motion friction builds up over a short way, as surfaces bend before they slide."
     coefficients = (Quantity("tau_p", "N·m", low=0.0),)
     shapes = (Shape("d", "range", 0.002, 0.3, (0.005, 0.015, 0.05, 0.15)),)

@@ -16,13 +16,14 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Shape:
-    """A value that enters non-linearly: tried at `grid`, refined between low and high."""
+    """A value that enters non-linearly: tried at `grid`, refined between low and high unless it is a choice."""
 
     name: str
     unit: str
     low: float
     high: float
     grid: tuple[float, ...]
+    choice: bool = False
 
 
 @final
@@ -54,13 +55,15 @@ class AxisSignals:
 class ShapedEffect(Protocol):
     """A reason why a joint's torque is not what the model says. One file each; `EFFECT` is what the catalogue finds.
 
-    name: identifier, a contract with results.json. sentence: for the user. coefficients: what is estimated linearly.
+    name: identifier, a contract with results.json. place: where it can sit, `joint`.
+    sentence: for the user. coefficients: what is estimated linearly.
     shapes: what is searched. confounds: baseline effects that can stand in for it. needs: in words, the motion that
     shows it. coordinate: of the evidence plot, one of `velocity`, `position`, `load`, `time`, `acceleration`, `drive`,
     `temperature`.
     """
 
     name: ClassVar[str]
+    place: ClassVar[str]
     sentence: ClassVar[str]
     coefficients: ClassVar[tuple[Quantity, ...]]
     shapes: ClassVar[tuple[Shape, ...]]

@@ -18,6 +18,7 @@ class Stribeck:
     """
 
     name = "stribeck"
+    place = "joint"
     sentence = "Friction is larger at low speed and falls as the joint gets faster."
     coefficients = (Quantity("tau_b", "N·m", low=0.0),)
     shapes = (

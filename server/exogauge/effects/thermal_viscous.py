@@ -24,6 +24,7 @@ class ThermalViscous:
     """
 
     name = "thermal_viscous"
+    place = "joint"
     sentence = "Viscous friction falls as the joint warms up."
     coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
     shapes = (Shape("t_w", "s", 5.0, 1800.0, (20.0, 100.0, 500.0)),)

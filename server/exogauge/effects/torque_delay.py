@@ -20,6 +20,7 @@ class TorqueDelay:
     """
 
     name = "torque_delay"
+    place = "joint"
     sentence = "The torque acts later than its log says, or is logged later than it acts."
     coefficients = (Quantity("delta", "s", low=-0.1, high=0.1),)
     shapes: tuple[Shape, ...] = ()

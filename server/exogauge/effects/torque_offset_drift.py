@@ -20,6 +20,7 @@ class TorqueOffsetDrift:
     """
 
     name = "torque_offset_drift"
+    place = "joint"
     sentence = "The offset of the torque changes slowly while the robot runs."
     coefficients = (Quantity("ramp", "N·m/s"), Quantity("settling", "N·m"))
     shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)),)

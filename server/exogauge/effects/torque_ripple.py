@@ -26,6 +26,7 @@ class TorqueRipple:
     """
 
     name = "torque_ripple"
+    place = "joint"
     sentence = "The torque comes and goes with the position, as gear teeth and magnets pass by."
     coefficients = (Quantity("ripple_sin", "N·m"), Quantity("ripple_cos", "N·m"))
     shapes = (

@@ -38,8 +38,7 @@ class ContactPaths:
         tree, first = self.robot.tree, 6 if self.robot.floating else 0
         total = np.zeros((first + len(self.robot.joints), len(q)))
         by_joint = np.ascontiguousarray(q.T)
-        contacts = [sensor for sensor in self.robot.sensors if sensor.role == "contact"]
-        for index, sensor in enumerate(contacts):
+        for index, sensor in enumerate(self.robot.contacts):
             body, pose = tree.frames[sensor.frame]
             if body < 0:
                 continue

@@ -2,34 +2,36 @@
 
     Y_o φ         = F_o
     Y_j φ - Z ξ   = F_j          Z: one column per effect and axis
+    Y_c φ + z     = F_c          what a sensor inside the robot carries; z: its zero
 
 expressed in the base link, so that neither its pose nor its velocity is needed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from functools import cached_property
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.effect import JointEffect, JointSignals
 from exogauge.estimation.statistics import Form, Statistics
+from exogauge.identification.added_column import AddedColumn
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters
+from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.row_blocks import Rows
-
-if TYPE_CHECKING:
-    from exogauge.identification.added import AddedColumn
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
+NONE = np.zeros(0, dtype=np.intp)
 AT_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
 CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever the log's length
 
@@ -49,10 +51,11 @@ class Chunk:
 class Equations:
     """Which parameters each row holds. P = B + A·K + E parameters x = [φ_b (B), ξ (A, K) axis by axis, ζ (E)].
 
-    blocks: regressor rows in the parameters of base. effects: K, on every axis. added: E, on one axis each.
+    blocks: regressor rows in the parameters of base. effects: K, on every axis. added: E, each in rows of its own.
+    cuts: rows of the sensors that carry bodies.
     Row kinds: 6 base axes if floating, then A actuator axes in steady motion, then the same A axes at rest, where
-    friction is known less well. Around starts, stops and turns, where a joint may stick for longer than a low-passed
-    velocity can show, an axis gives no row.
+    friction is known less well, then 6 for each sensor that carries bodies. Around starts, stops and turns, where a
+    joint may stick for longer than a low-passed velocity can show, an axis gives no row.
     """
 
     robot: Robot
@@ -60,6 +63,7 @@ class Equations:
     base: BaseParameters
     effects: Sequence[JointEffect]
     added: Sequence[AddedColumn] = ()
+    cuts: Sequence[CutRows] = ()
 
     @property
     def base_size(self) -> int:
@@ -81,18 +85,41 @@ class Equations:
         """Indices in x of the K coefficients of one axis."""
         return self.base_size + axis * len(self.effects) + np.arange(len(self.effects))
 
-    def added_on(self, axis: int) -> IntArray:
-        """Which of the added columns are in the rows of one axis."""
-        return np.array([e for e, column in enumerate(self.added) if column.axis == axis], dtype=np.intp)
+    @property
+    def first_cut(self) -> int:
+        return self.first_axis + 2 * len(self.robot.joints)
+
+    @property
+    def kinds(self) -> int:
+        """Kinds of rows."""
+        return self.first_cut + 6 * len(self.cuts)
+
+    @cached_property
+    def entries(self) -> tuple[tuple[int, int], ...]:
+        """(added column, row kind) of every column of `Prepared.added`."""
+        return tuple((e, kind) for e, column in enumerate(self.added) for kind in column.kinds)
+
+    @cached_property
+    def _added_to(self) -> Mapping[int, tuple[IntArray, IntArray]]:
+        found = {}
+        for kind in {kind for _, kind in self.entries}:
+            both = [(e, place) for place, (e, own) in enumerate(self.entries) if own == kind]
+            e, places = np.array(both, dtype=np.intp).T
+            found[kind] = (e, places)
+        return found
+
+    def added_to(self, kind: int) -> tuple[IntArray, IntArray]:
+        """Added columns in the rows of one kind, and their columns in `Prepared.added`."""
+        axes = len(self.robot.joints)
+        steady = kind - axes if self.first_axis + axes <= kind < self.first_cut else kind
+        return self._added_to.get(steady, (NONE, NONE))
 
     def columns(self) -> list[IntArray]:
         """Indices in x of every row kind."""
         base, axes = self.blocks.columns[: self.first_axis], self.blocks.columns[self.first_axis :]
-        full = [
-            np.concatenate([c, self.effect_columns(axis), self.first_added + self.added_on(axis)])
-            for axis, c in enumerate(axes)
-        ]
-        return [*base, *full, *full]
+        full = [np.concatenate([c, self.effect_columns(axis)]) for axis, c in enumerate(axes)]
+        own = [*base, *full, *full, *(c for cut in self.cuts for c in cut.columns)]
+        return [np.concatenate([c, self.first_added + self.added_to(kind)[0]]) for kind, c in enumerate(own)]
 
     def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Chunk]]]:
         """Chunks of (which of the kept samples, the rows they give). The blocks are overwritten by the next chunk.
@@ -116,14 +143,17 @@ class Equations:
             external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
+            for kind, block in enumerate(blocks):
+                self._fill_added(prepared, samples, kind, block)
             rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[: self.first_axis])]
+            rows += self._cut_rows(prepared, samples, everyone)
             for axis, signals in enumerate(_signals(prepared, samples)):
                 kind = self.first_axis + axis
                 block, steady = blocks[kind], prepared.steady[samples, axis]
                 signals = replace(signals, rest=np.where(steady, 0.0, signals.rest))  # filters ring
-                for place, e in enumerate(self.added_on(axis), len(self.blocks.columns[kind]) + len(self.effects)):
-                    np.negative(prepared.added[samples, e], out=block[:, place])
-                self._fill_effects(signals, block, x_before[columns[kind]], gains.get(kind), len(self.added_on(axis)))
+                self._fill_effects(
+                    signals, block, x_before[columns[kind]], gains.get(kind), len(self.added_to(kind)[0])
+                )
                 if not steady.all():
                     rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
                     resting = ~steady & (signals.rest > AT_REST)
@@ -131,6 +161,22 @@ class Equations:
                 else:
                     rows.append(Chunk(kind, everyone, block))
             yield which, [chunk for chunk in rows if len(chunk.samples)]
+
+    def _fill_added(self, prepared: Prepared, samples: IntArray, kind: int, block: Array) -> None:
+        """Write the added columns, which stand last before the right-hand side."""
+        _, entries = self.added_to(kind)
+        for place, entry in enumerate(entries, block.shape[1] - 1 - len(entries)):
+            np.negative(prepared.added[samples, entry], out=block[:, place])
+
+    def _cut_rows(self, prepared: Prepared, samples: IntArray, everyone: IntArray) -> Iterator[Chunk]:
+        for index, cut in enumerate(self.cuts):
+            first = self.first_cut + 6 * index
+            motion = prepared.motion.rows(samples)
+            blocks = cut.fill(motion, [len(self.added_to(first + row)[0]) + 1 for row in range(6)])
+            for row, block in enumerate(blocks):
+                block[:, -1] = prepared.carried[samples, index, row]
+                self._fill_added(prepared, samples, first + row, block)
+                yield Chunk(first + row, everyone, block)
 
     def collect(
         self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
@@ -161,12 +207,13 @@ class Equations:
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
-        """(T_kept, base and actuator axes) y - A x, 0 where an axis gives no row."""
+        """(T_kept, kinds) y - A x, 0 where an axis gives no row; rows at rest are among those of their axis."""
         columns, axes = self.columns(), len(self.robot.joints)
-        residual = np.zeros((len(prepared.kept), self.first_axis + axes))
+        residual = np.zeros((len(prepared.kept), self.kinds))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
-                place = chunk.kind if chunk.kind < residual.shape[1] else chunk.kind - axes
+                resting = self.first_axis + axes <= chunk.kind < self.first_cut
+                place = chunk.kind - axes if resting else chunk.kind
                 residual[chunk.samples, place] = chunk.block[:, -1] - chunk.block[:, :-1] @ x[columns[chunk.kind]]
         return residual
 

@@ -39,8 +39,8 @@ class RobotModel:
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
     sizes: of the fitted motions.
-    extension: effects that were added to a parent model, None for a first one. load_of_log: what `added.loads` has
-    computed, by name of the log.
+    extension: effects that were added to a parent model, None for a first one. computed: what `axis_signals.loads` and
+    `site.carried` have computed, by what it is and the log's name.
     """
 
     equations: Equations
@@ -53,7 +53,7 @@ class RobotModel:
     solution: Solution
     sizes: AxisSizes
     extension: Extension | None = None
-    load_of_log: dict[str, Array] = field(default_factory=dict, repr=False, compare=False)
+    computed: dict[tuple[str, str], Array] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def robot(self) -> Robot:

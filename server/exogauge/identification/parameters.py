@@ -18,12 +18,13 @@ DECIDED = 0.5  # a parameter is identifiable where data leave at most this share
 
 
 def scale_is_known(robot: Robot) -> bool:
-    """Whether anything measured fixes the scale of all torques: a contact wrench on the base rows, or a joint torque.
+    """Whether anything measured fixes the scale of all torques: a contact wrench on the base rows, what a sensor
+    carries, or a joint torque.
 
     Without it (φ, ξ) times any factor explains the data as well ([Evaluator] 3.1; rank deficit of exactly one).
     """
-    contact = robot.floating and any(sensor.role == "contact" for sensor in robot.sensors)
-    return contact or any(joint.actuation == "torque" for joint in robot.joints)
+    contact = robot.floating and bool(robot.contacts)
+    return contact or bool(robot.cuts) or any(joint.actuation == "torque" for joint in robot.joints)
 
 
 def describe(
@@ -40,7 +41,7 @@ def describe(
         names += [f"{effect.coefficient.name}[{joint.name}]" for effect in effects]
         units += [coefficient_unit(effect.coefficient.unit, joint.actuation) for effect in effects]
     for column in equations.added:
-        names.append(f"{column.name}[{robot.joints[column.axis].name}]")
+        names.append(f"{column.name}[{column.place}]")
         units.append(column.coefficient.unit)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     for i, name in enumerate(names):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.equations import CHUNK, Equations
-from exogauge.identification.preparation import Prepared
+from exogauge.identification.preparation import Prepared, wrench_channels
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,8 @@ def motor_gain(equations: Equations, parameters: Parameters) -> Array:
 
 
 def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> Mapping[str, Array]:
-    """Unfiltered base wrench (from the contact sensors) and joint torques k_T u, or the torques as logged."""
+    """Unfiltered base wrench (from the contact sensors), joint torques k_T u, or the torques as logged, and readings of
+    the sensors that carry bodies."""
     robot = equations.robot
     channels: dict[str, Array] = {}
     if robot.floating:
@@ -55,6 +56,8 @@ def measured_channels(equations: Equations, prepared: Prepared, k_T: Array) -> M
     for index, joint in enumerate(robot.joints):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque[:, index]
+    for sensor in robot.cuts:
+        channels |= {name: prepared.log.channels[name] for name in wrench_channels(sensor.name)}
     return channels
 
 
@@ -74,18 +77,31 @@ def predictions(
     robot, rows, first = equations.robot, equations.blocks, equations.first_axis
     phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
     predicted = np.empty((len(alternatives), len(rows.columns), prepared.log.samples))
+    carried = np.empty((len(alternatives), 6 * len(equations.cuts), prepared.log.samples))
     contacts, blocks = ContactPaths(robot), None
     for which in _chunks(prepared.log.samples):
         motion = prepared.motion.rows(which)
         blocks = rows.fill(motion, 0, blocks)
         external = contacts.effect(motion.q, prepared.wrenches[which]).T
-        for one, phi_base, parameters in zip(predicted, phi, alternatives, strict=True):
+        beyond = [pair for cut in equations.cuts for pair in zip(cut.fill(motion), cut.columns, strict=True)]
+        for one, on_sensors, phi_base, parameters in zip(predicted, carried, phi, alternatives, strict=True):
             for kind, (block, columns) in enumerate(zip(blocks, rows.columns, strict=True)):
                 one[kind, which] = block @ phi_base[columns]
+            for kind in range(first):
+                one[kind, which] -= _added(equations, prepared, parameters, kind, which)
             one[first:, which] -= external[first:]
             for axis, needed in enumerate(one[first:, which]):
                 needed -= _friction_and_offset(equations, prepared, parameters, axis, which, needed)
-    return [_named(equations, one) for one in predicted]
+            for row, (block, columns) in enumerate(beyond):
+                added = _added(equations, prepared, parameters, equations.first_cut + row, which)
+                on_sensors[row, which] = block @ phi_base[columns] - added
+    return [_named(equations, *both) for both in zip(predicted, carried, strict=True)]
+
+
+def _added(equations: Equations, prepared: Prepared, parameters: Parameters, kind: int, which: slice) -> Array | float:
+    """(n,) what added columns take off the rows of one kind, unfiltered."""
+    columns, entries = equations.added_to(kind)
+    return np.asarray(prepared.raw_added[which][:, entries] @ parameters.added[columns]) if len(columns) else 0.0
 
 
 def _friction_and_offset(
@@ -96,8 +112,7 @@ def _friction_and_offset(
     gain = sum(c for effect, c in model if effect.name == "motor_gain")
     others = [(effect, c) for effect, c in model if effect.name != "motor_gain"]
     signals, none = prepared.raw_signals(axis, which, np.zeros(len(needed))), np.zeros(len(needed))
-    on = equations.added_on(axis)
-    added = none + prepared.raw_added[which][:, on] @ parameters.added[on] if len(on) else none
+    added = none + _added(equations, prepared, parameters, equations.first_axis + axis, which)
     torque = sum((effect.column(signals) * c for effect, c in others), start=added)
     if not signals.rest.any():
         return torque
@@ -106,14 +121,19 @@ def _friction_and_offset(
     return sum((effect.column(signals) * c for effect, c in others), start=added)
 
 
-def _named(equations: Equations, predicted: Array) -> Mapping[str, Array]:
-    """predicted: (rows, T), axis torques on actuator axes; joint torques of the joints whose drive is logged."""
+def _named(equations: Equations, predicted: Array, carried: Array) -> Mapping[str, Array]:
+    """predicted: (rows, T), axis torques on actuator axes; joint torques of the joints whose drive is logged.
+
+    carried: (6 C, T) what holds the bodies beyond sensors; their readings as they are logged.
+    """
     robot, first = equations.robot, equations.first_axis
     channels = dict(zip(BASE_CHANNELS, predicted[:first], strict=True)) if first else {}
     on_joints = robot.axes_from_joints.T @ predicted[first:]
     for joint, torque in zip(robot.joints, on_joints, strict=True):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque
+    for index, sensor in enumerate(robot.cuts):
+        channels |= zip(wrench_channels(sensor.name), -sensor.sign * carried[6 * index : 6 * index + 6], strict=True)
     return channels
 
 

@@ -12,12 +12,13 @@ from scipy.ndimage import binary_dilation
 
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
+from exogauge.identification.sensor_zero import zeros
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
@@ -49,11 +50,13 @@ class Prepared:
     steady: (T, A) bool, the axis moves at speed; not so at rest, and near stops and turns, where a joint may stick
     for longer than a low-passed velocity can show.
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
-    raw_drive, raw_direction, raw_wrenches: not filtered.
+    carried: (T, C, 6) what holds and moves the bodies beyond each sensor that carries some, in its frame, filtered.
+    raw_drive, raw_direction, raw_wrenches, raw_carried: not filtered.
     stored_direction, stored_rest: (T, A) raw_direction and 1 - |raw_direction|, through what the drive had passed
     before it was stored.
     kept: samples that enter a fit (settled ends left out, decimated).
-    added, raw_added: (T, E) torque per unit of each added coefficient (`identification.added`), filtered and not.
+    added, raw_added: (T, entries) what each added coefficient takes off a row per unit (`Equations.entries`), filtered
+    and not.
     """
 
     log: Log
@@ -71,6 +74,8 @@ class Prepared:
     stored_direction: Array
     stored_rest: Array
     raw_wrenches: Array
+    carried: Array
+    raw_carried: Array
     kept: NDArray[np.intp]
     added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -102,7 +107,7 @@ def needed_channels(robot: Robot) -> tuple[str, ...]:
     names += [f"{DRIVE[joint.actuation]}.{joint.name}" for joint in robot.joints if joint.actuation != "none"]
     if robot.floating:
         names += [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
-    names += [name for sensor in robot.sensors if sensor.role == "contact" for name in wrench_channels(sensor.name)]
+    names += [name for sensor in robot.sensors for name in wrench_channels(sensor.name)]
     return tuple(names)
 
 
@@ -173,10 +178,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     acc, gyro, gyro_dot = _base_motion(robot, log, low_pass)
     C = robot.axes_from_joints
     raw_drive = _drive_on_axes(robot, log)
-    contacts = [sensor for sensor in robot.sensors if sensor.role == "contact"]
-    raw_wrenches = np.zeros((log.samples, len(contacts), 6))
-    for index, sensor in enumerate(contacts):
-        raw_wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
+    raw_wrenches = _wrenches(robot.contacts, log)
+    raw_carried = -_wrenches(robot.cuts, log)
     axis_velocity = dq @ C.T
     finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
     fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
@@ -202,7 +205,11 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         stored_direction=alike.before.apply(direction) if alike.before else direction,
         stored_rest=alike.before.apply(rest) if alike.before else rest,
         raw_wrenches=raw_wrenches,
+        carried=low_pass.apply(raw_carried.reshape(log.samples, -1)).reshape(raw_carried.shape),
+        raw_carried=raw_carried,
         kept=np.arange(settle, log.samples - settle, low_pass.decimation()),
+        added=zeros(robot, log.samples),
+        raw_added=zeros(robot, log.samples),
     )
 
 
@@ -244,6 +251,14 @@ def _drive_on_axes(robot: Robot, log: Log) -> Array:
         to_axes = np.linalg.inv(robot.axes_from_joints)
         drive[:, torque] = drive[:, torque] @ to_axes[np.ix_(torque, torque)]
     return drive
+
+
+def _wrenches(sensors: Sequence[WrenchSensor], log: Log) -> Array:
+    """(T, S, 6)"""
+    wrenches = np.zeros((log.samples, len(sensors), 6))
+    for index, sensor in enumerate(sensors):
+        wrenches[:, index] = sensor.sign * log.stack(wrench_channels(sensor.name))
+    return wrenches
 
 
 def _base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:

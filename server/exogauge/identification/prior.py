@@ -72,12 +72,26 @@ def per_parameter(
     return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects) + len(added)))
 
 
-def added_std(logs: Sequence[Prepared], axes: Sequence[int], seen: Scales) -> Array:
-    """(E,) as large as the torque that was seen on each column's axis could make its coefficient."""
-    if not axes:
+def added_std(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> Array:
+    """(E,) as large as what was seen in each column's rows could make its coefficient."""
+    if not equations.added:
         return NOTHING_ADDED
-    columns = np.vstack([log.added[log.kept] for log in logs])
-    return np.asarray(seen.torque[list(axes)] / (np.sqrt(np.mean(columns**2, axis=0)) + 1e-12))
+    column, kind = np.array(equations.entries, dtype=np.intp).T
+    per_unit = np.sqrt(np.mean(np.vstack([log.added[log.kept] for log in logs]) ** 2, axis=0)) + 1e-12
+    std = np.full(len(equations.added), np.inf)
+    np.minimum.at(std, column, row_sizes(equations, logs, seen)[kind] / per_unit)
+    return std
+
+
+def row_sizes(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> Array:
+    """(kinds,) root mean square of what each kind of row explains [N or N·m]."""
+
+    def rms(wrenches: Sequence[Array]) -> Array:
+        return np.asarray(np.sqrt(np.mean(np.concatenate(wrenches) ** 2, axis=0)) + 1e-9)
+
+    outside = rms([log.wrenches[log.kept].sum(axis=1) for log in logs])[: equations.first_axis]
+    carried = rms([log.carried[log.kept] for log in logs]).ravel()
+    return np.concatenate([outside, seen.torque, seen.torque, carried])
 
 
 def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weights: Array) -> Prior:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predicted_channels, split
 from exogauge.identification.preparation import prepare, rest_detection
-from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import solve
 from exogauge.logs.model import Log
@@ -37,7 +37,8 @@ def quick_fit(equations: Equations, logs: Sequence[Log], cutoff_hz: float) -> li
     robot = equations.robot
     at_rest = rest_detection(robot, logs, cutoff_hz)
     prepared = [prepare(robot, log, cutoff_hz, at_rest) for log in logs]
-    prior = per_parameter(robot, equations.base, equations.effects, scales(robot, prepared))
+    seen = scales(robot, prepared)
+    prior = per_parameter(robot, equations.base, equations.effects, seen, added_std(equations, prepared, seen))
     solution = solve(equations, prepared, prior, Settings(prior_strength=1.0), passes=2)
     parameters = split(equations, solution.solved.prior.lift(solution.sticking.x))
     k_T = motor_gain(equations, parameters)

@@ -56,4 +56,4 @@ def _ranges(equations: Equations) -> tuple[Array, Array]:
 def _names(equations: Equations) -> list[str]:
     joints = equations.robot.joints
     own = [f"{effect.coefficient.name}[{joint.name}]" for joint in joints for effect in equations.effects]
-    return own + [f"{column.name}[{joints[column.axis].name}]" for column in equations.added]
+    return own + [f"{column.name}[{column.place}]" for column in equations.added]

@@ -26,9 +26,7 @@ def score_covariance(equations: Equations, logs: Sequence[Prepared], x: Array, w
     meat = np.zeros((equations.size, equations.size))
     for log in logs:
         residual = equations.residuals(log, x)
-        length = block_length(
-            residual[:, weights[: residual.shape[1]] > 0.0], log.log.rate_hz / (log.kept[1] - log.kept[0])
-        )
+        length = block_length(residual[:, weights > 0.0], log.log.rate_hz / (log.kept[1] - log.kept[0]))
         sums = equations.scores(log, x, weights, length)
         meat += sums.T @ sums * (len(sums) / (len(sums) - 1.0))
     return meat

@@ -16,7 +16,7 @@ from exogauge.identification.predict import (
     predicted_channels,
     predictions,
 )
-from exogauge.identification.preparation import Prepared, RestDetection
+from exogauge.identification.preparation import Prepared, RestDetection, wrench_channels
 from exogauge.identification.result import ChannelFit, Prediction
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ def predict_log(
         measured=measured,
         predicted=predicted,
         predicted_prior=predicted_prior,
-        units={name: "N" if name.startswith("base.f") else "N·m" for name in measured},
+        units={name: unit_of(name) for name in measured},
     )
 
 
@@ -93,10 +93,16 @@ def noise_floors(
 
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
-    """Channel -> (T,) samples in steady motion; all of them for the base wrench, which knows no friction."""
+    """Channel -> (T,) samples in steady motion; all of them where there is no friction: base wrench, sensors."""
     steady = {channel: np.ones(prepared.log.samples, dtype=bool) for channel in BASE_CHANNELS}
     steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
+    steady |= {name: steady[BASE_CHANNELS[0]] for cut in equations.robot.cuts for name in wrench_channels(cut.name)}
     return steady
+
+
+def unit_of(channel: str) -> str:
+    """Of a base wrench, a sensor's reading or a joint torque."""
+    return "N" if not channel.startswith("tau.") and channel.rsplit(".", 1)[1].startswith("f") else "N·m"
 
 
 def rms(values: Array) -> float:

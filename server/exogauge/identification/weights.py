@@ -35,5 +35,6 @@ def first_weights(equations: Equations, statistics: Statistics, prior: Prior) ->
     """
     variance = statistics.residual_square_sum(prior.seen_mean) / np.maximum(statistics.count, 1)
     joints = [joint.actuation != "none" for joint in equations.robot.joints]
-    measured = np.array([True] * equations.first_axis + joints + [False] * len(joints)) & (statistics.count > 0)
+    base, cuts = [True] * equations.first_axis, [True] * (equations.kinds - equations.first_cut)
+    measured = np.array([*base, *joints, *([False] * len(joints)), *cuts]) & (statistics.count > 0)
     return np.where(measured, 1.0 / np.maximum(variance, 1e-300), 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -29,8 +30,8 @@ class CutRows:
         self.columns: tuple[IntArray, ...] = (mass,) * 3 + (np.concatenate([mass, inertia]),) * 3
         self._kinematics = Kinematics(tree)
 
-    def fill(self, motion: Motion, extra: int = 0) -> list[Array]:
-        """Per row (T, k_r + extra), Fortran order: regressor columns, then `extra` zeros."""
+    def fill(self, motion: Motion, extra: Sequence[int] = (0,) * 6) -> list[Array]:
+        """Per row (T, k_r + extra[r]), Fortran order: regressor columns, then zeros."""
         sweep = self._kinematics.sweep(motion)
         k_1, k_2 = len(self._mass), len(self._inertia)
         columns = np.zeros((6, k_1 + k_2, motion.samples))
@@ -41,11 +42,11 @@ class CutRows:
         moment = moment - np.cross(p[:, None], force, axis=0)
         local = (np.einsum("jit,jkt->ikt", R, each) for each in (force, moment))
         blocks = []
-        for rows, width in zip(local, (k_1, k_1 + k_2), strict=True):
-            for row in rows:
-                block = np.zeros((width + extra, motion.samples))
-                block[:width] = row[:width]
-                blocks.append(block.T)
+        rows = [row[:width] for part, width in zip(local, (k_1, k_1 + k_2), strict=True) for row in part]
+        for row, more in zip(rows, extra, strict=True):
+            block = np.zeros((len(row) + more, motion.samples))
+            block[: len(row)] = row
+            blocks.append(block.T)
         return blocks
 
     def pose(self, sweep: Sweep, samples: int) -> tuple[Array, Array]:

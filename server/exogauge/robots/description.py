@@ -41,8 +41,9 @@ class WrenchSensor:
     """A six-axis force/torque sensor; wrench is force then moment, in the sensor frame.
 
     role contact: a known outside wrench; the robot ends at the sensor's frame (links beyond it are not modelled).
-    role cut: a measurement that the bodies beyond the frame explain.
-    sign: +1 when the log holds the wrench of the world (or the payload) on the robot, -1 when it is the reverse.
+    sign: +1 when the log holds the wrench of the world on the robot, -1 when it is the reverse.
+    role cut: a measurement that the bodies beyond the frame explain (`RigidTree.cuts`). sign: +1 when the log holds
+    what they do to the sensor (their weight), -1 when it holds what holds and moves them.
     """
 
     name: str
@@ -82,3 +83,11 @@ class Robot:
     @property
     def floating(self) -> bool:
         return self.tree.floating
+
+    @property
+    def contacts(self) -> tuple[WrenchSensor, ...]:
+        return tuple(sensor for sensor in self.sensors if sensor.role == "contact")
+
+    @property
+    def cuts(self) -> tuple[WrenchSensor, ...]:
+        return tuple(sensor for sensor in self.sensors if sensor.role == "cut")

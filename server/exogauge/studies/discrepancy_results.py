@@ -10,8 +10,6 @@ from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Finding, Place
 from exogauge.studies.support_results import number
 
-TORQUE = "N·m"
-
 
 def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
     """`discrepancy`: None where the step was skipped; `steps[]` then says why."""
@@ -20,7 +18,7 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
     return {
         "verdict": found.verdict,
         "findings": [_finding(each) for each in found.findings],
-        "chain": [{**asdict(each), "unit": TORQUE} for each in found.chain],
+        "chain": [asdict(each) for each in found.chain],
         "located": [asdict(each) for each in found.located],
         "unexplained": [asdict(each) for each in found.unexplained],
         "rejected": [_alternative(each) for each in found.rejected],
@@ -46,13 +44,16 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "alternatives": [_alternative(each) for each in finding.alternatives],
         "also_possible": [_alternative(each) for each in finding.also_possible],
         "motion": finding.motion,
-        "curve": _curve(finding.evidence),
+        "curve": _curve(finding.evidence, finding.held_out.unit),
     }
 
 
-def where(place: Place) -> dict[str, str]:
-    """`{"joint": "torso_pitch"}`."""
-    return {place.kind: place.name}
+def where(place: Place) -> dict[str, str | bool]:
+    """`{"joint": "torso_pitch"}`, `{"sensor": "wrist", "axis": "fx"}`, `{"base": true}`."""
+    if place.kind == "base":
+        return {"base": True}
+    part: dict[str, str | bool] = {"axis": place.part} if place.part else {}
+    return {place.kind: place.name} | part
 
 
 def numbers(found: Mapping[str, Estimate]) -> dict[str, dict[str, Any]]:
@@ -68,10 +69,10 @@ def _alternative(other: Alternative) -> dict[str, Any]:
     }
 
 
-def _curve(evidence: Evidence) -> dict[str, Any]:
+def _curve(evidence: Evidence, unit: str) -> dict[str, Any]:
     """What the report draws as evidence: mean residuals over the coordinate that the effect depends on."""
     return {
         "coordinate": {"name": evidence.coordinate, "unit": evidence.unit, "values": evidence.at},
-        "unit": TORQUE,
+        "unit": unit,
         **{name: getattr(evidence, name) for name in ("before", "after", "spread", "model")},
     }

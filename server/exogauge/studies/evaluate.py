@@ -13,7 +13,7 @@ from typing import Any
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.discrepancy.workflow import find_missing_effects
-from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
@@ -78,7 +78,7 @@ def _evaluate(
         discrepancy = None
         if "discrepancy" in doing:
             missing = find_missing_effects(
-                first, recordings, tuple(shaped_effects().values()), study.settings, spans["discrepancy"](progress)
+                first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
             )
             discrepancy, found = missing.discrepancy, missing.identification
         support, stiffness = None, tuple[StiffnessResult, ...]()

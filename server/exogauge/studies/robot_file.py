@@ -59,6 +59,7 @@ def read_robot(
         base_link=base_link,
         floating=entry.base == "floating",
         cut_frames=tuple(sensor.frame for sensor in entry.ft_sensors if sensor.role == "contact"),
+        carrying=tuple(sensor.frame for sensor in entry.ft_sensors if sensor.role == "cut"),
         file=entry.urdf,
     )
     robot = describe(entry, tree, page, name=entry.name or urdf_name or entry.urdf.rsplit("/", 1)[-1])
@@ -106,11 +107,20 @@ def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot
             for joint in entry.joints
         ),
         T_base_imu=_imu_in_base(entry, tree, page),
-        sensors=tuple(WrenchSensor(each.name, each.frame, each.role, SIGN[each.sees]) for each in entry.ft_sensors),
+        sensors=tuple(
+            WrenchSensor(each.name, each.frame, each.role, _sign(each.role, each.sees, tree.frames[each.frame][0]))
+            for each in entry.ft_sensors
+        ),
         axes_from_joints=axes_from_joints(entry),
         noise=entry.noise.model_dump(exclude_none=True),
         inertial_std=_inertial_std(entry.inertial_prior_std, tree, page),
     )
+
+
+def _sign(role: str, sees: str, body: int) -> float:
+    """A sensor under a robot that stands on it carries the robot, so what the world does to the robot holds it."""
+    under = role == "cut" and body < 0 and sees in ("world_on_robot", "robot_on_world")
+    return -SIGN[sees] if under else SIGN[sees]
 
 
 def motor_from_joint(entry: RobotFile) -> Array:

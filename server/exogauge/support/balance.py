@@ -85,9 +85,9 @@ def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Pa
                 signals = prepared.signals(axis, which, none[: which.stop - which.start])
                 for effect, coefficient in zip(equations.effects, coefficients, strict=True):
                     out[which, axis] -= effect.column(signals) * coefficient
-                on = equations.added_on(axis)
-                if len(on):
-                    out[which, axis] -= prepared.added[which][:, on] @ parameters.added[on]
+                columns, entries = equations.added_to(first + axis)
+                if len(columns):
+                    out[which, axis] -= prepared.added[which][:, entries] @ parameters.added[columns]
     return result
 
 
@@ -106,6 +106,6 @@ def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: Int
             signals = prepared.signals(int(axis), samples, none)
             for effect, column in zip(equations.effects, equations.effect_columns(int(axis)), strict=True):
                 slope[:, column] -= C[axis, joint] * effect.column(signals)
-            for e in equations.added_on(int(axis)):
-                slope[:, equations.first_added + e] -= C[axis, joint] * prepared.added[samples, e]
+            for e, entry in zip(*equations.added_to(first + int(axis)), strict=True):
+                slope[:, equations.first_added + e] -= C[axis, joint] * prepared.added[samples, entry]
         yield place, slope

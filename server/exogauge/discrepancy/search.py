@@ -1,0 +1,208 @@
+"""Forward step by step: try everything, add what explains most, identify again; then doubt what was added first.
+
+Two effects at one place can look like a third before both are in the model. So where a place holds several, each of
+the earlier ones is taken out once more, and whatever explains most beside the others takes its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import final
+
+from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.finding import name_effect, objection, rejection
+from exogauge.discrepancy.ground import Ground, lay_ground
+from exogauge.discrepancy.hints import hinted
+from exogauge.discrepancy.judge import Judgement, judge
+from exogauge.discrepancy.locate import pooled
+from exogauge.discrepancy.refine import refined
+from exogauge.discrepancy.result import Alternative, Finding
+from exogauge.discrepancy.score import Score, score
+from exogauge.discrepancy.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.identification.added import AddedEffect, Extension
+from exogauge.identification.identify import identify
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Progress, Recording, Settings
+from exogauge.identification.site import Effect, Site
+
+MOST_EFFECTS = 6
+WORTH_JUDGING = 6.0  # evidence (BIC): odds of twenty to one before the number of candidates is counted
+JUDGED = 12  # candidates per round
+BETTER = 10.0  # evidence by which another effect must beat one that was named, to take its place
+NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
+
+Key = tuple[str, Site]
+
+
+@final
+@dataclass(frozen=True)
+class Step:
+    """One effect that was added: as it is in the model, as it is told, and the model with it."""
+
+    added: AddedEffect
+    finding: Finding
+    found: Identification
+
+
+@final
+@dataclass
+class Search:
+    """base: the robot identified without missing effects. steps: what was added, in order. ground: the last one laid.
+
+    failed: what was added and taken back. rejected: what the last round judged and did not claim. tried: candidates.
+    """
+
+    base: Identification
+    recordings: Sequence[Recording]
+    effects: Sequence[Effect]
+    settings: Settings
+    progress: Progress
+    steps: list[Step] = field(default_factory=list)
+    failed: dict[Key, Alternative] = field(default_factory=dict)
+    rejected: list[Alternative] = field(default_factory=list)
+    first: Ground | None = None
+    last: Ground | None = None
+    tried: int = 0
+
+    @property
+    def current(self) -> Identification:
+        return self.steps[-1].found if self.steps else self.base
+
+    def run(self) -> None:
+        self._forward()
+        for number in range(len(self.steps)):
+            if self._swap(number):
+                self._forward()
+                break
+        self._drop_what_is_not_needed()
+
+    def _forward(self) -> None:
+        while self._take():
+            pass
+
+    def _take(self) -> bool:
+        """Add the best that may be claimed; False where there is none."""
+        share = min(len(self.steps) / 3.0, 0.9)
+        ground = self._lay(self.current, share)
+        self.first, self.last = self.first or ground, ground
+        judged, rows = judge_best(ground, self.recordings, self.effects)
+        self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
+        claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
+        for winner in widest_first(claimed) if len(self.steps) < MOST_EFFECTS else []:
+            candidate = winner.score.candidate
+            self.progress(share + 0.25, f"adding {candidate.effect.name}")
+            added = as_added(candidate)
+            found = self._identified([*(step.added for step in self.steps), added])
+            finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows)
+            refused = objection(finding)
+            if not refused:
+                self.steps.append(Step(added, finding, found))
+                return True
+            self.failed[candidate.key] = replace(rejection(ground.model, winner), reason=refused)
+        return False
+
+    def _swap(self, number: int) -> bool:
+        """Whether another effect at the same place explains more than this step's, once the later ones are there."""
+        step, others = self.steps[number], [each.added for k, each in enumerate(self.steps) if k != number]
+        site = step.added.site
+        if not any(each.site == site for each in others):
+            return False
+        without = self._identified(others)
+        ground = self._lay(without, 0.9)
+        judged, _ = judge_best(ground, self.recordings, self.effects, site)
+        named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
+        best = next((each for each in judged if not each.objection), None)
+        if best is None or best is named or best.score.candidate.key in self.failed:
+            return False
+        if named is not None and best.score.evidence < named.score.evidence + BETTER:
+            return False
+        kept = [each for k, each in enumerate(self.steps) if k != number]
+        reason = f"with {', '.join(each.finding.effect for each in kept)} in the model, another one explains more"
+        self.failed[step.added.effect.name, site] = Alternative(
+            step.finding.effect, step.finding.place, step.finding.score, reason
+        )
+        self._again(kept)
+        return True
+
+    def _drop_what_is_not_needed(self) -> None:
+        """Take back an earlier effect whose place holds a later one that explains it too."""
+        for step in list(self.steps[:-1]):
+            later = self.steps[self.steps.index(step) + 1 :]
+            if not any(each.added.site == step.added.site for each in later):
+                continue
+            kept = [each for each in self.steps if each is not step]
+            without = self._identified([each.added for each in kept])
+            channel = step.finding.held_out.channel
+            now, then = (_held_out_rmse(each, channel) for each in (self.current, without))
+            if then <= NO_BETTER * now:
+                reason = f"with {later[-1].finding.effect} in the model it is not needed any more"
+                self.failed[step.added.effect.name, step.added.site] = Alternative(
+                    step.finding.effect, step.finding.place, step.finding.score, reason
+                )
+                self._again(kept)
+
+    def _again(self, kept: Sequence[Step]) -> None:
+        """The same steps without the one that was taken out; their findings keep what was said of them."""
+        self.steps = []
+        for each in kept:
+            found = self._identified([*(step.added for step in self.steps), each.added])
+            finding = replace(each.finding, rank=len(self.steps) + 1)
+            self.steps.append(Step(each.added, finding, found))
+
+    def _identified(self, effects: Sequence[AddedEffect]) -> Identification:
+        floors = {(fit.log, fit.channel): fit.noise_floor for fit in self.base.validation}
+        extension = Extension(self.base.model, tuple(effects), floors)
+        return identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
+
+    def _lay(self, found: Identification, share: float) -> Ground:
+        def tick(fraction: float, phrase: str) -> None:
+            self.progress(min(share + 0.2 * fraction, 0.99), phrase)
+
+        ground = lay_ground(found.model, self.recordings, self.effects, tick)
+        self.tried = sum(len(each) for each in ground.candidates.values())
+        return ground
+
+
+def judge_best(
+    ground: Ground, recordings: Sequence[Recording], effects: Sequence[Effect], only: Site | None = None
+) -> tuple[list[Judgement], Mapping[Site, Sequence[SiteRows]]]:
+    """The best shape of every effect and site that is worth it, refined and judged, most evidence first; and the rows
+    of their sites. only: at one site."""
+    best: dict[Key, Score] = {}
+    for each in ground.scores:
+        key = each.candidate.key
+        wanted = only is None or each.candidate.site == only
+        if wanted and each.evidence > WORTH_JUDGING and key not in best and len(best) < JUDGED:
+            best[key] = each
+    hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
+    rows = collect_rows(
+        ground.model, recordings, list(dict.fromkeys([site for _, site in best] + [h.site for h in hints]))
+    )
+    for candidate in hints:
+        sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
+        tried = score(ground.model, candidate, sums, ground.memory)
+        least = best[candidate.key].evidence if candidate.key in best else WORTH_JUDGING
+        if tried is not None and tried.evidence > least:
+            best[candidate.key] = tried
+    judged = []
+    for (_, site), each in best.items():
+        finer = refined(ground.model, each, rows[site], ground.memory)
+        judged.append(judge(ground.model, finer, rows[site]))
+    return sorted(judged, key=lambda one: -one.score.evidence), rows
+
+
+def widest_first(claimed: Sequence[Judgement]) -> list[Judgement]:
+    """Of each site the effect with most evidence; of those first the one that closes the largest gap, relative to what
+    is left. Then the others, by evidence."""
+    best = {each.score.candidate.site: each for each in sorted(claimed, key=lambda one: one.score.evidence)}
+    first = sorted(best.values(), key=lambda each: -each.before / max(each.after, 1e-300))
+    return first + [each for each in claimed if each not in first]
+
+
+def as_added(candidate: Candidate) -> AddedEffect:
+    return AddedEffect(candidate.effect, candidate.site, candidate.shape)
+
+
+def _held_out_rmse(found: Identification, channel: str) -> float:
+    return pooled([fit for fit in found.validation if fit.held_out and fit.channel == channel])[0]

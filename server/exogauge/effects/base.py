@@ -1,0 +1,61 @@
+"""How the base may stand or move otherwise than it is said to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Shape
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class BaseSignals:
+    """T samples of the base link, in its frame: (T, 3) proper acceleration [m/s²], angular velocity [rad/s] and
+    acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still."""
+
+    time: Array
+    acc: Array
+    gyro: Array
+    gyro_dot: Array
+    acc_rate: Array
+    gyro_rate: Array
+    gyro_dot_rate: Array
+    floating: bool
+
+
+@final
+@dataclass(frozen=True)
+class BaseChange:
+    """(T, 3) each: how the base's motion differs per unit of a coefficient."""
+
+    acc: Array
+    gyro: Array
+    gyro_dot: Array
+
+
+class BaseEffect(Protocol):
+    """As `ShapedEffect`, for the base. place is `base`. coordinate: `time`."""
+
+    name: ClassVar[str]
+    place: ClassVar[str]
+    sentence: ClassVar[str]
+    coefficients: ClassVar[tuple[Quantity, ...]]
+    shapes: ClassVar[tuple[Shape, ...]]
+    confounds: ClassVar[tuple[str, ...]]
+    needs: ClassVar[str]
+    coordinate: ClassVar[str]
+
+    def changes(self, signals: BaseSignals, shape: tuple[float, ...]) -> list[BaseChange]:
+        """One for each coefficient: the true motion is the stated one plus these."""
+        ...
+
+    def applies(self, signals: BaseSignals) -> bool:
+        """Whether the log holds what the effect needs."""
+        ...

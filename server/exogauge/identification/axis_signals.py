@@ -1,0 +1,80 @@
+"""What shaped effects see of an actuator axis: its motion, and the torques that a model says it has to bear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.shaped import AxisSignals
+from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.preparation import WIDEST, Prepared
+from exogauge.logs.derivatives import differentiate, differentiate_twice
+from exogauge.logs.filtering import LowPass
+
+if TYPE_CHECKING:
+    from exogauge.identification.model import RobotModel
+
+Array = NDArray[np.float64]
+
+CHUNK = 2000
+
+
+def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> list[AxisSignals]:
+    """What shaped effects see of some axes of a log, at the bandwidth that its encoders can bear."""
+    robot, log, C = model.robot, prepared.log, model.robot.axes_from_joints
+    finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
+    q = finest.apply(log.stack([f"q.{joint.name}" for joint in robot.joints])) @ C.T[:, list(axes)]
+    dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
+    load = loads(model, prepared)[:, list(axes)]
+    drive = load - _beside_the_motor(model, prepared, axes)
+    result = []
+    for place, axis in enumerate(axes):
+        temperature = log.channels.get(f"temp.{robot.joints[axis].name}")
+        result.append(
+            AxisSignals(
+                time=log.time - log.time[0],
+                position=q[:, place],
+                velocity=dq[:, place],
+                acceleration=ddq[:, place],
+                direction=prepared.raw_direction[:, axis],
+                drive=drive[:, place],
+                load=load[:, place],
+                temperature=temperature,
+                speed_scale=float(model.sizes.velocity[axis]),
+                torque_scale=float(model.sizes.torque[axis]),
+                range=float(model.sizes.range[axis]),
+            )
+        )
+    return result
+
+
+def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> Array:
+    """(T, axes) torque of friction, offset and rotor that the model gives each axis; nothing of what holds at rest."""
+    effects, none = model.equations.effects, np.zeros(prepared.log.samples)
+    out = np.zeros((prepared.log.samples, len(axes)))
+    for place, axis in enumerate(axes):
+        signals = prepared.signals(axis, slice(None), none)
+        for effect, coefficient in zip(effects, model.identified.xi[axis], strict=True):
+            if effect.name != "motor_gain":
+                out[:, place] += effect.column(signals) * coefficient
+    return out
+
+
+def loads(model: RobotModel, prepared: Prepared) -> Array:
+    """(T, A) torque that body and outside forces ask of each axis, Y_j φ - F_j; computed once for each log."""
+    known = model.computed.get(("load", prepared.log.name))
+    if known is not None and len(known) == prepared.log.samples:
+        return known
+    equations, first = model.equations, model.equations.first_axis
+    phi_base, contacts = equations.base.regroup @ model.identified.phi.ravel(), ContactPaths(model.robot)
+    load = np.empty((prepared.log.samples, len(model.robot.joints)))
+    for start in range(0, len(load), CHUNK):
+        which = slice(start, min(start + CHUNK, len(load)))
+        motion = prepared.motion.rows(which)
+        external = contacts.effect(motion.q, prepared.wrenches[which])
+        load[which] = (equations.blocks.predict(motion, phi_base) - external)[:, first:]
+    model.computed["load", prepared.log.name] = load
+    return load

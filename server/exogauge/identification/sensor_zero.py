@@ -1,0 +1,29 @@
+"""The zero of a force/torque sensor that carries bodies: what it reads beside them, estimated with everything else."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import Quantity
+from exogauge.identification.added_column import AddedColumn
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def zero_columns(robot: Robot) -> tuple[AddedColumn, ...]:
+    """Six for each sensor, in rows of its own. Differs from [Payload] in the sign: Y φ + z = wrench that holds."""
+    first = (6 if robot.floating else 0) + 2 * len(robot.joints)
+    return tuple(
+        AddedColumn(f"zero.{component}", sensor.name, (first + 6 * index + row,), Quantity(f"zero.{component}", unit))
+        for index, sensor in enumerate(robot.cuts)
+        for row, (component, unit) in enumerate(zip(COMPONENTS, ("N",) * 3 + ("N·m",) * 3, strict=True))
+    )
+
+
+def zeros(robot: Robot, samples: int) -> Array:
+    """(T, 6 C) what the columns take off their rows per unit."""
+    return np.full((samples, 6 * len(robot.cuts)), -1.0)

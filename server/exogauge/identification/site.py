@@ -1,0 +1,213 @@
+"""Where an effect can sit, and what it does to the equations from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.base import BaseChange, BaseSignals
+from exogauge.effects.effect import Quantity
+from exogauge.effects.scales import in_si
+from exogauge.effects.sensor import SensorSignals
+from exogauge.effects.shaped import AxisSignals, Shape
+from exogauge.identification.axis_signals import axis_signals
+from exogauge.identification.equations import CHUNK, Equations
+from exogauge.identification.preparation import Prepared
+from exogauge.identification.sensor_zero import COMPONENTS
+from exogauge.logs.derivatives import differentiate
+from exogauge.robots.motion import Motion
+
+if TYPE_CHECKING:
+    from exogauge.identification.model import RobotModel
+
+Array = NDArray[np.float64]
+
+STEP = 1e-3  # of a coefficient, for the slope of the equations with it
+
+
+class Effect(Protocol):
+    """What the effects of all places share."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def place(self) -> str: ...
+    @property
+    def sentence(self) -> str: ...
+    @property
+    def coefficients(self) -> tuple[Quantity, ...]: ...
+    @property
+    def shapes(self) -> tuple[Shape, ...]: ...
+    @property
+    def needs(self) -> str: ...
+    @property
+    def coordinate(self) -> str: ...
+    def applies(self, signals: Any) -> bool: ...
+
+
+@final
+@dataclass(frozen=True)
+class Seen:
+    """What a site sees of one log. signals: what its effects take.
+
+    columns: (effect, shape) -> (T, C, kinds) what each coefficient takes off the rows of each of the site's kinds, per
+    unit, not low-passed.
+    """
+
+    signals: Any
+    columns: Callable[[Any, tuple[float, ...]], Array]
+
+    def coordinate(self, name: str) -> Array:
+        """(T,) of the evidence plot; time where the log does not hold it."""
+        values = getattr(self.signals, name, None)
+        return np.asarray(values if values is not None else self.signals.time)
+
+
+class Site(Protocol):
+    """label: (`joint` | `sensor` | `base`, name, part of it or ""). sign: of what is shown against what a row holds."""
+
+    def label(self, equations: Equations) -> tuple[str, str, str]: ...
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]: ...
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen: ...
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]: ...
+
+    def sign(self, equations: Equations) -> float: ...
+
+
+@final
+@dataclass(frozen=True)
+class AxisSite:
+    """An actuator axis."""
+
+    axis: int
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "joint", equations.robot.joints[self.axis].name, ""
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        return (equations.first_axis + self.axis,)
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        signals = axis_signals(model, prepared, [self.axis])[0]
+        return seen_of_axis(signals)
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
+        return in_si(unit, *(float(each[self.axis]) for each in sizes))
+
+    def sign(self, equations: Equations) -> float:
+        return 1.0
+
+
+def seen_of_axis(signals: AxisSignals) -> Seen:
+    return Seen(signals, lambda effect, shape: effect.columns(signals, shape)[:, :, None])
+
+
+@final
+@dataclass(frozen=True)
+class SensorSite:
+    """One component (0..5) of a sensor that carries bodies; sensor: among `Robot.cuts`."""
+
+    sensor: int
+    component: int
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "sensor", equations.robot.cuts[self.sensor].name, COMPONENTS[self.component]
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        return (equations.first_cut + 6 * self.sensor + self.component,)
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        sign = model.robot.cuts[self.sensor].sign
+        expected = -sign * carried(model, prepared)[:, 6 * self.sensor : 6 * self.sensor + 6]
+        signals = SensorSignals(prepared.log.time - prepared.log.time[0], expected, self.component)
+        return Seen(signals, lambda effect, shape: sign * effect.columns(signals, shape)[:, :, None])
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        own = "N" if self.component < 3 else "N·m"
+        if unit == "reading/reading":
+            other = "N" if round(shape[0]) < 3 else "N·m"
+            return 1.0, {("N", "N"): "1", ("N·m", "N·m"): "1", ("N·m", "N"): "m", ("N", "N·m"): "1/m"}[own, other]
+        return 1.0, unit.replace("reading", own)
+
+    def sign(self, equations: Equations) -> float:
+        return equations.robot.cuts[self.sensor].sign
+
+
+@final
+@dataclass(frozen=True)
+class BaseSite:
+    """The base: every row feels how it stands and moves."""
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "base", "base", ""
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        axes = [
+            equations.first_axis + axis
+            for axis, joint in enumerate(equations.robot.joints)
+            if joint.actuation != "none"
+        ]
+        return (*range(equations.first_axis), *axes, *range(equations.first_cut, equations.kinds))
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        motion, rate = prepared.motion, prepared.log.rate_hz
+        acc, gyro, gyro_dot = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
+        time = prepared.log.time - prepared.log.time[0]
+        still = (motion.acc, motion.gyro, motion.gyro_dot)
+        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, model.robot.floating)
+        kinds = self.kinds(model.equations)
+
+        def columns(effect: Any, shape: tuple[float, ...]) -> Array:
+            changes: Sequence[BaseChange] = effect.changes(signals, shape)
+            return np.stack([_response(model, prepared, change)[:, kinds] for change in changes], axis=1)
+
+        return Seen(signals, columns)
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        return 1.0, unit
+
+    def sign(self, equations: Equations) -> float:
+        return 1.0
+
+
+def carried(model: RobotModel, prepared: Prepared) -> Array:
+    """(T, 6 C) what holds and moves the bodies beyond each sensor, in its frame, without its zero."""
+    known = model.computed.get(("carried", prepared.log.name))
+    if known is None or len(known) != prepared.log.samples:
+        known = _rows(model, prepared.motion)[:, model.equations.first_cut :]
+        model.computed["carried", prepared.log.name] = known
+    return known
+
+
+def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
+    """(T, kinds) what the change takes off each row per unit: - d(Y φ)/dθ."""
+    m = prepared.motion
+
+    def moved(step: float) -> Array:
+        base = (m.acc + step * change.acc, m.gyro + step * change.gyro, m.gyro_dot + step * change.gyro_dot)
+        return _rows(model, Motion(m.q, m.dq, m.ddq, *base))
+
+    return (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
+
+
+def _rows(model: RobotModel, motion: Motion) -> Array:
+    """(T, kinds) Y φ of the identified bodies; rows at rest are left zero."""
+    equations = model.equations
+    phi, rows = equations.base.regroup @ model.identified.phi.ravel(), np.zeros((motion.samples, equations.kinds))
+    steady = slice(0, equations.first_axis + len(equations.robot.joints))
+    for start in range(0, motion.samples, CHUNK):
+        which = slice(start, start + CHUNK)
+        part = motion.rows(which)
+        rows[which, steady] = equations.blocks.predict(part, phi)
+        for index, cut in enumerate(equations.cuts):
+            for row, (block, own) in enumerate(zip(cut.fill(part), cut.columns, strict=True)):
+                rows[which, equations.first_cut + 6 * index + row] = block @ phi[own]
+    return rows
