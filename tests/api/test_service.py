@@ -1,8 +1,7 @@
-"""Health, lists, the page, the OpenAPI document, and a start that is refused."""
+"""Health, lists, the OpenAPI document, and a start that is refused."""
 
 from __future__ import annotations
 
-import re
 import shutil
 from datetime import UTC, datetime
 from typing import Any
@@ -11,7 +10,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from exogauge.api.app import create_app
-from exogauge.settings import Settings, packaged_folder
+from exogauge.settings import Settings
 from exogauge.storage.database import make_engine
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.migrate import WrongSchema
@@ -77,32 +76,6 @@ def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
     engine.dispose()
     with pytest.raises(WrongSchema, match="9999"):
         create_app(settings)
-
-
-@on_sqlite
-def test_the_page_asks_nobody_else_and_works_below_any_path(client: TestClient) -> None:
-    page = client.get("/")
-    assert page.headers["content-type"].startswith("text/html")
-    assert "default-src 'none'" in page.headers["content-security-policy"]
-    links = re.findall(r'(?:href|src)="([^"#]+)"', page.text)
-    assert links
-    for link in links:
-        assert not link.startswith(("/", "http", "//")), link
-        assert client.get(f"/{link}").status_code == 200, link
-    for name in ("page.js", "page.css"):
-        text = (packaged_folder("web") / name).read_text()
-        assert not re.search(r"https?://|\(/|[\"'`]/[a-z]", text), name
-    assert "style=" not in page.text
-    assert "onclick=" not in page.text
-    assert client.get("/web/index.html").status_code == 422
-
-
-@on_sqlite
-def test_the_service_can_stand_below_a_path_of_its_proxy(settings: Settings) -> None:
-    app = create_app(settings.model_copy(update={"root_path": "/lab/exo"}))
-    with TestClient(app, root_path="/lab/exo") as client:
-        for path in ("/lab/exo/", "/lab/exo/web/page.js", "/lab/exo/api/v1/studies", "/lab/exo/healthz"):
-            assert client.get(path).status_code == 200, path
 
 
 @on_sqlite

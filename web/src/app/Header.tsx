@@ -1,4 +1,4 @@
-import { NavLink } from "react-router";
+import { Link, NavLink } from "react-router";
 
 import { address } from "./base";
 import { SchemeSwitch } from "./SchemeSwitch";
@@ -15,10 +15,10 @@ export function Header() {
   return (
     <header className={styles.header}>
       <div className={styles.inner}>
-        <NavLink to="/studies" className={styles.name} aria-current={undefined} aria-label="exogauge: to the studies">
+        <Link to="/studies" className={styles.name}>
           <img src={address("icon.svg")} alt="" width={28} height={28} />
           exogauge
-        </NavLink>
+        </Link>
         <nav aria-label="Main" className={styles.nav}>
           <ul className={styles.links}>
             {PLACES.map(([to, name]) => (

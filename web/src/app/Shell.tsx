@@ -9,14 +9,14 @@ import { UnreachableBanner } from "./UnreachableBanner";
 /** What stands around every page. A new page takes the focus, so that a screen reader begins there. */
 export function Shell() {
   const main = useRef<HTMLElement>(null);
-  const first = useRef(true);
+  const before = useRef("/");
   const { pathname } = useLocation();
   const loading = useNavigation().state === "loading";
   const page = pathname.split("/").slice(0, 3).join("/"); // tabs below a page move no focus
 
   useEffect(() => {
-    if (first.current) first.current = false;
-    else main.current?.focus({ preventScroll: true });
+    if (before.current !== "/" && before.current !== page) main.current?.focus({ preventScroll: true });
+    before.current = page;
   }, [page]);
 
   return (

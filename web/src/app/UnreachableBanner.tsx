@@ -17,7 +17,7 @@ export function UnreachableBanner() {
 
 function Banner({ words }: { words: string }) {
   const cache = useQueryClient();
-  const { refetch, isFetching, isSuccess, dataUpdatedAt } = useHealth(ASK_AGAIN_MS);
+  const { refetch, isSuccess, dataUpdatedAt } = useHealth(ASK_AGAIN_MS);
 
   useEffect(() => {
     if (isSuccess && dataUpdatedAt) void cache.invalidateQueries({ predicate: (query) => query.queryKey[0] !== "health" });
@@ -27,7 +27,7 @@ function Banner({ words }: { words: string }) {
     <Alert color="red" radius={0} icon={<IconPlugConnectedX aria-hidden />} title="The service cannot be reached" className={styles.banner}>
       <Group justify="space-between" gap="sm">
         <Text size="sm">{words} This page asks again every few seconds; what is shown may be old.</Text>
-        <Button size="xs" variant="default" loading={isFetching} onClick={() => void refetch()}>
+        <Button size="xs" variant="default" onClick={() => void refetch()}>
           Ask now
         </Button>
       </Group>

@@ -15,9 +15,8 @@ const petrol: MantineColorsTuple = [
 
 export const theme = createTheme({
   primaryColor: "petrol",
-  primaryShade: { light: 8, dark: 4 },
+  primaryShade: { light: 8, dark: 7 },
   colors: { petrol },
-  autoContrast: true,
   defaultRadius: "md",
   cursorType: "pointer",
   fontFamily: "system-ui, sans-serif",

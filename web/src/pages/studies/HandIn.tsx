@@ -5,7 +5,7 @@ import { useState } from "react";
 
 import { limits } from "../../api/limits";
 import { ProblemBox } from "../../parts/ProblemBox";
-import { sizeOf } from "../../parts/size";
+import { limitOf } from "../../parts/size";
 import styles from "./HandIn.module.css";
 import { picked } from "./picked";
 import { SendingFiles } from "./SendingFiles";
@@ -58,7 +58,7 @@ export function HandIn() {
         </Group>
         {limits && (
           <Text size="sm" c="dimmed" mt="xs">
-            At most {sizeOf(limits.upload_bytes)} at once, {sizeOf(limits.bundle_bytes)} unpacked,{" "}
+            At most {limitOf(limits.upload_bytes)} at once, {limitOf(limits.bundle_bytes)} unpacked,{" "}
             {limits.bundle_files} files.
           </Text>
         )}

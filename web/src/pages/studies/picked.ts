@@ -4,7 +4,7 @@ import type { FileWithPath } from "@mantine/dropzone";
 
 import type { Limits } from "../../api/limits";
 import type { Problem, ProblemError } from "../../api/refusal";
-import { count, sizeOf } from "../../parts/size";
+import { count, limitOf, sizeOf } from "../../parts/size";
 
 export type Picked = { file: File; path: string };
 
@@ -50,7 +50,7 @@ function tooMuch(files: readonly Picked[], limits: Limits): ProblemError[] {
   const found = [];
   const size = totalSize(files);
   if (size > limits.upload_bytes) {
-    const words = `together they have ${sizeOf(size)}, and this service takes ${sizeOf(limits.upload_bytes)}`;
+    const words = `together they have ${sizeOf(size)}, and this service takes ${limitOf(limits.upload_bytes)}`;
     found.push(rule(words, "too_large", "Pack them as a zip, or leave out what is not needed."));
   }
   if (files.length > limits.bundle_files) {
