@@ -1,0 +1,96 @@
+import { useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+
+import { address } from "../app/base";
+import { answer, api, type Schemas } from "./client";
+
+/** Places are seen from the base link with all joints at zero: at [m], turn: its 3 × 3 rotation row by row. */
+export type Place = { at: number[]; turn: number[] };
+export type RobotLink = Place & {
+  name: string;
+  body: string;
+  joint: string | null;
+  mass_kg: number | null;
+  centre: number[] | null;
+};
+export type DriveValues = Record<string, number | undefined>;
+export type RobotJoint = {
+  name: string;
+  kind: "revolute" | "prismatic";
+  moves: string;
+  actuation: "current" | "torque" | "none";
+  gear_ratio: number | null;
+  prior: DriveValues;
+  prior_std: DriveValues;
+  lower: number | null;
+  upper: number | null;
+  velocity: number | null;
+  effort: number | null;
+};
+export type RobotSensor = { name: string; frame: string; role: "contact" | "cut"; sees: string };
+export type RobotModel = {
+  base_link: string;
+  joints: RobotJoint[];
+  links: RobotLink[];
+  bones: number[][][];
+  transmission: { joints: string[]; matrix: number[][] } | null;
+  imu: (Place & { on: string | null }) | null;
+  sensors: RobotSensor[];
+  locked: string[];
+  noise: Record<string, number>;
+  inertial_std: Record<string, number>;
+};
+export type RobotSummary = {
+  name: string;
+  urdf?: string;
+  base: "floating" | "fixed";
+  joints: string[];
+  sensors: string[];
+  mass_kg: number;
+  model?: RobotModel;
+};
+export type Robot = Omit<Schemas["RobotOut"], "summary"> & { summary: RobotSummary };
+
+const PAGE = 100;
+
+/** Newest first; each version is one of them. */
+export function useRobots() {
+  return useInfiniteQuery({
+    queryKey: ["robots"],
+    queryFn: ({ pageParam, signal }) =>
+      answer(api.GET("/api/v1/robots", { params: { query: { limit: PAGE, cursor: pageParam } }, signal })),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next_cursor ?? undefined,
+    select: ({ pages }) => pages.flatMap((page) => page.items) as Robot[],
+  });
+}
+
+export function useRobot(id: string | undefined) {
+  return useQuery({
+    queryKey: ["robots", id],
+    enabled: id !== undefined && id !== "",
+    staleTime: Infinity,
+    queryFn: ({ signal }) =>
+      answer(api.GET("/api/v1/robots/{robot_id}", { params: { path: { robot_id: id ?? "" } }, signal })) as Promise<Robot>,
+  });
+}
+
+/** Paths and contents; robot.yaml at the top. */
+export function useAddRobot() {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: (files: Map<string, Blob>) =>
+      answer(api.POST("/api/v1/robots", { body: bundle(files) as never, bodySerializer: (form) => form })) as Promise<Robot>,
+    onSuccess: () => cache.invalidateQueries({ queryKey: ["robots"] }),
+  });
+}
+
+export function bundle(files: Map<string, Blob>, fields: Record<string, string> = {}): FormData {
+  const form = new FormData();
+  for (const [path, content] of files) form.append("files", content, path);
+  for (const [name, value] of Object.entries(fields)) form.append(name, value);
+  return form;
+}
+
+export function fileAddress(kind: "robots" | "devices" | "studies", id: string, path: string): string {
+  return address(`api/v1/${kind}/${id}/files/${path.split("/").map(encodeURIComponent).join("/")}`);
+}

@@ -1,0 +1,49 @@
+import { Button, Paper, Text, Title } from "@mantine/core";
+import { useNavigate } from "react-router";
+
+import type { Robot } from "../../api/robots";
+import { useStudies, type Study } from "../../api/studies";
+import { partsOf, useTakeRobot } from "../../api/studyParts";
+import { ProblemBox } from "../../parts/ProblemBox";
+import styles from "./RobotList.module.css";
+
+/** Robots that came with studies and are not in the list. */
+export function RobotsOfStudies({ robots }: { robots: Robot[] }) {
+  const { data } = useStudies();
+  const take = useTakeRobot();
+  const navigate = useNavigate();
+  const listed = new Set(robots.map((robot) => robot.summary.name));
+  const found = new Map<string, Study>();
+  for (const study of data?.pages.flatMap((page) => page.items) ?? []) {
+    const name = partsOf(study).robot?.name;
+    if (name && !listed.has(name) && !found.has(name)) found.set(name, study);
+  }
+  if (found.size === 0) return null;
+  return (
+    <section aria-labelledby="robots-of-studies">
+      <Title order={2} size="h3" id="robots-of-studies" mb="sm">
+        In your studies
+      </Title>
+      {take.error && <ProblemBox error={take.error} />}
+      <ul className={styles.list}>
+        {[...found].map(([name, study]) => (
+          <Paper withBorder component="li" className={styles.row} key={name}>
+            <div>
+              <Text fw={600}>{name}</Text>
+              <Text size="sm" c="dimmed">
+                of the study {study.name}
+              </Text>
+            </div>
+            <Button
+              variant="default"
+              loading={take.isPending && take.variables.id === study.id}
+              onClick={() => take.mutate(study, { onSuccess: (robot) => void navigate(`/robots/${robot.id}`) })}
+            >
+              Add it to the list
+            </Button>
+          </Paper>
+        ))}
+      </ul>
+    </section>
+  );
+}
