@@ -1,44 +1,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-import numpy as np
 import pinocchio as pin
 import pytest
 
 from exogauge.blind.generator.arm import ARM
-from exogauge.blind.generator.axis_run import AxisRun, axis_runs
-from exogauge.blind.generator.excess import Baseline, baselines
+from exogauge.blind.generator.case import undisturbed
 from exogauge.blind.generator.maker import built
-from exogauge.blind.generator.motion import Motion, excitations
+from exogauge.blind.generator.plan import CasePlan
 from exogauge.blind.generator.robot_files import robot_urdf
 from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.blind.generator.scene import Scene
 from exogauge.blind.generator.torso import TORSO
-from exogauge.blind.generator.true_robot import TrueRobot, draw_robot
-from exogauge.synthetic.robot_facts import Joint, Link
+from exogauge.blind.generator.true_robot import TrueRobot
+from exogauge.synthetic.random_streams import stream
+from exogauge.synthetic.robot_facts import Joint
+
+SEED = 4
 
 
-@dataclass(frozen=True)
-class Bench:
-    """A drawn robot that has run two logs; model: the same bodies in pinocchio, on a base that cannot move."""
-
-    links: Sequence[Link]
-    robot: TrueRobot
-    motion: Motion
-    runs: list[AxisRun]
-    absorbing: list[Baseline]
-    model: pin.Model
+def plan(kind: RobotKind, *kinds: str, ratio: float = 2.0) -> CasePlan:
+    return CasePlan(1, kinds, (ratio,) * len(kinds), False, "current", True, "calibrated", kind)
 
 
-def bench(kind: RobotKind) -> Bench:
-    links = built(np.random.default_rng(4), kind.links)
-    robot = draw_robot(np.random.default_rng(5), links)
-    joints = [link.joint for link in links if link.joint is not None]
-    motion = excitations(np.random.default_rng(6), joints, 2, 12.0)
-    runs = axis_runs(np.random.default_rng(7), robot, motion)
-    model = pin.buildModelFromXML(robot_urdf(kind.name, links))
-    return Bench(links, robot, motion, runs, baselines(robot.tree, motion, runs), with_bodies(model, robot, joints))
+def ran(kind: RobotKind) -> Scene:
+    """A drawn robot that has run all its logs, with nothing hidden."""
+    return undisturbed(plan(kind), built(stream(SEED, "maker 1"), kind), SEED)
+
+
+def joints(scene: Scene) -> list[Joint]:
+    return [link.joint for link in scene.links if link.joint is not None]
 
 
 def with_bodies(model: pin.Model, robot: TrueRobot, joints: Sequence[Joint]) -> pin.Model:
@@ -48,19 +40,27 @@ def with_bodies(model: pin.Model, robot: TrueRobot, joints: Sequence[Joint]) -> 
     return model
 
 
-@pytest.fixture(scope="session")
-def arm6() -> Bench:
-    return bench(ARM)
+def in_pinocchio(scene: Scene) -> pin.Model:
+    """The same bodies on a base that cannot move."""
+    model = pin.buildModelFromXML(robot_urdf(scene.kind.name, scene.links))
+    return with_bodies(model, scene.robot, joints(scene))
 
 
 @pytest.fixture(scope="session")
-def torso8() -> Bench:
-    return bench(TORSO)
+def arm6() -> Scene:
+    return ran(ARM)
 
 
 @pytest.fixture(scope="session")
-def free_torso(torso8: Bench) -> pin.Model:
-    """`torso8` in pinocchio on a base that could fly."""
-    model = pin.buildModelFromXML(robot_urdf(TORSO.name, torso8.links), pin.JointModelFreeFlyer())
-    model.inertias[1] = pin.Inertia.FromDynamicParameters(torso8.robot.base.phi())
-    return with_bodies(model, torso8.robot, [link.joint for link in torso8.links if link.joint is not None])
+def torso8() -> Scene:
+    return ran(TORSO)
+
+
+@pytest.fixture(scope="session")
+def arm_model(arm6: Scene) -> pin.Model:
+    return in_pinocchio(arm6)
+
+
+@pytest.fixture(scope="session")
+def torso_model(torso8: Scene) -> pin.Model:
+    return in_pinocchio(torso8)

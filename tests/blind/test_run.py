@@ -33,16 +33,17 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("robot", "channels", "cutoff_hz"), [("arm6", 6, None), ("torso8", 8 + 6, 6.0)])
+@pytest.mark.parametrize(("robot", "channels", "cutoff_hz"), [("arm6", 6, None), ("torso8", 8, None)])
 def test_a_case_without_hidden_effects_is_identified_down_to_its_noise(
     tmp_path: Path, robot: str, channels: int, cutoff_hz: float | None
 ) -> None:
-    """In steady motion, on logs that were not fitted. So what is above the noise elsewhere is what was hidden there."""
+    """In steady motion, on logs that were not fitted, joint by joint. So what is above the noise elsewhere is what was
+    hidden there."""
     write_case(tmp_path, CLEAN_SEED, 1, robot)
     with open_study(tmp_path) as study:
         found = identify(study.robot, read_recordings(study), Settings(cutoff_hz=cutoff_hz), silent)
-    held_out = [fit for fit in found.validation if fit.held_out]
-    assert len(held_out) == 2 * channels
+    held_out = [fit for fit in found.validation if fit.held_out and fit.channel.startswith("tau.")]
+    assert len(held_out) == {"arm6": 2, "torso8": 3}[robot] * channels
     for fit in held_out:
         assert fit.rmse_moving is not None
         assert fit.rmse_moving < 1.1 * fit.noise_floor, fit

@@ -160,3 +160,63 @@ def test_cases_without_a_result_are_told_and_not_counted(tmp_path: Path) -> None
     (tmp_path / "results" / "case_0001.json").unlink()
     with pytest.raises(BadInput, match="evaluated"):
         score(tmp_path)
+
+
+def _one(out: Path, truth: dict[str, Any], *said: dict[str, Any], **answer: Any) -> dict[str, Any]:
+    """The score of one case in which `truth` is hidden and `said` are the findings."""
+    case = {"case": "case_0001", "robot": "torso8", "effects": [truth], "clutter": [], **answer}
+    write_answers(out, 1, [{**case, "effects": [{"visible": True, "ratio": 4.0, "parameters": {}, **truth}]}])
+    (out / "results").mkdir()
+    findings = [{"rank": n + 1, "held_out": None, **each} for n, each in enumerate(said)]
+    record = {"case": "case_0001", "seconds": 1.0, "error": None, "discrepancy": {"findings": findings}}
+    (out / "results" / "case_0001.json").write_text(json.dumps(record), encoding="utf-8")
+    return score(out)
+
+
+PLACES = [
+    {"sensor": "wrist", "axis": "fx"}, {"band": "A_left"}, {"base": True}, {"link": "tool"}, {"joint": "joint_2"},
+    {"log": "val_1"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("where", PLACES, ids=lambda where: next(iter(where)))
+def test_every_sort_of_place_is_right_where_it_is_the_same_and_wrong_elsewhere(tmp_path: Path, where) -> None:
+    for folder in ("same", "other"):
+        (tmp_path / folder).mkdir()
+    truth = {"effect": "something", "where": where}
+    assert _one(tmp_path / "same", truth, dict(truth))["visible"]["top1"] == 1
+    last = list(where)[-1]
+    other = {"effect": "something", "where": {**where, last: "another"}}
+    found = _one(tmp_path / "other", truth, other)
+    assert found["visible"]["top1"] == 0
+    assert found["wrong_names"]["names"] == 1
+
+
+def test_another_axis_of_the_sensor_is_the_wrong_place_and_one_of_all_axes_is_neither(tmp_path: Path) -> None:
+    for folder in ("one", "all"):
+        (tmp_path / folder).mkdir()
+    said = {"effect": "ft_drift", "where": {"sensor": "wrist", "axis": "my"}}
+    one = _one(tmp_path / "one", {"effect": "ft_drift", "where": {"sensor": "wrist", "axis": "mx"}}, said)
+    assert (one["visible"]["top1"], one["wrong_names"]["names"]) == (0, 1)
+    every = _one(tmp_path / "all", {"effect": "ft_drift", "where": {"sensor": "wrist", "axis": "all"}}, said)
+    assert (every["visible"]["top1"], every["wrong_names"]["names"]) == (0, 0)
+
+
+def test_links_that_are_fixed_to_each_other_are_one_place(tmp_path: Path) -> None:
+    truth = {"effect": "payload", "where": {"link": "tool"}}
+    said = {"effect": "payload", "where": {"link": "flange"}}
+    assert _one(tmp_path, truth, said, rigid=[["flange", "wrist_ft", "tool"]])["visible"]["top1"] == 1
+
+
+@pytest.mark.parametrize(
+    ("where", "right"),
+    [
+        ({"band": "chest to BODY"}, 1), ({"link": "chest"}, 1), ({"link": "head"}, 1), ({"band": "A_left"}, 0),
+        ({"link": "l_forearm"}, 0),
+    ],
+)  # fmt: skip
+def test_a_band_that_has_no_name_is_known_by_its_ends(tmp_path: Path, where, right: int) -> None:
+    truth = {"effect": "extra_band", "where": {"band": "extra"}, "parameters": {"ends": ["chest", "BODY"]}}
+    said = {"effect": "extra_band", "where": where}
+    found = _one(tmp_path, truth, said, bands={"A_left": {}}, rigid=[["chest", "computer", "head"]])
+    assert found["visible"]["top1"] == right

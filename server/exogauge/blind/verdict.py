@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any, final
 
 MOST_OTHERS = 2  # that `also_possible` may list beside the truth
-ALL = "all"  # a place: every joint
+ALL = "all"  # a place: every joint, axis or log
+EXTRA = "extra_band"  # has no name that both sides know: where it is, its ends say
 RESTORED = 1.1  # held-out RMSE over the noise floor
 
 Name = tuple[str, str, str]  # effect, kind of place, place
@@ -60,9 +61,9 @@ class Verdict:
 
     @property
     def wrong(self) -> tuple[Name, ...]:
-        """Findings of what is not there at all, at that place. What all joints have, each of them has."""
+        """Findings of what is not there at all, at that place. What all joints, axes or logs have, each of them has."""
         there = {*self.truth, *self.clutter}
-        return tuple((e, kind, at) for e, kind, at in self.named if not {(e, kind, at), (e, kind, ALL)} & there)
+        return tuple(name for name in self.named if not {name, _everywhere(name)} & there)
 
     @property
     def restored(self) -> bool:
@@ -71,12 +72,13 @@ class Verdict:
 
 def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
     """answer: an entry of the answers; result: results/<case>.json. A case that failed or was skipped names nothing."""
+    at = _Places(answer)
     found: Mapping[str, Any] = result.get("discrepancy") or {"findings": []}
     findings = sorted(found["findings"], key=lambda each: each["rank"])
-    named = _names(findings)
+    named = at.names(findings)
     first: Mapping[str, Any] = findings[0] if findings else {}
     others = sorted(first.get("alternatives", []), key=lambda each: -float(each["score"] or 0.0))
-    ranking = [*named, *(name for name in _names(others) if name not in named)]
+    ranking = [*named, *(name for name in at.names(others) if name not in named)]
     left = [
         each["held_out"]["rmse_after"] / each["held_out"]["noise_floor"]
         for each in findings
@@ -85,17 +87,42 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
     return Verdict(
         case=answer["case"],
         robot=answer["robot"],
-        truth=_names(answer["effects"]),
-        clutter=_names(answer["clutter"]),
+        truth=at.names(answer["effects"]),
+        clutter=at.names(answer["clutter"]),
         visible=all(each["visible"] for each in answer["effects"]),
         named=named,
         ranking=tuple(ranking),
-        also=_names(first.get("also_possible", [])),
+        also=at.names(first.get("also_possible", [])),
         over_floor=max(left) if left else None,
         seconds=float(result["seconds"]),
         error=result["error"],
     )
 
 
-def _names(entries: Sequence[Mapping[str, Any]]) -> tuple[Name, ...]:
-    return tuple((each["effect"], *next(iter(each["where"].items()))) for each in entries)
+@final
+class _Places:
+    """Every place in one spelling: of links fixed to each other the moving one, of a sensor its axis."""
+
+    def __init__(self, answer: Mapping[str, Any]) -> None:
+        self.body = {link: links[0] for links in answer.get("rigid", []) for link in links}
+        self.bands = set(answer.get("bands", {}))
+        extra = [each for each in answer["effects"] if each["effect"] == EXTRA]
+        self.ends = {self.body.get(link, link) for each in extra for link in each["parameters"]["ends"]}
+
+    def names(self, entries: Sequence[Mapping[str, Any]]) -> tuple[Name, ...]:
+        return tuple((each["effect"], *self._place(each["effect"], each["where"])) for each in entries)
+
+    def _place(self, effect: str, where: Mapping[str, Any]) -> tuple[str, str]:
+        if "sensor" in where:
+            return "sensor", f"{where['sensor']} {where.get('axis', '')}".strip()
+        kind, at = next(iter(where.items()))
+        at = self.body.get(at, at) if kind == "link" else str(at)
+        unnamed = kind == "band" and at not in self.bands
+        if effect == EXTRA and (unnamed or (kind == "link" and at in self.ends)):
+            return "band", "extra"
+        return kind, at
+
+
+def _everywhere(name: Name) -> Name:
+    effect, kind, at = name
+    return effect, kind, f"{at.split(' ')[0]} {ALL}" if kind == "sensor" else ALL

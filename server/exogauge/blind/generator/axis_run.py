@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import interp1d
 from scipy.signal import lfilter
 
-from exogauge.blind.generator.dynamics import GRAVITY, joint_torques
+from exogauge.blind.generator.dynamics import UP, joint_torques
 from exogauge.blind.generator.motion import RATE_HZ, Motion
 from exogauge.blind.generator.true_robot import TrueDrive, TrueRobot
 
@@ -29,7 +29,7 @@ _SELDOM = 20  # samples between two values of what changes slowly
 class AxisRun:
     """L logs of T samples, (L, T) unless said otherwise.
 
-    q, dq, ddq: [rad, rad/s, rad/s²]. direction: sign of dq, exactly 0 at rest. load: what the bodies ask of the joint.
+    q, dq, ddq: [rad, rad/s, rad/s²]. direction: sign of dq, exactly 0 at rest. load: what bodies and bands ask.
     friction: Coulomb friction, or what friction takes at rest, positive against positive motion. motor: k_T i, the
     motor's torque [N·m]. temperature: [°C]. inertia: of what the joint carries, about its axis [kg·m²]. stiffness:
     slope of the load over q by gravity [N·m/rad]. time: (T,) [s] since the log began.
@@ -49,9 +49,14 @@ class AxisRun:
     drive: TrueDrive
 
 
-def axis_runs(rng: np.random.Generator, robot: TrueRobot, motion: Motion) -> list[AxisRun]:
-    """Every joint without any hidden effect. A stiff position controller makes the motion what was planned."""
+def axis_runs(rng: np.random.Generator, robot: TrueRobot, motion: Motion, pull: Array | None = None) -> list[AxisRun]:
+    """Every joint without any hidden effect of its own. A stiff position controller makes the motion what was planned.
+
+    pull: (L, T, J) [N·m] that the joints must give beside what the bodies ask: against bands, pushes, a leaning base.
+    """
     loads = _torques(robot, motion.q, motion.dq, motion.ddq)
+    if pull is not None:
+        loads = loads + pull
     inertia, stiffness = _links(robot, motion)
     warmth = np.sort(rng.uniform(0.0, 0.8, len(motion.q)))  # the session goes on from log to log
     runs = list[AxisRun]()
@@ -66,10 +71,10 @@ def axis_runs(rng: np.random.Generator, robot: TrueRobot, motion: Motion) -> lis
     return runs
 
 
-def _torques(robot: TrueRobot, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY) -> Array:
+def _torques(robot: TrueRobot, q: Array, dq: Array, ddq: Array, up: Array = UP) -> Array:
     """(L, T, J) [N·m] of the bodies."""
     flat = [x.reshape(-1, q.shape[2]) for x in (q, dq, ddq)]
-    return joint_torques(robot.tree, robot.phi, flat[0], flat[1], flat[2], gravity).reshape(q.shape)
+    return joint_torques(robot.tree, robot.phi, flat[0], flat[1], flat[2], up).reshape(q.shape)
 
 
 def _links(robot: TrueRobot, motion: Motion) -> tuple[Array, Array]:
@@ -81,7 +86,7 @@ def _links(robot: TrueRobot, motion: Motion) -> tuple[Array, Array]:
     for j in range(q.shape[2]):
         unit = none.copy()
         unit[:, :, j] = 1.0
-        inertia[:, :, j] = _torques(robot, q, none, unit, gravity=0.0)[:, :, j]
+        inertia[:, :, j] = _torques(robot, q, none, unit, 0.0 * UP)[:, :, j]
         stiffness[:, :, j] = (_torques(robot, q + _NUDGE * unit, none, none) - resting)[:, :, j] / _NUDGE
     every = np.arange(samples)
     return np.asarray(interp1d(some, inertia, axis=1)(every)), np.asarray(interp1d(some, stiffness, axis=1)(every))

@@ -2,76 +2,124 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
+import numpy as np
 import pyarrow.parquet as pq
 import yaml
+from numpy.typing import NDArray
 
 from exogauge.blind.generator import sensors
-from exogauge.blind.generator.axis_run import axis_runs
-from exogauge.blind.generator.excess import baselines
-from exogauge.blind.generator.log_columns import joint_columns, mount_columns
-from exogauge.blind.generator.maker import built
-from exogauge.blind.generator.motion import excitations
-from exogauge.blind.generator.placed import Bench, clutter, hide, motor_torque
+from exogauge.blind.generator.axis_run import AxisRun, axis_runs
+from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
+from exogauge.blind.generator.log_columns import joint_columns, sensor_columns, table
+from exogauge.blind.generator.log_plans import DURATION_S
+from exogauge.blind.generator.maker import Built, built
+from exogauge.blind.generator.motion import Motion, excitations
+from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
 from exogauge.blind.generator.plan import CasePlan, plan_case
 from exogauge.blind.generator.robot_files import robot_file, robot_urdf
-from exogauge.blind.generator.true_robot import draw_robot, record
+from exogauge.blind.generator.scene import Scene, scene
+from exogauge.blind.generator.tree import carrier
+from exogauge.blind.generator.true_robot import K_T_STD, draw_robot, record
+from exogauge.blind.generator.wear import draw_wear
 from exogauge.synthetic.random_streams import stream
+from exogauge.synthetic.robot_facts import Link
 
-DURATION_S = 25.0
-LOGS = ("id_1", "id_2", "id_3", "id_4", "val_1", "val_2")
+Array = NDArray[np.float64]
+
 _LABEL = "SYNTHETIC: computed, measured on no robot"
 
 
-def write_case(folder: Path, seed: int, number: int, robots: str = "both") -> dict[str, Any]:
+def write_case(
+    folder: Path, seed: int, number: int, robots: str = "both", effects: tuple[str, ...] = ()
+) -> dict[str, Any]:
     """Write the study into `folder`, and give its answer; the same arguments make the same bytes."""
-    plan = plan_case(seed, number, robots)
-    links = built(stream(seed, f"maker {number}"), plan.robot.links)
-    joints = [link.joint for link in links if link.joint is not None]
-    robot = draw_robot(stream(seed, f"robot {number}"), links)
-    motion = excitations(stream(seed, f"motion {number}"), joints, len(LOGS), DURATION_S)
-    runs = axis_runs(stream(seed, f"run {number}"), robot, motion)
-    floors = [run.drive.k_T * sensors.current_std() for run in runs]
-    bench = Bench(runs, baselines(robot.tree, motion, runs), floors)
-    hidden = hide(stream(seed, f"hidden {number}"), plan, bench)
-    small = clutter(stream(seed, f"clutter {number}"), bench) if plan.clutter else []
-    torques = [motor_torque(run, [*hidden, *small], joint) for joint, run in enumerate(runs)]
-
-    (folder / "logs").mkdir(parents=True, exist_ok=True)
-    rng = stream(seed, f"sensors {number}")
-    for n, name in enumerate(LOGS):
-        columns = joint_columns(rng, plan, joints, motion, runs, torques, n)
-        if plan.robot.mount is not None:
-            columns |= mount_columns(rng, plan.robot.mount, links, robot, motion, n)
-        table = pa.table(columns).replace_schema_metadata({"exogauge": _LABEL})
-        pq.write_table(table, folder / "logs" / f"{name}.parquet", compression="zstd")
-    (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, links), encoding="utf-8")
-    _write_yaml(folder / "robot.yaml", robot_file(plan.robot, links, plan.actuation))
+    plan = plan_case(seed, number, robots, effects)
+    maker = built(stream(seed, f"maker {number}"), plan.robot)
+    here = undisturbed(plan, maker, seed)
+    hidden = hide(stream(seed, f"hidden {number}"), plan, here)
+    small = clutter(stream(seed, f"clutter {number}"), here) if plan.clutter else []
+    _write_logs(folder, plan, maker, here, [*hidden, *small], seed)
+    (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, maker.links), encoding="utf-8")
+    _write_yaml(folder / "robot.yaml", robot_file(plan.robot, maker.links, plan.actuation, K_T_STD[plan.k_T]))
+    if here.wear is not None:
+        _write_yaml(folder / "device.yaml", here.wear.device_file(f"SYNTHETIC bands on {plan.robot.name}"))
     _write_yaml(folder / "study.yaml", _study_file(plan))  # last: a folder with it is whole
-    names = [joint.name for joint in joints]
     return {
         "case": plan.name,
         "robot": plan.robot.name,
         "actuation": plan.actuation,
-        "effects": [each.record(names) for each in hidden],
-        "clutter": [each.record(names) for each in small],
-        "joints": record(robot, names),
+        "effects": [each.record() for each in hidden],
+        "clutter": [each.record() for each in small],
+        "joints": record(here.robot, here.joints),
+        "bands": here.wear.record() if here.wear is not None else {},
+        "rigid": _rigid(maker.links),
     }
+
+
+def undisturbed(plan: CasePlan, maker: Built, seed: int) -> Scene:
+    """The case as it would be with nothing hidden."""
+    number, kind = plan.number, plan.robot
+    robot = draw_robot(stream(seed, f"robot {number}"), maker.links, kind.sensor.frame, K_T_STD[plan.k_T])
+    paths = [log.path for log in plan.logs]
+    own = excitations(stream(seed, f"motion {number}"), maker.joints, max(paths) + 1, DURATION_S)
+    motion = Motion(own.time, own.q[paths], own.dq[paths], own.ddq[paths])
+    wear = None
+    if kind.wires:
+        worn = np.array([log.worn for log in plan.logs])
+        rng = stream(seed, f"wear {number}")
+        wear = draw_wear(rng, kind.wires, maker.size, maker.links, robot.tree, motion, worn)
+    runs = axis_runs(stream(seed, f"run {number}"), robot, motion, wear.pull() if wear is not None else None)
+    return scene(kind, maker.links, robot, motion, plan.logs, runs, wear, sensors.current_std())
+
+
+def disturbed_runs(here: Scene, effects: Sequence[Placed], plan: CasePlan, seed: int) -> Sequence[AxisRun]:
+    """The joints under what bodies, base and bands ask beside: friction at rest takes its part of that too."""
+    more = pull(here, effects)
+    if more is None:
+        return here.runs
+    more = more + (here.wear.pull() if here.wear is not None else 0.0)
+    return axis_runs(stream(seed, f"run {plan.number}"), here.robot, here.motion, more)
+
+
+def _write_logs(folder: Path, plan: CasePlan, maker: Built, here: Scene, effects: Sequence[Placed], seed: int) -> None:
+    runs = disturbed_runs(here, effects, plan, seed)
+    torques = [motor_torque(run, effects, joint) for joint, run in enumerate(runs)]
+    wrench = sensed(here, effects)
+    (folder / "logs").mkdir(parents=True, exist_ok=True)
+    rng = stream(seed, f"sensors {plan.number}")
+    zero = sensors.ZERO * here.cut_baseline.std * rng.standard_normal(6)
+    for n, log in enumerate(plan.logs):
+        columns = joint_columns(rng, plan, maker.joints, here.motion, runs, torques, n)
+        columns |= sensor_columns(rng, plan.robot.sensor, wrench, zero, n)
+        for each in effects:
+            if isinstance(each.effect, BandLimitedLog) and each.effect.hits(n):
+                columns = {name: each.effect.filtered(values, each.size) for name, values in columns.items()}
+        labelled = table(here.motion.time, columns).replace_schema_metadata({"exogauge": _LABEL})
+        pq.write_table(labelled, folder / "logs" / f"{log.name}.parquet", compression="zstd")
 
 
 def _study_file(plan: CasePlan) -> Mapping[str, Any]:
-    roles = {"id": "identification", "val": "validation"}
-    return {
-        "version": 1,
-        "name": f"SYNTHETIC {plan.robot.name}, blind {plan.name}",
-        "robot": "robot.yaml",
-        "logs": [{"file": f"logs/{name}.parquet", "role": roles[name.split("_")[0]]} for name in LOGS],
-        "steps": ["identify", "discrepancy"],
-    }
+    logs = [
+        {"file": f"logs/{log.name}.parquet", "role": log.role} | ({"motion": log.motion} if log.motion else {})
+        for log in plan.logs
+    ]
+    device, steps = dict[str, str](), ["identify", "discrepancy"]
+    if plan.robot.wires:
+        device, steps = {"device": "device.yaml"}, ["identify", "support", "stiffness", "discrepancy"]
+    name = f"SYNTHETIC {plan.robot.name}, blind {plan.name}"
+    return {"version": 1, "name": name, "robot": "robot.yaml", **device, "logs": logs, "steps": steps}
+
+
+def _rigid(links: Sequence[Link]) -> list[list[str]]:
+    """Links that are fixed to each other, the moving one first: names of the same body."""
+    groups: dict[str, list[str]] = {}
+    for link in links:
+        groups.setdefault(carrier(links, link.name)[0], []).append(link.name)
+    return [names for names in groups.values() if len(names) > 1]
 
 
 def _write_yaml(path: Path, content: object) -> None:

@@ -13,38 +13,38 @@ from exogauge.blind.generator.tree import Tree
 Array = NDArray[np.float64]
 
 GRAVITY = 9.81
+UP = np.array([0.0, 0.0, GRAVITY])  # minus gravity, seen from a base that stands upright
 
 
 @final
 @dataclass(frozen=True)
 class Kinematics:
     """Of every body, (T, 3) each in its own frame: angular velocity, angular acceleration, acceleration of the origin
-    minus gravity. cosine, sine: (J, T) of the joint angles."""
+    minus gravity. cosine, sine: (J, T) of the joint angles. up: (3,) minus gravity, in the base frame."""
 
     omega: list[Array]
     alpha: list[Array]
     acc: list[Array]
     cosine: Array
     sine: Array
+    up: Array
 
 
-def joint_torques(tree: Tree, phi: Array, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY) -> Array:
-    """(T, J) [N·m] that the bodies phi (J, 10) ask of their joints; q, dq, ddq: (T, J)."""
-    return inverse_dynamics(tree, phi, q, dq, ddq, gravity)[0]
+def joint_torques(tree: Tree, phi: Array, q: Array, dq: Array, ddq: Array, up: Array = UP) -> Array:
+    """(T, J) [N·m] that the bodies phi (J, 10) ask of their joints; q, dq, ddq: (T, J); up: (3,) minus gravity."""
+    return inverse_dynamics(tree, phi, kinematics(tree, q, dq, ddq, up))[0]
 
 
-def inverse_dynamics(
-    tree: Tree, phi: Array, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY
-) -> tuple[Array, Array]:
+def inverse_dynamics(tree: Tree, phi: Array, moving: Kinematics) -> tuple[Array, Array]:
     """`joint_torques`, and the wrench (T, 6) that carries all these bodies, on the base link, about its origin and in
     its frame."""
-    moving = kinematics(tree, q, dq, ddq, gravity)
-    wrenches = [_wrench(moving, body, phi[body]) for body in range(len(phi))]
-    torque, carried = np.empty_like(q), np.zeros((len(q), 6))
+    wrenches = [body_wrench(moving, body, phi[body]) for body in range(len(phi))]
+    samples = moving.cosine.shape[1]
+    torque, carried = np.empty((samples, len(phi))), np.zeros((samples, 6))
     for body in reversed(range(len(phi))):
         force, moment = wrenches[body]
         torque[:, body] = moment[:, tree.axis[body]]
-        force, moment = _seen_from_parent(tree, moving, body, force, moment)
+        force, moment = seen_from_parent(tree, moving, body, force, moment)
         above = tree.parent[body]
         if above >= 0:
             wrenches[above] = (wrenches[above][0] + force, wrenches[above][1] + moment)
@@ -57,21 +57,21 @@ def regressor_row(tree: Tree, moving: Kinematics, joint: int) -> Array:
     """(T, 10·B) of one joint's torque by the parameters of the B bodies it carries."""
     columns = []
     for body in range(len(tree.parent)):
-        path = _path_down(tree, body, joint)
+        path = path_down(tree, body, joint)
         if path is None:
             continue
         for unit in np.eye(10):
-            force, moment = _wrench(moving, body, unit)
+            force, moment = body_wrench(moving, body, unit)
             for each in path:
-                force, moment = _seen_from_parent(tree, moving, each, force, moment)
+                force, moment = seen_from_parent(tree, moving, each, force, moment)
             columns.append(moment[:, tree.axis[joint]])
     return np.column_stack(columns)
 
 
-def kinematics(tree: Tree, q: Array, dq: Array, ddq: Array, gravity: float = GRAVITY) -> Kinematics:
-    """From the base outwards."""
+def kinematics(tree: Tree, q: Array, dq: Array, ddq: Array, up: Array = UP) -> Kinematics:
+    """From the base outwards; up: (3,) minus gravity, in the base frame."""
     still = np.zeros((len(q), 3))
-    upwards = np.tile([0.0, 0.0, gravity], (len(q), 1))
+    upwards = np.tile(up, (len(q), 1))
     cosine, sine = np.cos(q.T), np.sin(q.T)
     omega, alpha, acc = list[Array](), list[Array](), list[Array]()
     for body, (above, r, axis) in enumerate(zip(tree.parent, tree.origin, tree.axis, strict=True)):
@@ -82,19 +82,26 @@ def kinematics(tree: Tree, q: Array, dq: Array, ddq: Array, gravity: float = GRA
         omega.append(carried + np.outer(dq[:, body], u))
         alpha.append(_turned(dw, axis, c, s) + np.outer(ddq[:, body], u) + np.cross(carried, np.outer(dq[:, body], u)))
         acc.append(_turned(at_joint, axis, c, s))
-    return Kinematics(omega, alpha, acc, cosine, sine)
+    return Kinematics(omega, alpha, acc, cosine, sine, up)
 
 
-def _wrench(moving: Kinematics, body: int, phi: Array) -> tuple[Array, Array]:
-    """Force and moment about the link's origin that move one body, in its frame: (T, 3) each."""
-    w, dw, a = moving.omega[body], moving.alpha[body], moving.acc[body]
+def body_wrench(moving: Kinematics, body: int, phi: Array) -> tuple[Array, Array]:
+    """Force and moment about the link's origin that move what sits on one body, in its frame: (T, 3) each.
+
+    body -1: the base, which stands still.
+    """
+    if body < 0:
+        still = np.zeros_like(moving.omega[0])
+        w, dw, a = still, still, still + moving.up
+    else:
+        w, dw, a = moving.omega[body], moving.alpha[body], moving.acc[body]
     m, h, (Ixx, Ixy, Iyy, Ixz, Iyz, Izz) = phi[0], phi[1:4], phi[4:]
     I = np.array([[Ixx, Ixy, Ixz], [Ixy, Iyy, Iyz], [Ixz, Iyz, Izz]])  # noqa: E741
     force = m * a + np.cross(dw, h) + np.cross(w, np.cross(w, h))
     return force, dw @ I + np.cross(w, w @ I) + np.cross(h, a)
 
 
-def _seen_from_parent(tree: Tree, moving: Kinematics, body: int, force: Array, moment: Array) -> tuple[Array, Array]:
+def seen_from_parent(tree: Tree, moving: Kinematics, body: int, force: Array, moment: Array) -> tuple[Array, Array]:
     axis, c, s = tree.axis[body], moving.cosine[body], moving.sine[body]
     turned = _turned(force, axis, c, s)
     return turned, _turned(moment, axis, c, s) + np.cross(tree.origin[body], turned)
@@ -109,12 +116,15 @@ def _turned(v: Array, axis: int, c: Array, s: Array) -> Array:
     return out
 
 
-def _path_down(tree: Tree, body: int, joint: int) -> list[int] | None:
-    """Bodies from `body` down to the one above `joint`'s own, which is left out; None where joint does not carry it."""
+def path_down(tree: Tree, body: int, to: int) -> list[int] | None:
+    """Bodies from `body` down to the one above body `to`, which is left out; None where `to` does not carry it.
+
+    to -1: the base, which carries all.
+    """
     path = []
-    while body != joint:
-        path.append(body)
-        body = tree.parent[body]
+    while body != to:
         if body < 0:
             return None
+        path.append(body)
+        body = tree.parent[body]
     return path

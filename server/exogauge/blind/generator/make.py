@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -13,8 +13,10 @@ from typing import Any
 
 from exogauge.blind.answers import write_answers
 from exogauge.blind.generator.case import write_case
-from exogauge.blind.generator.plan import ROBOTS, plan_case
+from exogauge.blind.generator.plan import ROBOTS, plan_case, possible
 from exogauge.errors import BadInput, Fault
+
+What = tuple[int, str, tuple[str, ...]]  # seed, robots, effects
 
 _README = """\
 SYNTHETIC DATA. Nothing in this folder was measured on a robot.
@@ -33,26 +35,23 @@ def make(
     progress: Callable[[float, str], None] | None = None,
     processes: int = 1,
     robots: str = "both",
+    effects: Sequence[str] = (),
 ) -> None:
     """Write `cases` studies, the answers and their seal into `out`, which must be new or empty.
 
     The same seed gives the same bytes, whatever `processes`; case n is the same however many there are. robots: which
-    ones the cases are made of, a key of `plan.ROBOTS`.
+    ones the cases are made of, a key of `plan.ROBOTS`. effects: hide one of these in every case; none: all sorts,
+    two or nothing now and then.
     """
     if seed < 0 or cases < 1:
         column, value = ("seed", seed) if seed < 0 else ("cases", cases)
         detail = "the seed must be 0 or more, and the number of cases 1 or more"
         raise BadInput(Fault(detail, "blind_numbers", column=column, value=str(value)))
     if robots not in ROBOTS:
-        raise BadInput(
-            Fault(
-                "no cases are made of this robot",
-                "unknown_robot",
-                f"Known: {', '.join(ROBOTS)}",
-                column="robot",
-                value=robots,
-            )
-        )
+        raise _unknown("no cases are made of this robot", "robot", robots, ROBOTS)
+    for each in effects:
+        if each not in possible(robots):
+            raise _unknown("this is not hidden in cases of these robots", "effects", each, possible(robots))
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         advice = "Give a new folder, so that old results never meet new answers."
         raise BadInput(Fault(f"{out} is not an empty folder", "folder_not_empty", advice))
@@ -61,7 +60,7 @@ def make(
     try:
         (unfinished / "README.txt").write_text(_README, encoding="utf-8")
         tell = progress or (lambda share, what: None)
-        answers = _make_all(unfinished, (seed, robots), cases, tell, min(processes, cases))
+        answers = _make_all(unfinished, (seed, robots, tuple(effects)), cases, tell, min(processes, cases))
         write_answers(unfinished, seed, answers)
         unfinished.chmod(0o755)
         os.replace(unfinished, out)
@@ -69,8 +68,12 @@ def make(
         shutil.rmtree(unfinished, ignore_errors=True)
 
 
+def _unknown(detail: str, column: str, value: str, known: Iterable[str]) -> BadInput:
+    return BadInput(Fault(detail, f"unknown_{column}", f"Known: {', '.join(known)}", column=column, value=value))
+
+
 def _make_all(
-    out: Path, what: tuple[int, str], cases: int, tell: Callable[[float, str], None], processes: int
+    out: Path, what: What, cases: int, tell: Callable[[float, str], None], processes: int
 ) -> list[dict[str, Any]]:
     if processes < 2:
         answers = []
@@ -91,7 +94,6 @@ def _make_all(
     return [done[number] for number in sorted(done)]
 
 
-def _make(out: Path, what: tuple[int, str], number: int) -> dict[str, Any]:
-    """what: seed, and robots."""
-    seed, robots = what
-    return write_case(out / plan_case(seed, number).name, seed, number, robots)
+def _make(out: Path, what: What, number: int) -> dict[str, Any]:
+    seed, robots, effects = what
+    return write_case(out / plan_case(seed, number, robots, effects).name, seed, number, robots, effects)

@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
-from exogauge.synthetic.robot_facts import Drive, Link, Vector
+from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.synthetic.robot_facts import Drive, Joint, Link, Vector
 
 VARIES = 0.2  # largest relative deviation of lengths, masses and drives from one case to the next
 
 
-def built(rng: np.random.Generator, links: Sequence[Link]) -> tuple[Link, ...]:
-    """The links of one robot as its maker describes it; parents before children."""
+@final
+@dataclass(frozen=True)
+class Built:
+    """links: of one robot as its maker describes it, parents before children. size: relative to `RobotKind.links`."""
+
+    links: tuple[Link, ...]
+    size: float
+
+    @property
+    def joints(self) -> list[Joint]:
+        return [link.joint for link in self.links if link.joint is not None]
+
+
+def built(rng: np.random.Generator, kind: RobotKind) -> Built:
     size, weight = 1.0 + VARIES * rng.uniform(-1.0, 1.0, 2)
-    return tuple(_varied(link, size, weight, rng) for link in links)
+    links = [_varied(link, size, weight, rng) for link in kind.links]
+    drawn = {name: _round(rng.uniform(*ends)) for name, ends in kind.drawn.items()}
+    return Built(tuple(replace(link, mass=drawn.get(link.name, link.mass)) for link in links), float(size))
 
 
 def _varied(link: Link, size: float, weight: float, rng: np.random.Generator) -> Link:

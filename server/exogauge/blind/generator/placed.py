@@ -1,19 +1,22 @@
-"""Effects put onto joints, as large as planned where that is believable."""
+"""Effects put somewhere, as large as planned where that is believable."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, final
+from typing import Any, cast, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.blind.generator.axis_run import AxisRun
-from exogauge.blind.generator.excess import Baseline
 from exogauge.blind.generator.hidden.effect import HiddenEffect
-from exogauge.blind.generator.hidden.kinds import CLUTTER, KINDS
+from exogauge.blind.generator.hidden.kinds import CLUTTER, ELSEWHERE, IN_LOGS, ON_JOINTS, SMALLEST
+from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
+from exogauge.blind.generator.hidden.whole import WholeEffect
+from exogauge.blind.generator.how_large import HowLarge, largest_trace, trace_in_log, trace_on_joint
 from exogauge.blind.generator.plan import FAINT, VISIBLE, CasePlan
+from exogauge.blind.generator.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -22,57 +25,58 @@ _ALL_JOINTS = 0.25  # share of delays that every joint has
 _CLUTTER_RATIO = (0.08, 0.25)  # of each of two small effects per joint, in noise floors
 _CLOSE = 0.03  # relative, of a ratio that is searched for
 _SEARCHES = 4
+_MOST_PLACES = 6
 
 
 @final
 @dataclass(frozen=True)
 class Placed:
-    """joint: index, or None for every joint. ratio: excess over floor, where it is largest; both [N·m]."""
+    """joint: index where the effect is a joint's, None for every joint. where: as results.json says it."""
 
-    effect: HiddenEffect
+    effect: HiddenEffect | WholeEffect | BandLimitedLog
     joint: int | None
+    where: Mapping[str, str | bool]
     size: float
-    ratio: float
-    excess: float
-    floor: float
+    found: HowLarge
 
-    def on(self, joint: int) -> bool:
-        return self.joint is None or self.joint == joint
-
-    def record(self, joints: Sequence[str]) -> dict[str, Any]:
+    def record(self) -> dict[str, Any]:
         """For the answers."""
-        shape: Mapping[str, Any] = asdict(self.effect)  # type: ignore[call-overload]
+        shape: Mapping[str, Any] = asdict(cast(Any, self.effect))
         return {
             "effect": self.effect.name,
-            "where": {"joint": ALL if self.joint is None else joints[self.joint]},
+            "where": dict(self.where),
             "parameters": {"size": self.size, **shape},
-            "ratio": self.ratio,
-            "excess": self.excess,
-            "noise_floor": self.floor,
-            "visible": self.ratio >= VISIBLE,
+            "ratio": self.found.ratio,
+            "excess": self.found.excess,
+            "noise_floor": self.found.floor,
+            "channel": self.found.channel,
+            "visible": self.found.ratio >= VISIBLE,
         }
 
 
 @final
 @dataclass(frozen=True)
-class Bench:
-    """What effects are sized on: every joint without any, what a baseline absorbs there, its noise [N·m]."""
+class _Candidate:
+    """An effect at a place, of whatever size. trace: how large a size shows."""
 
-    runs: Sequence[AxisRun]
-    baselines: Sequence[Baseline]
-    floors: Sequence[float]
-
-
-def hide(rng: np.random.Generator, plan: CasePlan, bench: Bench) -> list[Placed]:
-    """One for each of the plan's kinds, on joints in random order: the first on which it can be large enough."""
-    return [_placed(rng, KINDS[kind], ratio, bench) for kind, ratio in zip(plan.kinds, plan.ratios, strict=True)]
+    effect: HiddenEffect | WholeEffect | BandLimitedLog
+    joint: int | None
+    where: Mapping[str, str | bool]
+    limits: tuple[float, float]
+    linear: bool
+    trace: Callable[[float], HowLarge]
 
 
-def clutter(rng: np.random.Generator, bench: Bench) -> list[Placed]:
+def hide(rng: np.random.Generator, plan: CasePlan, scene: Scene) -> list[Placed]:
+    """One for each of the plan's kinds, at places in random order: the first at which it can be large enough."""
+    return [_placed(rng, kind, ratio, scene) for kind, ratio in zip(plan.kinds, plan.ratios, strict=True)]
+
+
+def clutter(rng: np.random.Generator, scene: Scene) -> list[Placed]:
     """Two small effects on every joint."""
     return [
-        _sized(KINDS[str(kind)].draw(rng, bench.runs[joint]), joint, float(rng.uniform(*_CLUTTER_RATIO)), bench)
-        for joint in range(len(bench.runs))
+        _sized(_on_joint(ON_JOINTS[str(kind)].draw(rng, run), joint, scene), float(rng.uniform(*_CLUTTER_RATIO)))
+        for joint, run in enumerate(scene.runs)
         for kind in rng.choice(CLUTTER, 2, replace=False)
     ]
 
@@ -80,55 +84,121 @@ def clutter(rng: np.random.Generator, bench: Bench) -> list[Placed]:
 def motor_torque(run: AxisRun, effects: Sequence[Placed], joint: int) -> Array:
     """(L, T) [N·m] k_T i as the log reports it, with all effects of this joint."""
     motor = run.motor.copy()
-    here = [each for each in effects if each.on(joint)]
-    for each in sorted(here, key=lambda one: one.effect.reported):
-        seen = replace(run, motor=motor) if each.effect.reported else run
-        motor = motor + each.effect.torque(seen, each.size)
+    here = [each for each in effects if each.effect.name in ON_JOINTS and each.joint in (None, joint)]
+    for each in sorted(here, key=lambda one: _joint_effect(one).reported):
+        seen = replace(run, motor=motor) if _joint_effect(each).reported else run
+        motor = motor + _joint_effect(each).torque(seen, each.size)
     return motor
 
 
-def _placed(rng: np.random.Generator, kind: type[HiddenEffect], ratio: float, bench: Bench) -> Placed:
+def pull(scene: Scene, effects: Sequence[Placed]) -> Array | None:
+    """(L, T, J) [N·m] that joints must give beside bodies and bands; None where nothing asks them."""
+    changes = [_whole_effect(e).change(scene, e.size).torque for e in effects if e.effect.name in ELSEWHERE]
+    torques = [each for each in changes if each is not None]
+    return np.asarray(sum(torques)) if torques else None
+
+
+def sensed(scene: Scene, effects: Sequence[Placed]) -> Array:
+    """(L, T, 6) what the sensor says: what it feels, then its own faults."""
+    wrench = scene.wrench
+    elsewhere = [each for each in effects if each.effect.name in ELSEWHERE]
+    for each in sorted(elsewhere, key=lambda one: _whole_effect(one).reported):
+        reported = _whole_effect(each).reported
+        change = _whole_effect(each).change(replace(scene, wrench=wrench) if reported else scene, each.size).wrench
+        if change is not None:
+            wrench = wrench + change
+    return wrench
+
+
+def _placed(rng: np.random.Generator, kind: str, ratio: float, scene: Scene) -> Placed:
     """A believable size may fall short of the ratio: half of it is enough if it is visible where it should be."""
     tried: list[Placed] = []
     enough = 0.95 * min(ratio, max(0.5 * ratio, VISIBLE if ratio >= VISIBLE else FAINT))
-    everywhere = kind.name == "torque_delay" and rng.uniform() < _ALL_JOINTS
-    for joint in rng.permutation(len(bench.runs)):
-        effect = kind.draw(rng, bench.runs[joint])
-        tried.append(
-            _sized_everywhere(effect, ratio, bench) if everywhere else _sized(effect, int(joint), ratio, bench)
-        )
-        if tried[-1].ratio >= enough or everywhere:
+    for candidate in _candidates(rng, kind, scene):
+        tried.append(_sized(candidate, ratio))
+        if tried[-1].found.ratio >= enough or len(tried) == _MOST_PLACES:
             break
-    return max(tried, key=lambda each: each.ratio)
+    return max(tried, key=lambda each: min(each.found.ratio, ratio))
 
 
-def _sized_everywhere(effect: HiddenEffect, ratio: float, bench: Bench) -> Placed:
-    """The same size on every joint, so that the ratio is reached on one."""
-    every = [_sized(effect, joint, ratio, bench) for joint in range(len(bench.runs))]
-    return replace(min(every, key=lambda each: each.size), joint=None)
+def _candidates(rng: np.random.Generator, kind: str, scene: Scene) -> Iterator[_Candidate]:
+    """The same kind at one place after the other, in random order."""
+    if kind in ON_JOINTS:
+        everywhere = kind == "torque_delay" and rng.uniform() < _ALL_JOINTS
+        for joint in rng.permutation(len(scene.runs)):
+            effect = ON_JOINTS[kind].draw(rng, scene.runs[joint])
+            yield _on_all_joints(effect, scene) if everywhere else _on_joint(effect, int(joint), scene)
+            if everywhere:
+                return
+    elif kind == IN_LOGS:
+        yield _in_log(BandLimitedLog.draw(rng, scene), scene)
+    else:
+        places = ELSEWHERE[kind].places(scene)
+        for n in rng.permutation(len(places)):
+            yield _elsewhere(ELSEWHERE[kind].draw(rng, scene, places[n]), places[n], scene)
 
 
-def _sized(effect: HiddenEffect, joint: int, ratio: float, bench: Bench) -> Placed:
-    """As large as asked for, but never larger than anyone would believe."""
-    run, floor = bench.runs[joint], bench.floors[joint]
+def _on_joint(effect: HiddenEffect, joint: int, scene: Scene) -> _Candidate:
+    limits = SMALLEST.get(effect.name, 0.0), effect.largest(scene.runs[joint])
+    where = {"joint": scene.joints[joint]}
+    return _Candidate(
+        effect, joint, where, limits, effect.linear, lambda size: trace_on_joint(scene, effect, joint, size)
+    )
 
-    def excess(size: float) -> float:
-        return bench.baselines[joint].excess(effect.torque(run, size))
 
-    largest = effect.largest(run)
-    if effect.linear:
-        unit = excess(1.0)
-        size = min(ratio * floor / unit, largest)
-        return Placed(effect, joint, size, size * unit / floor, size * unit, floor)
-    size, found = largest, excess(largest)
+def _on_all_joints(effect: HiddenEffect, scene: Scene) -> _Candidate:
+    """The same size on every joint: as large as it is where it is largest."""
+
+    def trace(size: float) -> HowLarge:
+        every = (trace_on_joint(scene, effect, joint, size) for joint in range(len(scene.runs)))
+        return max(every, key=lambda each: each.ratio)
+
+    limits = 0.0, min(effect.largest(run) for run in scene.runs)
+    return _Candidate(effect, None, {"joint": ALL}, limits, effect.linear, trace)
+
+
+def _elsewhere(effect: WholeEffect, where: Mapping[str, str | bool], scene: Scene) -> _Candidate:
+    unit = effect.change(scene, 1.0) if effect.linear else None
+
+    def trace(size: float) -> HowLarge:
+        if unit is not None:
+            return largest_trace(scene, unit, effect.believed(scene), 1.0).times(size)
+        return largest_trace(scene, effect.change(scene, size), effect.believed(scene), size)
+
+    return _Candidate(effect, None, where, effect.limits(scene), effect.linear, trace)
+
+
+def _in_log(effect: BandLimitedLog, scene: Scene) -> _Candidate:
+    where = {"log": ALL if effect.log is None else scene.logs[effect.log].name}
+    return _Candidate(effect, None, where, effect.limits(), False, lambda size: trace_in_log(scene, effect, size))
+
+
+def _sized(one: _Candidate, ratio: float) -> Placed:
+    """As large as asked for, but never larger than anyone would believe, nor smaller than makes sense."""
+    smallest, largest = one.limits
+    if one.linear:
+        unit = one.trace(1.0)
+        size = float(np.clip(ratio / max(unit.ratio, 1e-12), smallest, largest))
+        return Placed(one.effect, one.joint, one.where, size, unit.times(size))
+    size, found = largest, one.trace(largest)
     slope = 1.0
     for _ in range(_SEARCHES):
-        if found <= ratio * floor * (1.0 + _CLOSE) and (size == largest or found >= ratio * floor * (1.0 - _CLOSE)):
+        reached = abs(found.ratio / ratio - 1.0) <= _CLOSE
+        stuck = (size == largest and found.ratio < ratio) or (size == smallest and found.ratio > ratio)
+        if reached or stuck or found.ratio == 0.0:
             break
-        next_size = min(size * (ratio * floor / found) ** (1.0 / slope), largest)
-        next_found = excess(next_size)
+        next_size = float(np.clip(size * (ratio / found.ratio) ** (1.0 / slope), smallest, largest))
+        next_found = one.trace(next_size)
         change = np.log(next_size / size)
-        if abs(change) > 1e-6 and next_found != found:
-            slope = float(np.clip(np.log(next_found / found) / change, 0.3, 3.0))
+        if abs(change) > 1e-6 and next_found.ratio not in (0.0, found.ratio):
+            slope = float(np.clip(np.log(next_found.ratio / found.ratio) / change, 0.3, 3.0))
         size, found = next_size, next_found
-    return Placed(effect, joint, size, found / floor, found, floor)
+    return Placed(one.effect, one.joint, one.where, size, found)
+
+
+def _joint_effect(placed: Placed) -> HiddenEffect:
+    return placed.effect  # type: ignore[return-value]
+
+
+def _whole_effect(placed: Placed) -> WholeEffect:
+    return placed.effect  # type: ignore[return-value]

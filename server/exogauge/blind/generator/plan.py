@@ -8,18 +8,20 @@ from typing import final
 import numpy as np
 
 from exogauge.blind.generator.arm import ARM
-from exogauge.blind.generator.hidden.kinds import KINDS
+from exogauge.blind.generator.hidden.kinds import IN_BANDS, IN_LOGS, KINDS
+from exogauge.blind.generator.log_plans import PLAIN, WITH_DEVICE, LogPlan
 from exogauge.blind.generator.robot_kind import RobotKind
 from exogauge.blind.generator.torso import TORSO
 from exogauge.synthetic.random_streams import stream
 
 BLOCK = 40  # cases, of which
-CLEAN, PAIRS = 8, 4
+CLEAN, PAIRS = 5, 5
 CLUTTERED = 1 / 3
 CURRENT = 0.7  # share of arms that log currents, the others torques
 WITH_TEMPERATURE = 0.7
 ROBOTS = {"arm6": (ARM,), "torso8": (TORSO,), "both": (ARM, TORSO)}
-TORSOS = 0.3  # share of cases with the upper body where there are both
+TORSOS = 0.35  # share of cases with the upper body where there are both, beside those that need bands
+CALIBRATED = 0.5  # share of robots whose maker has measured k_T
 FAINT, VISIBLE, STRONG = 1.0, 3.0, 8.0  # times the noise floor: of the unabsorbed part of a hidden effect
 _VISIBLE_SHARE = 0.6
 
@@ -28,7 +30,8 @@ _VISIBLE_SHARE = 0.6
 @dataclass(frozen=True)
 class CasePlan:
     """kinds: what to hide, by name; ratios: how large each shall be, in noise floors. clutter: small effects on every
-    joint as well. actuation: `current` or `torque`. temperature: whether it is logged."""
+    joint as well. actuation: `current` or `torque`. temperature: whether it is logged. k_T: how its maker knows it, a
+    key of `true_robot.K_T_STD`."""
 
     number: int
     kinds: tuple[str, ...]
@@ -36,35 +39,51 @@ class CasePlan:
     clutter: bool
     actuation: str
     temperature: bool
+    k_T: str
     robot: RobotKind
+
+    @property
+    def logs(self) -> tuple[LogPlan, ...]:
+        return WITH_DEVICE if self.robot.wires else PLAIN
 
     @property
     def name(self) -> str:
         return f"case_{self.number:04d}"
 
 
-def plan_case(seed: int, number: int, robots: str = "both") -> CasePlan:
-    """number counts from 1. The same seed and number give the same plan, however many cases there are. robots: a key
-    of `ROBOTS`; another choice changes nothing but the robot."""
+def plan_case(seed: int, number: int, robots: str = "both", effects: tuple[str, ...] = ()) -> CasePlan:
+    """number counts from 1. The same arguments give the same plan, however many cases there are. robots: a key of
+    `ROBOTS`. effects: to be hidden, one in each case, in turn; none: all sorts, and nothing now and then."""
+    choice = ROBOTS[robots]
     block, place = divmod(number - 1, BLOCK)
-    kinds = _block(seed, block)[place]
+    kinds = _block(seed, block, possible(robots, effects), clean=not effects)[place]
     rng = stream(seed, f"plan {number}")
     ratios = tuple(_ratio(rng, visible=len(kinds) > 1) for _ in kinds)
     clutter = bool(rng.uniform() < CLUTTERED)
     actuation = "current" if rng.uniform() < CURRENT else "torque"
     temperature = bool(rng.uniform() < WITH_TEMPERATURE) or "thermal_viscous" in kinds
-    choice = ROBOTS[robots]
-    robot = choice[-1] if rng.uniform() < TORSOS else choice[0]
-    return CasePlan(number, kinds, ratios, clutter, actuation, temperature, robot)
+    k_T = "calibrated" if rng.uniform() < CALIBRATED or "kt_gain" in kinds else "data sheet"
+    torso = rng.uniform() < TORSOS or bool(IN_BANDS & set(kinds))
+    return CasePlan(number, kinds, ratios, clutter, actuation, temperature, k_T, choice[-1] if torso else choice[0])
 
 
-def _block(seed: int, block: int) -> list[tuple[str, ...]]:
-    """What the `BLOCK` cases of one block hide: every sort equally often, up to one."""
-    rng, names = stream(seed, f"block {block}"), list(KINDS)
-    single = BLOCK - CLEAN - PAIRS
+def possible(robots: str, effects: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Of `effects`, or of all, what these robots can hide."""
+    worn = any(robot.wires for robot in ROBOTS[robots])
+    return tuple(kind for kind in effects or KINDS if worn or kind not in IN_BANDS)
+
+
+def _block(seed: int, block: int, names: tuple[str, ...], clean: bool) -> list[tuple[str, ...]]:
+    """What the `BLOCK` cases of one block hide: every sort equally often, up to one. clean: some hide nothing, some
+    two, in random order; otherwise each hides one, in turn."""
+    rng = stream(seed, f"block {block}")
+    among = [name for name in names if name != IN_LOGS]
+    single = BLOCK - CLEAN - PAIRS if clean else BLOCK
     start = block * single  # goes on where the block before ended
     cases: list[tuple[str, ...]] = [(names[(start + n) % len(names)],) for n in range(single)]
-    cases += [tuple(str(name) for name in rng.choice(names, 2, replace=False)) for _ in range(PAIRS)]
+    if not clean:
+        return cases
+    cases += [tuple(str(name) for name in rng.choice(among, 2, replace=False)) for _ in range(PAIRS)]
     cases += [()] * CLEAN
     return [cases[n] for n in rng.permutation(BLOCK)]
 

@@ -28,37 +28,30 @@ def robot_urdf(name: str, links: Sequence[Link]) -> str:
     return Xml.tostring(robot, encoding="unicode") + "\n"
 
 
-def robot_file(kind: RobotKind, links: Sequence[Link], actuation: str) -> Mapping[str, Any]:
+def robot_file(kind: RobotKind, links: Sequence[Link], actuation: str, k_T_std: float) -> Mapping[str, Any]:
     """robot.yaml as a tree of plain values. links: as built."""
     joints = [link.joint for link in links if link.joint is not None]
     q_std = float(np.sqrt(np.mean([sensors.encoder_std(joint.drive.gear_ratio) ** 2 for joint in joints])))
     noise = {"q": _number(q_std)} | ({"i": _number(sensors.current_std())} if actuation == "current" else {})
-    base: dict[str, Any] = {"base": "fixed"}
-    if kind.mount is not None:
-        sensor = {"name": kind.mount.sensor, "frame": kind.mount.sensor, "role": "contact", "sees": "world_on_robot"}
-        base = {
-            "base": "floating",
-            "base_link": links[0].name,
-            "imu": {"frame": kind.mount.imu},
-            "ft_sensors": [sensor],
-        }
-        noise |= {name: sensors.NOISE[name] for name in ("acc", "gyro", "force", "moment")}
+    sensor = kind.sensor
     return {
         "version": 1,
         "name": kind.name,
         "urdf": "robot.urdf",
-        **base,
-        "joints": [_joint_entry(joint, actuation) for joint in joints],
-        "noise": noise,
+        "base": "fixed",
+        "base_link": links[0].name,
+        "ft_sensors": [{"name": sensor.name, "frame": sensor.frame, "role": "cut", "sees": "payload_on_sensor"}],
+        "joints": [_joint_entry(joint, actuation, k_T_std) for joint in joints],
+        "noise": noise | {"force": sensor.force, "moment": sensor.moment},
         "inertial_prior_std": {"default": INERTIAL_STD},
     }
 
 
-def _joint_entry(joint: Joint, actuation: str) -> dict[str, Any]:
+def _joint_entry(joint: Joint, actuation: str, k_T_std: float) -> dict[str, Any]:
     left_out = () if actuation == "current" else ("k_T",)
     values, spread = (
         {key: _number(value) for key, value in table.items() if key not in left_out}
-        for table in (a_priori(joint.drive), a_priori_std(joint.drive))
+        for table in (a_priori(joint.drive), a_priori_std(joint.drive, k_T_std))
     )
     gear = joint.drive.gear_ratio
     return {"name": joint.name, "actuation": actuation, "gear_ratio": gear, "prior": values, "prior_std": spread}

@@ -10,8 +10,8 @@ Array = NDArray[np.float64]
 ENCODER_COUNTS = 2**14  # per motor turn
 CURRENT_NOISE, CURRENT_STEP = 0.02, 0.005  # [A]
 TEMPERATURE_NOISE, TEMPERATURE_STEP = 0.05, 0.1  # [°C]
-NOISE = {"acc": 0.03, "gyro": 0.003, "force": 0.5, "moment": 0.04}  # of IMU and force/torque sensor, SI units
-_FINEST = 0.05  # step of their converters, in noises
+ZERO = 3.0  # std of a force/torque sensor's zero error, in noises
+_FINEST = 0.05  # step of its converters, in noises
 
 
 def encoder(rng: np.random.Generator, angle: Array, gear: float) -> Array:
@@ -44,9 +44,8 @@ def thermometer(rng: np.random.Generator, values: Array) -> Array:
     return _stepped(values + TEMPERATURE_NOISE * rng.standard_normal(values.shape), TEMPERATURE_STEP)
 
 
-def noisy(rng: np.random.Generator, values: Array, kind: str) -> Array:
-    """kind: of `NOISE`."""
-    std = NOISE[kind]
+def noisy(rng: np.random.Generator, values: Array, std: float) -> Array:
+    """An axis of a force/torque sensor."""
     return _stepped(values + std * rng.standard_normal(values.shape), _FINEST * std)
 
 

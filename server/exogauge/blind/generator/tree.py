@@ -41,8 +41,8 @@ def tree_of(links: Sequence[Link]) -> Tree:
     names = [link.name for link in moving]
     parent, origin = [], []
     for link in moving:
-        carrier, offset = _carrier(links, link.parent)
-        parent.append(names.index(carrier) if carrier in names else -1)
+        on, offset = carrier(links, link.parent)
+        parent.append(names.index(on) if on in names else -1)
         origin.append(offset + link.origin)
     return Tree(
         tuple(names), tuple(parent), np.array(origin), tuple(_AXIS[link.joint.axis] for link in moving if link.joint)
@@ -55,17 +55,12 @@ def bodies_of(links: Sequence[Link], masses: Mapping[str, Mass]) -> Array:
     return np.array([_body(links, masses, name).phi() for name in moving])
 
 
-def base_of(links: Sequence[Link], masses: Mapping[str, Mass]) -> Mass:
-    """The base link and what is fixed to it."""
-    return _body(links, masses, links[0].name)
-
-
 def _body(links: Sequence[Link], masses: Mapping[str, Mass], name: str) -> Mass:
-    carriers = {link.name: _carrier(links, link.name) for link in links if link.name in masses}
-    return joined(masses[each].moved(offset) for each, (carrier, offset) in carriers.items() if carrier == name)
+    carriers = {link.name: carrier(links, link.name) for link in links if link.name in masses}
+    return joined(masses[each].moved(offset) for each, (on, offset) in carriers.items() if on == name)
 
 
-def _carrier(links: Sequence[Link], name: str | None) -> tuple[str, Array]:
+def carrier(links: Sequence[Link], name: str | None) -> tuple[str, Array]:
     """The link whose joint moves `name` (or the base), and the origin of `name` seen from it."""
     by_name = {link.name: link for link in links}
     link, offset = by_name[name or links[0].name], np.zeros(3)

@@ -9,19 +9,20 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.blind.generator.tree import Tree, base_of, bodies_of, tree_of
+from exogauge.blind.generator.cut import Cut, cut_at
+from exogauge.blind.generator.tree import Tree, bodies_of, tree_of
 from exogauge.synthetic.inertia import Mass, of_shape
 from exogauge.synthetic.robot_facts import Drive, Link
 
 Array = NDArray[np.float64]
 
 INERTIAL_STD = 0.12  # relative: of mass, and of the centre in radii of gyration; of each extent, half of it
-K_T_STD = 0.07  # relative
+K_T_STD = {"calibrated": 0.02, "data sheet": 0.07}  # relative
 FRICTION_STD = 0.3  # relative, of k_d, tau_c and tau_s
 OFFSET_STD = 0.1  # of tau_o, relative to tau_c
 ROTOR_STD = 0.2  # relative
 STATIC_OVER_COULOMB = 1.08  # the a-priori tau_s / tau_c
-CUT = 2.5  # standard deviations: no number is further off
+FURTHEST = 2.5  # standard deviations: no number is further off
 
 
 @final
@@ -41,11 +42,11 @@ class TrueDrive:
 @final
 @dataclass(frozen=True)
 class TrueRobot:
-    """phi: (J, 10) of the moving bodies; base: the link they stand on."""
+    """phi: (J, 10) of the moving bodies. cut: what the force/torque sensor carries."""
 
     tree: Tree
     phi: Array
-    base: Mass
+    cut: Cut
     drives: tuple[TrueDrive, ...]
 
 
@@ -55,10 +56,10 @@ def a_priori(drive: Drive) -> dict[str, float]:
     return {"k_T": drive.k_T, "k_d": drive.k_d, "tau_c": drive.tau_c, "tau_s": tau_s, "tau_o": 0.0, "J_r": drive.J_r}
 
 
-def a_priori_std(drive: Drive) -> dict[str, float]:
-    """Standard deviation of the truth about `a_priori`."""
+def a_priori_std(drive: Drive, k_T_std: float) -> dict[str, float]:
+    """Standard deviation of the truth about `a_priori`; k_T_std: of `K_T_STD`."""
     return {
-        "k_T": K_T_STD * drive.k_T,
+        "k_T": k_T_std * drive.k_T,
         "k_d": FRICTION_STD * drive.k_d,
         "tau_c": FRICTION_STD * drive.tau_c,
         "tau_s": FRICTION_STD * STATIC_OVER_COULOMB * drive.tau_c,
@@ -67,11 +68,15 @@ def a_priori_std(drive: Drive) -> dict[str, float]:
     }
 
 
-def draw_robot(rng: np.random.Generator, links: Sequence[Link]) -> TrueRobot:
-    """A robot of the population that the a-priori values and their standard deviations describe."""
+def draw_robot(rng: np.random.Generator, links: Sequence[Link], frame: str, k_T_std: float) -> TrueRobot:
+    """A robot of the population that the a-priori values and their standard deviations describe.
+
+    frame: the sensor's. k_T_std: of `K_T_STD`.
+    """
     masses = {link.name: _drawn_mass(rng, link) for link in links if link.mass > 0.0}
-    drives = tuple(_drawn_drive(rng, link.joint.drive) for link in links if link.joint is not None)
-    return TrueRobot(tree_of(links), bodies_of(links, masses), base_of(links, masses), drives)
+    drives = tuple(_drawn_drive(rng, link.joint.drive, k_T_std) for link in links if link.joint is not None)
+    tree = tree_of(links)
+    return TrueRobot(tree, bodies_of(links, masses), cut_at(links, frame, tree, masses), drives)
 
 
 def record(robot: TrueRobot, joints: Sequence[str]) -> Mapping[str, Mapping[str, float]]:
@@ -91,11 +96,11 @@ def _drawn_mass(rng: np.random.Generator, link: Link) -> Mass:
     return Mass(float(mass), centre, even.spread * np.outer(extents, extents))
 
 
-def _drawn_drive(rng: np.random.Generator, drive: Drive) -> TrueDrive:
+def _drawn_drive(rng: np.random.Generator, drive: Drive, k_T_std: float) -> TrueDrive:
     e = _deviation(rng, 5)
     tau_c = drive.tau_c * (1.0 + FRICTION_STD * e[2])
     return TrueDrive(
-        k_T=float(drive.k_T * (1.0 + K_T_STD * e[0])),
+        k_T=float(drive.k_T * (1.0 + k_T_std * e[0])),
         k_d=float(drive.k_d * (1.0 + FRICTION_STD * e[1])),
         tau_c=float(tau_c),
         tau_s=float(tau_c * rng.uniform(1.0, 2.0 * STATIC_OVER_COULOMB - 1.0)),
@@ -106,4 +111,4 @@ def _drawn_drive(rng: np.random.Generator, drive: Drive) -> TrueDrive:
 
 
 def _deviation(rng: np.random.Generator, size: int) -> Array:
-    return np.clip(rng.standard_normal(size), -CUT, CUT)
+    return np.clip(rng.standard_normal(size), -FURTHEST, FURTHEST)

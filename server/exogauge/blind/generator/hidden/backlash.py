@@ -1,4 +1,4 @@
-"""Play between motor and link."""
+"""Play, or a spring, between motor and link."""
 
 from __future__ import annotations
 
@@ -38,30 +38,63 @@ class Backlash:
         return 0.02
 
     def torque(self, run: AxisRun, size: float) -> Array:
-        """What the link's own movement r beyond the motor asks: I r_ddot + K r, from I r_ddot = tooth - load - K r.
+        k = (2 * np.pi * self.frequency) ** 2 * float(run.inertia.mean())
+        return two_masses(run, k, self.damping, 0.5 * size)
 
-        A mean over each sample's time, as a current controller shows it: landings are shorter than a sample.
-        """
-        step, logs, samples = 1.0 / (RATE_HZ * SUBSTEPS), *run.q.shape
-        inertia = run.inertia
-        k = (2 * np.pi * self.frequency) ** 2 * float(inertia.mean())
-        c = 2.0 * self.damping * np.sqrt(k * float(inertia.mean()))
-        half, friction = 0.5 * size, 0.02 * c
-        r = -np.sign(run.load[:, 0]) * half - run.load[:, 0] / k
-        v = np.zeros(logs)
-        rise = np.diff(run.load, axis=1, append=run.load[:, -1:]) / SUBSTEPS
-        out = np.zeros((logs, samples))
-        for n in range(samples):
-            I, K, load = inertia[:, n], run.stiffness[:, n], run.load[:, n]  # noqa: E741
-            resting = I + step * friction + step**2 * K
-            for _ in range(SUBSTEPS):
-                over = r - np.minimum(np.maximum(r, -half), half)
-                touching = over != 0.0
-                damping = c * touching + friction
-                pull = k * (over + step * v * touching) + damping * v + load + K * (r + step * v)
-                acc = -pull / (resting + (step * c + step**2 * k) * touching)
-                out[:, n] += (I * acc + K * r) / SUBSTEPS
-                v = v + step * acc
-                r = r + step * v
-                load = load + rise[:, n]
-        return out
+
+@final
+@dataclass(frozen=True)
+class Elasticity:
+    """The encoder sits at the motor; a spring to the link gives way by size [s²] times what the load is over the link's
+    mean inertia, so that the link swings at 1 / (2 pi sqrt(size)). At the largest load it is stiffer by `harder`.
+    """
+
+    damping: float
+    harder: float
+
+    name: ClassVar[str] = "elasticity"
+    linear: ClassVar[bool] = False
+    reported: ClassVar[bool] = False
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        return cls(float(rng.uniform(0.1, 0.3)), float(rng.uniform(0.1, 0.4)))
+
+    def largest(self, run: AxisRun) -> float:
+        return (2 * np.pi * 5.0) ** -2
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        k = float(run.inertia.mean()) / size
+        give = float(np.abs(run.load).max()) / k
+        return two_masses(run, k, self.damping, 0.0, self.harder / give**2)
+
+
+def two_masses(run: AxisRun, k: float, damping: float, half: float, cubic: float = 0.0) -> Array:
+    """(L, T) [N·m] that the link's own movement r beyond the motor asks: I r_ddot + K r, from
+    I r_ddot = tooth - load - K r.
+
+    k: [N·m/rad] of the tooth or spring, (1 + cubic r²) times stiffer when it gives way; half: [rad] of the gap.
+    A mean over each sample's time, as a current controller shows it: landings are shorter than a sample.
+    """
+    step, logs, samples = 1.0 / (RATE_HZ * SUBSTEPS), *run.q.shape
+    inertia = run.inertia
+    c = 2.0 * damping * np.sqrt(k * float(inertia.mean()))
+    friction = 0.02 * c
+    r = -np.sign(run.load[:, 0]) * half - run.load[:, 0] / k
+    v = np.zeros(logs)
+    rise = np.diff(run.load, axis=1, append=run.load[:, -1:]) / SUBSTEPS
+    out = np.zeros((logs, samples))
+    for n in range(samples):
+        I, K, load = inertia[:, n], run.stiffness[:, n], run.load[:, n]  # noqa: E741
+        for _ in range(SUBSTEPS):
+            over = r - np.minimum(np.maximum(r, -half), half)
+            touching = over != 0.0
+            now = k * (1.0 + cubic * over**2)
+            damped = c * touching + friction
+            pull = now * (over + step * v * touching) + damped * v + load + K * (r + step * v)
+            acc = -pull / (I + step * friction + step**2 * K + (step * c + step**2 * now) * touching)
+            out[:, n] += (I * acc + K * r) / SUBSTEPS
+            v = v + step * acc
+            r = r + step * v
+            load = load + rise[:, n]
+    return out

@@ -2,20 +2,43 @@
 
 from __future__ import annotations
 
-from exogauge.blind.generator.hidden.backlash import Backlash
+from exogauge.blind.generator.hidden.backlash import Backlash, Elasticity
+from exogauge.blind.generator.hidden.band import (
+    BandHardening,
+    BandLength,
+    BandRelaxation,
+    BandSlip,
+    BandStiffness,
+    BandViaFriction,
+    BandViscous,
+    ExtraBand,
+)
+from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, LinkMass, Payload
 from exogauge.blind.generator.hidden.effect import HiddenEffect
 from exogauge.blind.generator.hidden.load import LoadCoulomb
-from exogauge.blind.generator.hidden.motor import KtSaturation, TorqueDelay
+from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
+from exogauge.blind.generator.hidden.motor import KtGain, KtSaturation, TorqueDelay
 from exogauge.blind.generator.hidden.position import JointSpring, TorqueRipple
 from exogauge.blind.generator.hidden.presliding import Presliding
-from exogauge.blind.generator.hidden.slow import ThermalViscous, TorqueOffsetDrift
+from exogauge.blind.generator.hidden.sensor import FtCrosstalk, FtDrift, FtGain
+from exogauge.blind.generator.hidden.slow import FrictionShift, ThermalViscous, TorqueOffsetDrift
 from exogauge.blind.generator.hidden.velocity import AsymViscous, NonlinearViscous, Stribeck
+from exogauge.blind.generator.hidden.whole import WholeEffect
 
-KINDS: dict[str, type[HiddenEffect]] = {
+ON_JOINTS: dict[str, type[HiddenEffect]] = {
     kind.name: kind
     for kind in (
         Stribeck, LoadCoulomb, AsymViscous, NonlinearViscous, Presliding, Backlash, JointSpring, TorqueRipple,
-        KtSaturation, ThermalViscous, TorqueOffsetDrift, TorqueDelay,
+        KtSaturation, ThermalViscous, TorqueOffsetDrift, TorqueDelay, KtGain, FrictionShift, Elasticity,
     )
 }  # fmt: skip
+_ELSEWHERE: tuple[type[WholeEffect], ...] = (Payload, LinkMass, Contact, BaseTilt, FtGain, FtCrosstalk, FtDrift)
+_IN_BANDS: tuple[type[WholeEffect], ...] = (
+    BandStiffness, BandLength, BandViscous, BandRelaxation, BandHardening, BandSlip, BandViaFriction, ExtraBand,
+)  # fmt: skip
+ELSEWHERE = {kind.name: kind for kind in (*_ELSEWHERE, *_IN_BANDS)}
+IN_BANDS = frozenset(kind.name for kind in _IN_BANDS)  # only where a device is worn
+IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
+KINDS = (*ON_JOINTS, *ELSEWHERE, IN_LOGS)
+SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named
 CLUTTER = ("stribeck", "load_coulomb", "asym_viscous", "nonlinear_viscous", "joint_spring", "torque_ripple")

@@ -66,3 +66,25 @@ def late(values: Array, delay: float, lag: bool) -> Array:
         return np.asarray(filtered)
     time = np.arange(values.shape[1]) / RATE_HZ
     return np.array([np.interp(time - delay, time, row) for row in values])
+
+
+@final
+@dataclass(frozen=True)
+class KtGain:
+    """The log says the share size too much of the torque (sign 1), or too little: another k_T than is stated."""
+
+    sign: float
+
+    name: ClassVar[str] = "kt_gain"
+    linear: ClassVar[bool] = True
+    reported: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        return cls(float(rng.choice([-1.0, 1.0])))
+
+    def largest(self, run: AxisRun) -> float:
+        return 0.2
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        return np.asarray(self.sign * size * run.motor)

@@ -56,3 +56,32 @@ class TorqueOffsetDrift:
     def torque(self, run: AxisRun, size: float) -> Array:
         drift = self.sign * size * run.time / (run.time + self.settling)
         return np.broadcast_to(drift, run.q.shape).copy()
+
+
+@final
+@dataclass(frozen=True)
+class FrictionShift:
+    """From log `since` on there is size [N·m] more Coulomb friction (sign 1) or less, and viscous friction with it:
+    `viscous` of it at 1 rad/s, by |v|^power."""
+
+    since: int
+    sign: float
+    viscous: float
+    power: float
+
+    name: ClassVar[str] = "friction_shift"
+    linear: ClassVar[bool] = True
+    reported: ClassVar[bool] = False
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
+        viscous, power = rng.uniform([0.2, 0.85], [0.6, 1.2])
+        return cls(int(rng.integers(2, 4)), float(rng.choice([-1.0, 1.0])), float(viscous), float(power))
+
+    def largest(self, run: AxisRun) -> float:
+        return 0.7 * min(run.drive.tau_c, run.drive.k_d / self.viscous)
+
+    def torque(self, run: AxisRun, size: float) -> Array:
+        change = self.sign * size * run.direction * (1.0 + self.viscous * np.abs(run.dq) ** self.power)
+        change[: self.since] = 0.0
+        return np.asarray(change)
