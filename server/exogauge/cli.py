@@ -139,6 +139,7 @@ def _add_synthetic_commands(commands: Commands) -> None:
     make.add_argument("--seed", type=int, required=True, metavar="N")
     make.add_argument("--cases", type=int, required=True, metavar="K")
     make.add_argument("--robot", choices=("arm6", "torso8", "both"), default="both", help="(default: both)")
+    make.add_argument("--effects", metavar="A,B,…", help="hide one of these in every case")
     make.set_defaults(command=make_blind)
     trial = steps.add_parser("run", help="evaluate every case that has no result of this code yet")
     trial.add_argument("out", type=Path, metavar="OUT", help="what `blind make` has written")
@@ -252,7 +253,8 @@ def make_blind(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
 
     with bar("blind make") as progress:
-        make(options.out, options.seed, options.cases, progress, processes=processors(), robots=options.robot)
+        effects = [name.strip() for name in (options.effects or "").split(",") if name.strip()]
+        make(options.out, options.seed, options.cases, progress, processors(), options.robot, effects)
     print(options.out / "seal.txt")
     return 0
 
