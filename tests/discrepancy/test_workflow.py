@@ -141,9 +141,9 @@ def test_the_widest_gap_is_closed_first(search, study, on_joint):
 
 def test_an_effect_sits_on_an_axis_once(search, study, on_joint):
     found = search(study(on_joint(2, lambda m: one_way(m) + falling_with_speed(m))))
-    placed = [(each.effect.name, each.axis) for each in found.identification.model.extension.effects]
+    placed = [(each.effect.name, each.site) for each in found.identification.model.extension.effects]
     assert len(placed) == len(set(placed))
-    assert ("asym_viscous", 2) in placed
+    assert ("asym_viscous", AxisSite(2)) in placed
 
 
 def test_one_delay_of_all_joints_is_one_finding(search, study):
@@ -152,7 +152,7 @@ def test_one_delay_of_all_joints_is_one_finding(search, study):
     (finding,) = found.discrepancy.findings
     assert all(joint in finding.sentence for joint in ("j1", "j2", "j3"))
     assert finding.parameters["delta"].value == pytest.approx(0.03, abs=0.003)
-    assert {each.axis for each in found.identification.model.extension.effects} == {0, 1, 2}
+    assert {each.site for each in found.identification.model.extension.effects} == {AxisSite(k) for k in range(3)}
 
 
 def test_a_delay_of_one_joint_stays_at_that_joint(search, study, on_joint):

@@ -110,8 +110,8 @@ def test_the_supporting_torque_and_its_slopes_know_the_added_torque(recordings):
 def test_columns_are_named_after_effect_and_coefficient(recordings):
     truth, logs = recordings(0.0)
     found = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)), AddedEffect(RIPPLE, AxisSite(2), (5.0,)))[1]
-    assert [(each.name, each.axis) for each in found.model.equations.added] == [
-        ("asym_viscous.d_a", 1), ("torque_ripple.ripple_sin", 2), ("torque_ripple.ripple_cos", 2),
+    assert [(each.name, each.place) for each in found.model.equations.added] == [
+        ("asym_viscous.d_a", "j2"), ("torque_ripple.ripple_sin", "j3"), ("torque_ripple.ripple_cos", "j3"),
     ]  # fmt: skip
     assert {"asym_viscous.d_a[j2]", "torque_ripple.ripple_cos[j3]"} <= {each.name for each in found.parameters}
 
