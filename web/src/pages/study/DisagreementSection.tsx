@@ -1,0 +1,173 @@
+import { List, Stack, Table, Text, Title } from "@mantine/core";
+
+import { isNumber, NONE, significant } from "../../parts/digits";
+import { Uncertain } from "../../parts/Uncertain";
+import { WideTable } from "../../parts/WideTable";
+import { CandidateTable } from "./CandidateTable";
+import { Chain } from "./Chain";
+import { FindingStory } from "./FindingStory";
+import type { Discrepancy, Excess, Measured, Results } from "./results";
+import { Skipped } from "./Skipped";
+import { counted, leftOf, verdictOf } from "./verdict";
+import { capital, channelWords, typeset } from "./words";
+
+/** From the first gap to the noise floor: what was missing, why that is believed, what it was not, what is left. */
+export function DisagreementSection({ results }: { results: Results }) {
+  const found = results.discrepancy;
+  if (!found)
+    return <Skipped results={results} step="discrepancy" advice="It needs a log that is not fitted: role validation or without_device." />;
+  return (
+    <Stack gap="xl">
+      <div>
+        <Title order={2} size="h3" mb={4}>
+          What the model lacked
+        </Title>
+        <Text size="lg" style={{ maxWidth: "60rem" }} data-testid="verdict">
+          {verdictOf(results)}
+        </Text>
+        <Text size="sm" c="dimmed" mt={4}>
+          {counted(found.candidates)} candidates were tried, each an effect at one place in one shape, fitted together with the whole
+          model and judged on held-out logs in steady motion.
+        </Text>
+      </div>
+      {found.chain.length > 0 && <Chain chain={found.chain} findings={found.findings} />}
+      {found.findings.map((each) => (
+        <FindingStory key={each.rank} finding={each} />
+      ))}
+      <section aria-labelledby="left">
+        <Title order={2} size="h3" id="left" mb={4}>
+          What is left
+        </Title>
+        <Text size="sm">{leftOf(found)}</Text>
+        {found.unexplained.length > 0 && <Excesses name="Channels above their noise with all that was named" rows={found.unexplained} />}
+        {found.located.length > 0 && (
+          <>
+            <Title order={3} size="h5" mt="md" mb={4}>
+              Where the first model disagreed
+            </Title>
+            <Excesses name="Channels above their noise before anything was named" rows={found.located} />
+          </>
+        )}
+      </section>
+      {found.rejected.length > 0 && (
+        <section aria-labelledby="rejected">
+          <Title order={2} size="h3" id="rejected" mb={4}>
+            Tried and not named
+          </Title>
+          <CandidateTable name="Candidates that were not named" rows={found.rejected} />
+        </section>
+      )}
+      <Consequences found={found} />
+      <Lineage found={found} />
+      {found.notes.length > 0 && (
+        <List size="sm">
+          {[...new Set(found.notes)].map((note) => (
+            <List.Item key={note}>{typeset(note)}</List.Item>
+          ))}
+        </List>
+      )}
+    </Stack>
+  );
+}
+
+function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
+  return (
+    <WideTable label={name}>
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th scope="col">Channel</Table.Th>
+          {["RMSE", "Noise floor", "Standard errors above"].map((head) => (
+            <Table.Th key={head} scope="col" data-number>
+              {head}
+            </Table.Th>
+          ))}
+          <Table.Th scope="col">Where</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {rows.map((each) => (
+          <Table.Tr key={each.channel}>
+            <Table.Th scope="row">{channelWords(each.channel)}</Table.Th>
+            <Table.Td data-number>
+              {significant(each.rmse)} {each.unit}
+            </Table.Td>
+            <Table.Td data-number>
+              {significant(each.noise_floor)} {each.unit}
+            </Table.Td>
+            <Table.Td data-number>{significant(each.z, 2)}</Table.Td>
+            <Table.Td>{typeset(each.where)}</Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </WideTable>
+  );
+}
+
+/** What the named effects change of support and stiffness. */
+function Consequences({ found }: { found: Discrepancy }) {
+  const rows = Object.entries(found.before_after);
+  if (!rows.length) return null;
+  return (
+    <section aria-labelledby="consequences">
+      <Title order={2} size="h3" id="consequences" mb={4}>
+        What that changes
+      </Title>
+      <WideTable label="Support and stiffness without and with the named effects">
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th scope="col">Quantity</Table.Th>
+            {["Without", "With", "Change"].map((head) => (
+              <Table.Th key={head} scope="col" data-number>
+                {head}
+              </Table.Th>
+            ))}
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {rows.map(([quantity, { before, after }]) => (
+            <Table.Tr key={quantity}>
+              <Table.Th scope="row">{capital(quantity)}</Table.Th>
+              <Table.Td data-number>
+                <Uncertain {...before} />
+              </Table.Td>
+              <Table.Td data-number>
+                <Uncertain {...after} />
+              </Table.Td>
+              <Table.Td data-number>{changeOf(before, after)}</Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </WideTable>
+    </section>
+  );
+}
+
+function changeOf(before: Measured, after: Measured): string {
+  if (!isNumber(before.value) || !isNumber(after.value) || before.value === 0) return NONE;
+  const percent = Math.round(100 * (Math.abs(after.value) / Math.abs(before.value) - 1));
+  return `${percent > 0 ? "+" : percent < 0 ? "−" : ""}${Math.abs(percent)} %`;
+}
+
+/** Which model came from which. */
+function Lineage({ found }: { found: Discrepancy }) {
+  if (found.lineage.length < 2) return null;
+  return (
+    <section aria-labelledby="lineage">
+      <Title order={2} size="h3" id="lineage" mb={4}>
+        Versions of the model
+      </Title>
+      <List type="ordered" size="sm" spacing={2}>
+        {found.lineage.map(({ version, parent, added }) => (
+          <List.Item key={version}>
+            <code>{version}</code>
+            {parent && (
+              <>
+                : <code>{parent}</code> with <code>{added}</code>
+              </>
+            )}
+          </List.Item>
+        ))}
+      </List>
+    </section>
+  );
+}

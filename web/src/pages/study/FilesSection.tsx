@@ -1,0 +1,77 @@
+import { Anchor, Stack, Table, Text, TextInput, Title } from "@mantine/core";
+import { useState } from "react";
+
+import { address } from "../../app/base";
+import { Loading } from "../../parts/Loading";
+import { ProblemBox } from "../../parts/ProblemBox";
+import { count, sizeOf } from "../../parts/size";
+import { WideTable } from "../../parts/WideTable";
+import type { Job } from "./jobs";
+import { useArtifacts } from "./results";
+
+const ABOUT: Record<string, string> = {
+  "report.html": "everything to read and to print, in one file",
+  "results.json": "every number, to compute with",
+  "parameters.csv": "parameters of the robot, with standard deviations",
+  "validation.csv": "errors per channel and log",
+  "support.csv": "supporting torque per device, motion, joint and phase",
+  "stiffness.csv": "stiffness and natural length of the bands",
+  "identified.urdf": "the maker’s URDF with identified inertias",
+};
+
+/** What the job made, to take away. */
+export function FilesSection({ job }: { job: Job }) {
+  const { data, error, refetch } = useArtifacts(job.id, job.state === "succeeded");
+  const [wanted, setWanted] = useState("");
+  if (error) return <ProblemBox error={error} retry={() => void refetch()} />;
+  if (!data) return <Loading what="the files" />;
+  const files = data.items.filter((file) => file.name.toLowerCase().includes(wanted.trim().toLowerCase()));
+  return (
+    <Stack gap="md">
+      <Title order={2} size="h3">
+        Files
+      </Title>
+      <TextInput
+        label="Find a file"
+        placeholder="part of its name"
+        maw={340}
+        value={wanted}
+        onChange={(event) => setWanted(event.currentTarget.value)}
+      />
+      <Text size="sm" c="dimmed" role="status">
+        {count(files.length, "file")}
+        {files.length < data.items.length && ` of ${data.items.length}`}, {sizeOf(files.reduce((sum, file) => sum + file.size, 0))}
+      </Text>
+      <WideTable label="Files that the job made">
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th scope="col">File</Table.Th>
+            <Table.Th scope="col">What it holds</Table.Th>
+            <Table.Th scope="col" data-number>
+              Size
+            </Table.Th>
+            <Table.Th scope="col">SHA-256</Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {files.map((file) => (
+            <Table.Tr key={file.name}>
+              <Table.Th scope="row">
+                <Anchor size="sm" href={address(`api/v1/${file.href}`)} {...(file.name.endsWith(".html") ? { target: "_blank" } : { download: true })}>
+                  {file.name}
+                </Anchor>
+              </Table.Th>
+              <Table.Td>{ABOUT[file.name] ?? (file.name.startsWith("series/") ? "the log’s channels, with what the models say" : "")}</Table.Td>
+              <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
+              <Table.Td>
+                <Text size="xs" ff="monospace" title={file.sha256}>
+                  {file.sha256.slice(0, 12)}…
+                </Text>
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </WideTable>
+    </Stack>
+  );
+}

@@ -1,0 +1,95 @@
+import { Alert, Paper, Stack, Table, Text, Title } from "@mantine/core";
+import { IconBulb } from "@tabler/icons-react";
+
+import { percent, significant } from "../../parts/digits";
+import { Uncertain } from "../../parts/Uncertain";
+import { WideTable } from "../../parts/WideTable";
+import { CandidateTable } from "./CandidateTable";
+import { EvidencePlot } from "./EvidencePlot";
+import type { Finding } from "./results";
+import { channelWords, titleOf, typeset } from "./words";
+
+const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
+
+/** A named effect: the sentence, its evidence, its parameters, what it beat, and what it may still be. */
+export function FindingStory({ finding }: { finding: Finding }) {
+  const { held_out: held } = finding;
+  const title = titleOf(finding);
+  const key = `finding-${finding.rank}`;
+  return (
+    <Paper withBorder p="md" component="section" aria-labelledby={key}>
+      <Title order={2} size="h3" id={key} mb={4}>
+        {title}
+      </Title>
+      <Text mb="xs" style={{ maxWidth: "60rem" }}>
+        {typeset(finding.evidence)}
+      </Text>
+      <Text size="sm" c="dimmed" mb="sm">
+        {channelWords(held.channel)}, held-out logs: {significant(held.rmse_before)} → {significant(held.rmse_after)} {held.unit} RMSE, noise
+        floor {significant(held.noise_floor)}; it explains {percent(finding.score)} of the excess.
+      </Text>
+      <Stack gap="lg">
+        {finding.curve.coordinate.values.length > 1 && (
+          <EvidencePlot curve={finding.curve} channel={channelWords(held.channel)} title={title} />
+        )}
+        <WideTable label={`Parameters of ${title}`}>
+          <Table.Thead>
+            <Table.Tr>
+              <Table.Th scope="col">Parameter</Table.Th>
+              <Table.Th scope="col" data-number>
+                Value ± std
+              </Table.Th>
+            </Table.Tr>
+          </Table.Thead>
+          <Table.Tbody>
+            {Object.entries(finding.parameters).map(([name, value]) => (
+              <Table.Tr key={name}>
+                <Table.Th scope="row">
+                  <Letter name={name} />
+                </Table.Th>
+                <Table.Td data-number>
+                  <Uncertain {...value} />
+                </Table.Td>
+              </Table.Tr>
+            ))}
+          </Table.Tbody>
+        </WideTable>
+        {finding.also_possible.length > 0 && (
+          <Alert icon={<IconBulb aria-hidden />} color="yellow" variant="outline" title="These logs cannot tell it from">
+            <CandidateTable name={`What may stand in for ${title}`} rows={finding.also_possible} />
+            {finding.motion && (
+              <Text size="sm" mt="xs">
+                <strong>The motion that would tell:</strong> {typeset(finding.motion)}
+              </Text>
+            )}
+          </Alert>
+        )}
+        {finding.alternatives.length > 0 && (
+          <div>
+            <Title order={3} size="h5" mb={4}>
+              What it was tried against
+            </Title>
+            <CandidateTable
+              name={`Alternatives to ${title}`}
+              rows={[{ ...finding, reason: "the one named" }, ...finding.alternatives]}
+              chosen={0}
+            />
+          </div>
+        )}
+      </Stack>
+    </Paper>
+  );
+}
+
+/** `tau_b` as a letter with an index; longer names as words. */
+function Letter({ name }: { name: string }) {
+  const [, head = name, index = ""] = /^([^_]+)_?(.*)$/.exec(name) ?? [];
+  const letter = GREEK[head] ?? head;
+  if (letter.length > 3) return <>{name.replaceAll("_", " ")}</>;
+  return (
+    <>
+      <i>{letter}</i>
+      {index && <sub>{index}</sub>}
+    </>
+  );
+}

@@ -1,0 +1,48 @@
+import { Stack, Text, Title } from "@mantine/core";
+
+import { useMemo } from "react";
+
+import { significant } from "../../parts/digits";
+import { BeforeAfter } from "./BeforeAfter";
+import { ChannelErrors } from "./ChannelErrors";
+import { ParameterTable } from "./ParameterTable";
+import type { Identification } from "./results";
+import type { StudyLog } from "./summary";
+import { Unknowns } from "./Unknowns";
+import { POOLED } from "./words";
+
+/** How well the identified robot explains its logs, its parameters, and what the logs cannot tell of them. */
+export function IdentificationSection({ found, logs }: { found: Identification; logs: StudyLog[] }) {
+  const samples = useMemo(() => new Map(logs.map((log) => [log.name, log.samples])), [logs]);
+  const heldOut = found.summary.some((each) => each.held_out);
+  return (
+    <Stack gap="xl">
+      <section aria-labelledby="errors">
+        <Title order={2} size="h3" id="errors">
+          Error before and after
+        </Title>
+        <Text size="sm" c="dimmed" mb="sm">
+          RMSE of the robot as its maker describes it and as identified, against what noise alone leaves,{" "}
+          {heldOut ? "on logs that were not fitted" : "on the fitted logs: none was held out"}.
+        </Text>
+        <BeforeAfter
+          name="Error before and after identification"
+          rows={found.summary.map((each) => ({
+            name: POOLED[each.kind] ?? each.kind,
+            before: each.rmse_prior,
+            after: each.rmse_identified,
+            floor: each.noise_floor,
+            unit: each.unit,
+          }))}
+        />
+      </section>
+      <ChannelErrors fits={found.validation} heldOut={heldOut} samples={samples} />
+      <Unknowns found={found} />
+      <ParameterTable parameters={found.parameters} />
+      <Text size="sm" c="dimmed">
+        From {found.samples.toLocaleString("en").replaceAll(",", "\u202f")} samples of steady motion below{" "}
+        {significant(found.cutoff_hz)} Hz; rank {found.rank}, condition {significant(found.condition)}, prior × {significant(found.prior_strength)}.
+      </Text>
+    </Stack>
+  );
+}

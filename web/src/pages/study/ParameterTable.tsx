@@ -1,0 +1,105 @@
+import { Button, Group, Select, Table, Text, TextInput, Title } from "@mantine/core";
+import { useDeferredValue, useMemo, useState } from "react";
+
+import { isNumber, significant, unitOf } from "../../parts/digits";
+import { count } from "../../parts/size";
+import { Uncertain } from "../../parts/Uncertain";
+import { WideTable } from "../../parts/WideTable";
+import type { Parameter } from "./results";
+
+const FIRST = 40;
+const WHICH = { all: "All", known: "Told by the data", prior: "Told by the prior" } as const;
+
+/** Every parameter, to search; each says whether the data or the prior decided it. */
+export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
+  const [wanted, setWanted] = useState("");
+  const [which, setWhich] = useState<keyof typeof WHICH>("all");
+  const [all, setAll] = useState(false);
+  const words = useDeferredValue(wanted.trim().toLowerCase());
+  const found = useMemo(
+    () =>
+      parameters.filter(
+        ({ name, identifiable }) =>
+          name.toLowerCase().includes(words) && (which === "all" || identifiable === (which === "known")),
+      ),
+    [parameters, words, which],
+  );
+  const shown = all ? found : found.slice(0, FIRST);
+  return (
+    <section aria-labelledby="parameters">
+      <Title order={2} size="h3" id="parameters" mb="sm">
+        Parameters
+      </Title>
+      <Group gap="sm" align="flex-end" mb="xs">
+        <TextInput
+          label="Find a parameter"
+          placeholder="k_T, torso_pitch, m[chest] …"
+          value={wanted}
+          onChange={(event) => setWanted(event.currentTarget.value)}
+        />
+        <Select
+          label="Which"
+          allowDeselect={false}
+          data={Object.entries(WHICH).map(([value, label]) => ({ value, label }))}
+          value={which}
+          onChange={(value) => setWhich((value ?? "all") as keyof typeof WHICH)}
+        />
+        <Text size="sm" c="dimmed" role="status">
+          {count(found.length, "parameter")}
+          {found.length < parameters.length && ` of ${parameters.length}`}
+        </Text>
+      </Group>
+      <WideTable label="Parameters of the robot">
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th scope="col">Parameter</Table.Th>
+            <Table.Th scope="col" data-number>
+              Value ± std
+            </Table.Th>
+            <Table.Th scope="col">Unit</Table.Th>
+            <Table.Th scope="col" data-number>
+              Before ± std
+            </Table.Th>
+            <Table.Th scope="col">Decided by</Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {shown.map((each) => (
+            <Table.Tr key={each.name} data-parameter={each.name}>
+              <Table.Th scope="row" style={{ overflowWrap: "anywhere" }}>
+                {each.name}
+              </Table.Th>
+              <Table.Td data-number>
+                <Uncertain value={each.value} std={each.std} />
+              </Table.Td>
+              <Table.Td>{unitOf(each.unit)}</Table.Td>
+              <Table.Td data-number>
+                <Uncertain value={each.prior} std={each.prior_std} />
+              </Table.Td>
+              <Table.Td>{decidedBy(each)}</Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </WideTable>
+      {found.length === 0 && (
+        <Text size="sm" c="dimmed">
+          No parameter is called so.
+        </Text>
+      )}
+      {found.length > FIRST && (
+        <Button mt="xs" variant="default" size="xs" onClick={() => setAll(!all)}>
+          {all ? `Only the first ${FIRST}` : `All ${found.length}`}
+        </Button>
+      )}
+    </section>
+  );
+}
+
+/** How much the logs narrowed what was believed. */
+function decidedBy({ name, identifiable, std, prior_std }: Parameter): string {
+  const ratio = isNumber(std) && isNumber(prior_std) && std > 0 ? prior_std / std : null;
+  if (identifiable) return ratio !== null && ratio >= 1.05 ? `data, ${significant(ratio, 2)} times surer than before` : "data";
+  if (name.startsWith("tau_s")) return "bounded only: friction at rest varies";
+  if (ratio === null) return "prior: these motions do not tell it";
+  return ratio >= 1.05 ? `prior: data made it ${significant(ratio, 2)} times surer, too little` : "prior: these motions do not tell it";
+}

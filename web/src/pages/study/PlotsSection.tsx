@@ -1,0 +1,93 @@
+import { Alert, Button, CopyButton, Group, Select, Stack, Title } from "@mantine/core";
+import { IconLink } from "@tabler/icons-react";
+import { useEffect, useMemo } from "react";
+
+import type { Study } from "../../api/studies";
+import { Loading } from "../../parts/Loading";
+import { ProblemBox } from "../../parts/ProblemBox";
+import { Cursor } from "../../plots/cursor";
+import { PlotStack } from "../../plots/PlotStack";
+import { useSeriesList, type SeriesFacts } from "../../plots/series";
+import { useView } from "../../plots/view";
+import type { Job } from "./jobs";
+import type { Results } from "./results";
+import { ROLES, summaryOf, type StudyLog } from "./summary";
+
+type Props = { study: Study; job: Job; results: Results };
+
+/** One log at a time: what was measured, what each model says, what the wear gives. */
+export default function PlotsSection({ study, job, results }: Props) {
+  const { data, error, refetch } = useSeriesList(job.id, job.state === "succeeded");
+  const [view, change] = useView();
+  const logs = summaryOf(study).logs ?? [];
+  const known = data?.items ?? [];
+  const series = known.find((each) => each.name === view.log) ?? firstOf(known, logs, results);
+  const cursor = useMemo(() => new Cursor(view.at), [series?.name]);
+  const first = useMemo(() => (series ? plotsFor(series, results) : []), [series, results]);
+  useEffect(() => {
+    if (view.at !== null) cursor.move(view.at);
+  }, [view.at, cursor]);
+
+  if (error) return <ProblemBox error={error} retry={() => void refetch()} />;
+  if (!data) return <Loading what="the series" />;
+  if (!series) return <Alert color="gray" variant="outline" title="This job made no series" />;
+  const missing = view.log !== null && view.log !== series.name;
+  return (
+    <Stack gap="md">
+      <Group justify="space-between" align="flex-end" gap="sm">
+        <Title order={2} size="h3">
+          Over time
+        </Title>
+        <CopyButton value={window.location.href} timeout={1500}>
+          {({ copied, copy }) => (
+            <Button size="xs" variant="default" leftSection={<IconLink size={16} aria-hidden />} onClick={copy}>
+              {copied ? "Copied" : "Copy link to this view"}
+            </Button>
+          )}
+        </CopyButton>
+      </Group>
+      {missing && (
+        <Alert color="yellow" variant="outline" title={`This job has no series “${view.log}”`}>
+          Shown instead: {series.name}.
+        </Alert>
+      )}
+      <Select
+        label="Log"
+        maw={480}
+        searchable
+        allowDeselect={false}
+        data={optionsOf(known, logs)}
+        value={series.name}
+        onChange={(log) => log && log !== series.name && change({ log, from: null, to: null, at: null })}
+      />
+      <PlotStack key={series.name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
+    </Stack>
+  );
+}
+
+/** Logs with the device first: they have most to show. */
+function firstOf(known: SeriesFacts[], logs: StudyLog[], results: Results): SeriesFacts | undefined {
+  const worn = results.support.find((each) => each.main)?.logs[0];
+  const heldOut = logs.find((log) => log.role !== "identification")?.name;
+  return known.find((each) => each.name === worn) ?? known.find((each) => each.name === heldOut) ?? known[0];
+}
+
+function optionsOf(known: SeriesFacts[], logs: StudyLog[]) {
+  const roles = new Map(logs.map((log) => [log.name, log]));
+  const groups = new Map<string, { value: string; label: string }[]>();
+  for (const each of known) {
+    const log = roles.get(each.name);
+    const group = log ? [log.motion && `Motion ${log.motion}`, ROLES[log.role] ?? log.role].filter(Boolean).join(", ") : "Logs";
+    groups.set(group, [...(groups.get(group) ?? []), { value: each.name, label: each.name }]);
+  }
+  return [...groups].map(([group, items]) => ({ group, items }));
+}
+
+/** What a reader most likely wants first: the joints that the wear acts on, else those that were in question. */
+function plotsFor(series: SeriesFacts, results: Results): string[] {
+  const worn = results.support.filter((each) => each.main && each.logs.includes(series.name)).map((each) => each.joint);
+  const named = (results.discrepancy?.findings ?? []).map((each) => each.held_out.channel);
+  const trunk = results.identification.summary.find((each) => each.kind === "trunk_torque")?.channels ?? [];
+  if (worn.length) return [`support.${worn[0]}`, `tau.${worn[0]}`, "tension"];
+  return [...new Set([...named, ...trunk, "base.my"])].slice(0, 3);
+}

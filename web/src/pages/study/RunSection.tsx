@@ -1,0 +1,141 @@
+import { Anchor, Code, ScrollArea, Stack, Table, Text, Title } from "@mantine/core";
+
+import type { Study } from "../../api/studies";
+import { isActive } from "../../api/studies";
+import { address } from "../../app/base";
+import { NONE, significant } from "../../parts/digits";
+import { sizeOf } from "../../parts/size";
+import { When } from "../../parts/When";
+import { FactList } from "../../parts/FactList";
+import { WideTable } from "../../parts/WideTable";
+import { SignalDoubts } from "./SignalDoubts";
+import { useSaid, type Job } from "./jobs";
+import { Pipeline } from "./Pipeline";
+import type { Results } from "./results";
+import { stagesOf } from "./stages";
+import { ROLES, summaryOf, type StudyLog } from "./summary";
+import { KINDS } from "./words";
+
+type Props = { study: Study; job: Job | null; results?: Results };
+
+/** How it was done, from what, and what was said on the way. Raw logs stay in reach whatever became of the job. */
+export function RunSection({ study, job, results }: Props) {
+  const summary = summaryOf(study);
+  return (
+    <Stack gap="xl">
+      {job && (
+        <section aria-labelledby="steps">
+          <Title order={2} size="h3" id="steps" mb="sm">
+            Steps
+          </Title>
+          <Pipeline stages={stagesOf(job, summary)} />
+        </section>
+      )}
+      {job && <Said job={job} />}
+      {results && <SignalDoubts found={results.doctor} />}
+      <section aria-labelledby="logs">
+        <Title order={2} size="h3" id="logs" mb="sm">
+          Logs
+        </Title>
+        <Logs study={study} logs={summary.logs ?? []} />
+      </section>
+      {job && <Facts study={study} job={job} results={results} />}
+    </Stack>
+  );
+}
+
+function Said({ job }: { job: Job }) {
+  const said = useSaid(job);
+  if (!said.length && !job.log) return null;
+  return (
+    <section aria-labelledby="log">
+      <Title order={2} size="h3" id="log" mb="sm">
+        What the job said
+      </Title>
+      <ScrollArea.Autosize mah={320} type="auto" viewportProps={{ tabIndex: 0, role: "region", "aria-label": "Lines of the job" }}>
+        {said.length > 0 && (
+          <ul style={{ margin: 0, paddingInlineStart: "1.2rem", fontSize: "var(--mantine-font-size-sm)" }}>
+            {said.map(({ at, message }, k) => (
+              <li key={k}>
+                <Text span c="dimmed" size="sm">
+                  {new Date(at).toLocaleTimeString()}
+                </Text>{" "}
+                {message}
+              </li>
+            ))}
+          </ul>
+        )}
+        {job.log && <Code block>{job.log}</Code>}
+      </ScrollArea.Autosize>
+      {isActive(job.state) && said.length > 0 && (
+        <Text size="xs" c="dimmed">
+          The newest line is the last.
+        </Text>
+      )}
+    </section>
+  );
+}
+
+function Logs({ study, logs }: { study: Study; logs: StudyLog[] }) {
+  const hashes = new Map(study.files?.map((file) => [file.path, file]));
+  return (
+    <WideTable label="Logs of the study">
+      <Table.Thead>
+        <Table.Tr>
+          {["Log", "Role", "Motion", "Worn"].map((name) => (
+            <Table.Th key={name} scope="col">
+              {name}
+            </Table.Th>
+          ))}
+          {["Duration", "Rate", "Samples"].map((name) => (
+            <Table.Th key={name} scope="col" data-number>
+              {name}
+            </Table.Th>
+          ))}
+          <Table.Th scope="col">File as handed in</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {logs.map((log) => (
+          <Table.Tr key={log.name}>
+            <Table.Th scope="row">{log.name}</Table.Th>
+            <Table.Td>{ROLES[log.role] ?? log.role}</Table.Td>
+            <Table.Td>{log.motion ?? NONE}</Table.Td>
+            <Table.Td>{log.device ?? NONE}</Table.Td>
+            <Table.Td data-number>{significant(log.duration_s, 4)} s</Table.Td>
+            <Table.Td data-number>{significant(log.rate_hz, 4)} Hz</Table.Td>
+            <Table.Td data-number>{log.samples.toLocaleString("en").replaceAll(",", "\u202f")}</Table.Td>
+            <Table.Td>
+              {log.file.map((path) => (
+                <Anchor key={path} size="sm" href={address(`api/v1/studies/${study.id}/files/${path}`)} download>
+                  {path}
+                  {hashes.get(path) && ` (${sizeOf(hashes.get(path)!.size)})`}
+                </Anchor>
+              ))}
+            </Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </WideTable>
+  );
+}
+
+function Facts({ study, job, results }: Required<Omit<Props, "results" | "job">> & { job: Job; results?: Results }) {
+  const settings = Object.entries(results?.settings ?? job.settings).filter(([, value]) => value !== null);
+  const facts: [string, React.ReactNode][] = [
+    ["Job", <Code key="c">{job.id}</Code>],
+    ["Asked for", <>{KINDS[job.kind] ?? job.kind}, <When at={job.created_at} /></>],
+    ["Study", <Code key="c">{study.content_hash.slice(0, 16)}…</Code>],
+    ["Code", <Code key="c">{job.code_version}</Code>],
+    ["Settings", settings.length ? settings.map(([key, value]) => `${key}: ${Array.isArray(value) ? value.join(", ") : String(value)}`).join("; ") : "none"],
+  ];
+  if (results) facts.push(["Software", Object.entries(results.software).map((each) => each.join(" ")).join(", ")]);
+  return (
+    <section aria-labelledby="made">
+      <Title order={2} size="h3" id="made" mb="sm">
+        How it was made
+      </Title>
+      <FactList facts={facts} />
+    </section>
+  );
+}

@@ -1,0 +1,44 @@
+import { lazy, Suspense } from "react";
+
+import type { Study } from "../../api/studies";
+import { Loading } from "../../parts/Loading";
+import { DisagreementSection } from "./DisagreementSection";
+import { FilesSection } from "./FilesSection";
+import { IdentificationSection } from "./IdentificationSection";
+import type { Job } from "./jobs";
+import { isEvaluation, type Results } from "./results";
+import { RunSection } from "./RunSection";
+import type { SectionKey } from "./sections";
+import { StiffnessSection } from "./StiffnessSection";
+import { SummarySection } from "./SummarySection";
+import { summaryOf } from "./summary";
+import { SupportSection } from "./SupportSection";
+
+const PlotsSection = lazy(() => import("./PlotsSection"));
+
+type Props = { name: SectionKey; study: Study; job: Job; results?: Results };
+
+/** One part of the review. */
+export function Section({ name, study, job, results }: Props) {
+  if (name === "files") return <FilesSection job={job} />;
+  if (name === "run" || !isEvaluation(results))
+    return <RunSection study={study} job={job} results={isEvaluation(results) ? results : undefined} />;
+  switch (name) {
+    case "summary":
+      return <SummarySection study={study} results={results} />;
+    case "identification":
+      return <IdentificationSection found={results.identification} logs={summaryOf(study).logs ?? []} />;
+    case "support":
+      return <SupportSection study={study} results={results} />;
+    case "stiffness":
+      return <StiffnessSection results={results} />;
+    case "disagreement":
+      return <DisagreementSection results={results} />;
+    case "plots":
+      return (
+        <Suspense fallback={<Loading what="the plots" />}>
+          <PlotsSection study={study} job={job} results={results} />
+        </Suspense>
+      );
+  }
+}

@@ -1,0 +1,95 @@
+import { List, Stack, Table, Text, Title } from "@mantine/core";
+
+import { between, fixed, isNumber, NONE, significant } from "../../parts/digits";
+import { Uncertain } from "../../parts/Uncertain";
+import { WideTable } from "../../parts/WideTable";
+import type { Results, Stiffness } from "./results";
+import { Skipped } from "./Skipped";
+
+const APPROACH: Record<string, string> = { A: "A", B: "B", prior: "B, maker’s values" };
+
+/** Stiffness and natural length of each band, by each approach. */
+export function StiffnessSection({ results }: { results: Results }) {
+  const found = results.stiffness;
+  if (!found.length)
+    return <Skipped results={results} step="stiffness" advice="It needs logs with the device on, and bands that change their length in them." />;
+  const truth = found.some((each) => each.truth_n_per_m !== null);
+  const notes = [...new Set(results.stiffness_details.flatMap((each) => each.notes))];
+  return (
+    <Stack gap="xl">
+      <div>
+        <Title order={2} size="h3">
+          Stiffness and natural length of the bands
+        </Title>
+        <Text size="sm" c="dimmed">
+          ± is one standard deviation, the interval holds 95 of 100. {truth && "Error: against the true value, which this device file knows. "}
+          “Not decided” means that these motions leave it open.
+        </Text>
+      </div>
+      {[...new Set(found.map((each) => each.device))].map((device) => (
+        <section key={device} aria-labelledby={`device-${device}`}>
+          <Title order={3} size="h4" id={`device-${device}`} mb="xs">
+            {device}
+          </Title>
+          <Bands device={device} rows={found.filter((each) => each.device === device)} truth={truth} />
+        </section>
+      ))}
+      {notes.length > 0 && (
+        <List size="sm">
+          {notes.map((note) => (
+            <List.Item key={note}>{note}</List.Item>
+          ))}
+        </List>
+      )}
+    </Stack>
+  );
+}
+
+function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; truth: boolean }) {
+  const numbers = ["Stiffness ± std", "95 % interval", ...(truth ? ["Error"] : []), "Natural length ± std", "95 % interval"];
+  return (
+    <WideTable label={`Bands of ${device}`}>
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th scope="col">Band</Table.Th>
+          <Table.Th scope="col">Approach</Table.Th>
+          {numbers.map((name, k) => (
+            <Table.Th key={k} scope="col" data-number>
+              {name}
+            </Table.Th>
+          ))}
+          <Table.Th scope="col">Remark</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {rows.map((each) => (
+          <Table.Tr key={`${each.band} ${each.approach}`} data-band={`${device}|${each.band}|${each.approach}`}>
+            <Table.Th scope="row">{each.band}</Table.Th>
+            <Table.Td>{APPROACH[each.approach] ?? each.approach}</Table.Td>
+            <Table.Td data-number>
+              <Uncertain {...each.stiffness_n_per_m} />
+            </Table.Td>
+            <Table.Td data-number>{between(...each.interval_95.stiffness_n_per_m)}</Table.Td>
+            {truth && (
+              <Table.Td data-number title={isNumber(each.truth_n_per_m) ? `true: ${significant(each.truth_n_per_m, 4)} N/m` : undefined}>
+                {isNumber(each.error_percent) ? `${fixed(each.error_percent, Math.abs(each.error_percent) < 10 ? 2 : 0)} %` : NONE}
+              </Table.Td>
+            )}
+            <Table.Td data-number>
+              <Uncertain {...each.natural_length_m} />
+            </Table.Td>
+            <Table.Td data-number>{between(...each.interval_95.natural_length_m)}</Table.Td>
+            <Table.Td>{remark(each)}</Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </WideTable>
+  );
+}
+
+function remark({ identifiable, length_identifiable, note }: Stiffness): string {
+  const open = [];
+  if (!identifiable) open.push("stiffness not decided");
+  if (!length_identifiable) open.push("length not decided");
+  return [open.join(", "), note].filter(Boolean).join("; ");
+}

@@ -1,0 +1,128 @@
+import { Anchor, List, Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
+import { Link, useSearchParams } from "react-router";
+
+import type { Study } from "../../api/studies";
+import { significant } from "../../parts/digits";
+import { count } from "../../parts/size";
+import { Uncertain } from "../../parts/Uncertain";
+import type { Results } from "./results";
+import type { SectionKey } from "./sections";
+import { verdictOf } from "./verdict";
+import { channelWords, POOLED, typeset } from "./words";
+
+/** The findings on one screen; each leads to where it is told in full. */
+export function SummarySection({ study, results }: { study: Study; results: Results }) {
+  const { identification, support, stiffness, discrepancy } = results;
+  const main = support.filter((each) => each.main);
+  const bands = stiffness.filter((each) => each.approach === (stiffness.some((one) => one.approach === "A") ? "A" : "B"));
+  const groups = [...new Map(bands.map((each) => [`${each.device}, bands ${each.group}`, each])).entries()];
+  const skipped = results.steps.filter((each) => each.status === "skipped");
+  return (
+    <Stack gap="lg">
+      <Text size="lg" style={{ maxWidth: "60rem" }}>
+        {discrepancy ? verdictOf(results) : `The robot ${results.robot} was identified from its own logs.`}
+      </Text>
+      <SimpleGrid cols={{ base: 1, md: 2 }} spacing="md">
+        <Card study={study} to="identification" title="Identification">
+          {identification.summary.map((each) => (
+            <Fact key={each.kind} name={POOLED[each.kind] ?? each.kind} data={`summary-${each.kind}`}>
+              {significant(each.rmse_prior)} → <strong>{significant(each.rmse_identified)}</strong> {each.unit} RMSE, noise{" "}
+              {significant(each.noise_floor)}
+            </Fact>
+          ))}
+          <Fact name="Told by the logs">
+            {identification.parameters.length - identification.unidentifiable.length} of {count(identification.parameters.length, "parameter")}
+          </Fact>
+        </Card>
+        {discrepancy && (
+          <Card study={study} to="disagreement" title="Disagreement">
+            {discrepancy.findings.map((each) => (
+              <Fact key={each.rank} name={channelWords(each.held_out.channel)}>
+                {significant(each.held_out.rmse_before)} → <strong>{significant(each.held_out.rmse_after)}</strong> {each.held_out.unit},
+                noise {significant(each.held_out.noise_floor)}
+              </Fact>
+            ))}
+            <Fact name="Still unexplained">
+              {discrepancy.unexplained.length ? discrepancy.unexplained.map((each) => channelWords(each.channel)).join(", ") : "nothing above the noise"}
+            </Fact>
+            <Fact name="Tried">{count(discrepancy.candidates, "candidate")}</Fact>
+          </Card>
+        )}
+        {main.length > 0 && (
+          <Card study={study} to="support" title="Supporting torque, peak">
+            {main.map((each) => {
+              const effort = each.approaches.A ?? each.approaches.B;
+              return (
+                <Fact key={`${each.device} ${each.motion} ${each.joint}`} name={`${each.motion}, ${each.joint}`} about={each.device}>
+                  {effort && <Uncertain {...effort.peak} />} by {each.approaches.A ? "A" : "B"}
+                </Fact>
+              );
+            })}
+          </Card>
+        )}
+        {groups.length > 0 && (
+          <Card study={study} to="stiffness" title="Stiffness of the bands">
+            {groups.map(([name, each]) => (
+              <Fact key={name} name={`Bands ${each.group}`} about={each.device}>
+                <Uncertain {...each.stiffness_n_per_m} /> by {each.approach}
+                {!each.identifiable && ", not decided"}
+              </Fact>
+            ))}
+          </Card>
+        )}
+      </SimpleGrid>
+      {(results.warnings.length > 0 || skipped.length > 0) && (
+        <section aria-labelledby="mind">
+          <Title order={2} size="h4" id="mind" mb="xs">
+            To keep in mind
+          </Title>
+          <List size="sm" spacing={4} style={{ maxWidth: "70rem" }}>
+            {skipped.map((each) => (
+              <List.Item key={each.step}>
+                {each.step} was skipped: {each.reason}
+              </List.Item>
+            ))}
+            {results.warnings.map((warning) => (
+              <List.Item key={warning}>{typeset(warning)}</List.Item>
+            ))}
+          </List>
+        </section>
+      )}
+    </Stack>
+  );
+}
+
+function Card({ study, to, title, children }: { study: Study; to: SectionKey; title: string; children: React.ReactNode }) {
+  const [search] = useSearchParams();
+  return (
+    <Paper withBorder p="md" component="section">
+      <Title order={2} size="h4" mb="xs">
+        <Anchor component={Link} inherit to={{ pathname: `/studies/${study.id}/${to}`, search: search.toString() }} preventScrollReset>
+          {title}
+        </Anchor>
+      </Title>
+      <dl style={{ margin: 0 }}>{children}</dl>
+    </Paper>
+  );
+}
+
+type FactProps = { name: string; about?: string; data?: string; children: React.ReactNode };
+
+function Fact({ name, about, data, children }: FactProps) {
+  return (
+    <div data-fact={data} style={{ display: "flex", flexWrap: "wrap", justifyContent: "space-between", gap: "0 1rem", padding: "0.2rem 0" }}>
+      <Text component="dt" size="sm">
+        {name}
+        {about && (
+          <Text span size="xs" c="dimmed">
+            {" "}
+            {about}
+          </Text>
+        )}
+      </Text>
+      <Text component="dd" size="sm" m={0} style={{ fontVariantNumeric: "tabular-nums" }}>
+        {children}
+      </Text>
+    </div>
+  );
+}

@@ -1,0 +1,63 @@
+/** What the plots show, kept in the page's address, so that a link holds the view. */
+
+import { useCallback, useMemo } from "react";
+import { useSearchParams } from "react-router";
+
+/** show: keys of plots; null where the address leaves it to the page. hide: channels. from, to, at [s]. */
+export type View = {
+  log: string | null;
+  show: string[] | null;
+  hide: string[];
+  from: number | null;
+  to: number | null;
+  at: number | null;
+  doubts: boolean;
+};
+
+const NOTHING = "none";
+
+export function useView(): [View, (change: Partial<View>) => void] {
+  const [search, setSearch] = useSearchParams();
+  const view = useMemo(() => read(search), [search]);
+  const change = useCallback(
+    (wanted: Partial<View>) =>
+      setSearch((now) => written(now, { ...read(now), ...wanted }), { replace: true, preventScrollReset: true }),
+    [setSearch],
+  );
+  return [view, change];
+}
+
+function read(search: URLSearchParams): View {
+  const show = search.getAll("show");
+  return {
+    log: search.get("log"),
+    show: show.length === 0 ? null : show.filter((each) => each !== NOTHING),
+    hide: search.getAll("hide"),
+    from: number(search.get("from")),
+    to: number(search.get("to")),
+    at: number(search.get("at")),
+    doubts: search.get("doubts") !== "no",
+  };
+}
+
+function written(now: URLSearchParams, view: View): URLSearchParams {
+  const next = new URLSearchParams(now);
+  const set = (key: string, values: (string | number | null)[]) => {
+    next.delete(key);
+    for (const value of values) if (value !== null) next.append(key, String(value));
+  };
+  set("log", [view.log]);
+  set("show", view.show === null ? [] : view.show.length ? view.show : [NOTHING]);
+  set("hide", view.hide);
+  set("from", [view.from]);
+  set("to", [view.to]);
+  set("at", [view.at]);
+  set("doubts", view.doubts ? [] : ["no"]);
+  return next;
+}
+
+function number(text: string | null): number | null {
+  if (text === null || text.trim() === "") return null;
+  const value = Number(text);
+  return Number.isFinite(value) ? value : null;
+}
