@@ -159,6 +159,12 @@ def scale(kind: str, factor: float) -> Callable[[Channels], None]:
     return change
 
 
+def store_low_passed(channels: Channels) -> None:
+    for name in channels:
+        if name.startswith(("i.", "tau.")) and np.ptp(channels[name]) > 0.0:
+            channels[name] = sosfiltfilt(butter(4, 3.0, fs=RATE, output="sos"), channels[name])
+
+
 def remove_gravity(channels: Channels) -> None:
     for axis in "xyz":
         channels[f"acc.{axis}"] = channels[f"acc.{axis}"] - sosfiltfilt(
@@ -193,6 +199,7 @@ CASES = [
     ("saturated", "i.knee", clip),
     ("coarse", "q.knee", round_off),
     ("noisier_than_declared", "tau.ankle", hum),
+    ("stored_low_passed", "i.*", store_low_passed),
     ("joint_missing", "tau.ankle", lose),
     ("degrees", "q.hip", in_degrees),
     ("beyond_limits", "q.hip", shift_zero),

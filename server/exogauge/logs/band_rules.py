@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from exogauge.logs.findings import Expectation, Finding
+from exogauge.logs.findings import Expectation, Finding, joint_channels
 from exogauge.logs.model import Log
 from exogauge.logs.stored_band import stored_edge
 
@@ -14,7 +14,7 @@ def stored_low_passed(log: Log, expected: Expectation) -> Iterator[Finding]:
     edge = stored_edge(log)
     if edge is None:
         return
-    kind = "tau.*" if any(name.startswith("tau.") for name in log.channels) else "i.*"
+    kind = max(("tau.*", "i.*"), key=lambda each: len(joint_channels(log, each.partition(".")[0])))
     detail = (
         f"end at about {edge.hz:.2g} Hz: within an octave and a half their spectra fall by {edge.fall_db:.0f} dB, "
         "and no sensor's noise is left above"
