@@ -17,7 +17,7 @@ TORQUE: Rgb = (235, 110, 0)
 SUPPORT: Rgb = (0, 150, 90)
 FORCE: Rgb = (190, 30, 160)
 MARK: Rgb = (220, 20, 40)
-TENSION = np.array([[25, 70, 220], [0, 160, 200], [40, 170, 60], [240, 180, 0], [230, 30, 20]], dtype=np.float64)
+TENSION = np.array([[25, 70, 220], [0, 150, 190], [30, 150, 50], [220, 140, 0], [220, 25, 15]], dtype=np.float64)
 
 
 def tension_colour(share: NDArray[np.float64]) -> NDArray[np.uint8]:

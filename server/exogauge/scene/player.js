@@ -2,17 +2,18 @@
 
    The client believes it is connected: the worker that would open its websocket is replaced by `Feed`, which hands it
    the scene's messages and, frame by frame, what moves. So any time can be shown at once, and nothing is requested.
+   A seek pauses. Its number, `wish`, comes back with every time that is told after it: what was told before is old.
 
-   page -> player   {type: "scene", data: ArrayBuffer}  {type: "seek", time}  {type: "play", speed}  {type: "pause"}
+   page -> player   {type: "scene", data: ArrayBuffer}  {type: "seek", time, wish}  {type: "play", speed}  {type: "pause"}
                     {type: "camera"}
                     {type: "theme", dark}  {type: "show", layer, visible}  {type: "place", point, position}
-   player -> page   {type: "ready"}  {type: "loaded", about}  {type: "time", time, playing}  {type: "failed", reason}
+   player -> page   {type: "ready"}  {type: "loaded", about}  {type: "time", time, playing, wish}  {type: "failed", reason}
                     {type: "moved", point, link, position, done} */
 (() => {
   "use strict";
   const page = window.parent;
   const say = (message) => page.postMessage(message, location.origin);
-  const state = { feed: null, scene: null, frame: -1, time: 0, playing: false, speed: 1, told: 0, before: 0, dark: false };
+  const state = { feed: null, scene: null, frame: -1, time: 0, playing: false, speed: 1, told: 0, wish: 0, before: 0, dark: false };
 
   class Feed extends EventTarget {
     constructor() {
@@ -33,7 +34,7 @@
   function connect(feed) {
     state.feed = feed;
     feed.give({ type: "connected" });
-    if (state.scene) show();
+    if (state.scene) show(true);
     else say({ type: "ready" });
   }
 
@@ -57,16 +58,18 @@
 
   async function load(packed) {
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-    state.scene = opened(await new Response(stream).arrayBuffer());
-    state.time = state.scene.start;
-    show();
+    const scene = opened(await new Response(stream).arrayBuffer());
+    const first = !state.scene;
+    Object.assign(state, { scene, time: scene.start, playing: false });
+    if (!first && state.feed) state.feed.give({ type: "connected" }); // the client forgets what it shows
+    show(first);
     const { log, start, end, fps, frames, legend, marked, notes, points } = state.scene;
     const layers = Object.keys(state.scene.layers).filter((name) => state.scene.layers[name].length);
     say({ type: "loaded", about: { log, start, end, fps, frames, legend, marked, notes, points, layers } });
   }
 
-  function show() {
-    give([theme(), ...state.scene.messages, ...camera()]);
+  function show(aim) {
+    give([theme(), ...state.scene.messages, ...(aim ? camera() : [])]);
     for (const track of state.scene.tracks) track.shown = null;
     state.frame = -1;
     seek(state.time);
@@ -162,15 +165,22 @@
   }
   function tell(now) {
     state.told = now;
-    say({ type: "time", time: state.time, playing: state.playing });
+    say({ type: "time", time: state.time, playing: state.playing, wish: state.wish });
   }
 
   const DOES = {
     scene: ({ data }) => load(data).catch((error) => say({ type: "failed", reason: String(error) })),
-    seek: ({ time }) => seek(time),
+    seek: ({ time, wish }) => {
+      Object.assign(state, { playing: false, wish });
+      seek(time);
+      tell(performance.now());
+    },
     play: ({ speed }) => Object.assign(state, { playing: true, speed: speed ?? 1 }),
+    pause: () => {
+      state.playing = false;
+      tell(performance.now());
+    },
     camera: () => { if (state.scene) give(camera()); },
-    pause: () => { state.playing = false; },
     theme: ({ dark }) => { state.dark = dark; give([theme()]); },
     show: ({ layer, visible: yes }) => give((state.scene?.layers[layer] ?? []).map((name) => visible(name, yes))),
     place: ({ point, position }) => {

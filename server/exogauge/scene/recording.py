@@ -64,7 +64,7 @@ def aim(stage: Stage, view: RobotView, toward: Sequence[float] = (-1.2, -1.5, 0.
     """The camera looks at the robot from behind and its right, a little from above: suits pull over the back."""
     centre = (view.low + view.high) / 2
     away = np.array(toward) / np.linalg.norm(toward)
-    stage.look(centre + away * view.size * 1.05, centre)
+    stage.look(centre + away * view.size * 0.95, centre)
 
 
 def _entry(layer: str, label: str, colour: str, size: str) -> dict[str, Any]:
