@@ -109,3 +109,8 @@ def test_effects_and_robots_that_are_asked_for_are_all_there_is(tmp_path: Path) 
         make(tmp_path / "none", 5, 1, robots="arm6", effects=["band_slip"])
     with pytest.raises(BadInput, match="Known: stribeck"):
         make(tmp_path / "none", 5, 1, effects=["stribek"])
+
+
+def test_every_sort_is_described() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "blind.md").read_text(encoding="utf-8")
+    assert not [kind for kind in KINDS if f"`{kind}`" not in text]
