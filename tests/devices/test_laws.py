@@ -179,6 +179,19 @@ def test_a_segment_that_vanishes_is_no_harm():
     assert np.abs(np.diff(np.log(tension), axis=1)).max() < 0.1 + 1e-9
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_friction_neither_makes_nor_loses_band_however_many_points_hold_it(seed):
+    """What lies unstretched on all segments together is the natural length, at every sample."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 10.0, 2000)
+    waves = np.sin(np.outer(t, rng.uniform(0.3, 3.0, 7)) + rng.uniform(0.0, 6.0, 7))
+    lengths = np.maximum(0.11 + 0.012 * waves, 1e-3) + 1e-6 * rng.normal(size=waves.shape)
+    seen = motion(t, lengths.sum(axis=1), lengths, np.full((2000, 6), 0.6))
+    tension = law("via_friction").tension(seen, K, L_0, {"friction": 0.05})
+    unstretched = np.sum(lengths / (1.0 + tension / (K * L_0)), axis=1)
+    np.testing.assert_allclose(unstretched, L_0, rtol=1e-9)
+
+
 def test_friction_without_segments_is_refused():
     with pytest.raises(ValueError, match="segment lengths"):
         law("via_friction").tension(motion(np.arange(2.0), np.ones(2)), K, L_0, {"friction": 0.2})

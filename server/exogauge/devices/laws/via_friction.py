@@ -10,6 +10,7 @@ import numpy as np
 from exogauge.devices.laws.law import Array, Quantity, WireMotion
 
 SHORTEST = 1e-9  # [m] a segment without length counts as one this long
+EDGE = 1e-12  # relative: how far beyond the strains at which it sticks a search begins
 
 
 @final
@@ -91,7 +92,8 @@ def _slide(low: float, high: float, L: Array, ratio: Array, held: Array, strain:
             strain[j] = low_strain[j]
         if j == last:
             return
-        low, high, first = low_strain[j + 1], high_strain[j + 1], j + 1
+        # an end that sticks to the last digit slides neither way: just beyond it the direction is sure again
+        low, high, first = low_strain[j + 1] * (1.0 - EDGE), high_strain[j + 1] * (1.0 + EDGE), j + 1
 
 
 @_compiled
