@@ -75,8 +75,9 @@ def npm(*arguments: str) -> None:
     try:
         subprocess.run([node, script, *arguments], cwd=WEB, env=environment, check=True)
     except subprocess.CalledProcessError as error:
+        need = " It needs an npm registry." if arguments[0] == "ci" else ""
         raise SystemExit(
-            f"web app: `npm {' '.join(arguments)}` failed, its words are above. It needs an npm registry; "
+            f"web app: `npm {' '.join(arguments)}` failed, its words are above.{need} "
             f"{SKIP}=1 installs exogauge without the web app."
         ) from error
 

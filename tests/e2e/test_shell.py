@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import expect
+from tests.e2e.arm import arm_study, zipped
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page, Route
@@ -64,6 +66,16 @@ def test_the_app_lives_below_any_path_of_a_proxy(page: Page, service_below: str)
     expect(page.get_by_role("heading", name="No studies yet")).to_be_visible()
 
 
+def test_a_study_is_handed_in_below_a_path_of_a_proxy(page: Page, service_below: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.zip").write_bytes(zipped(arm_study()))
+    page.goto(f"{service_below}/studies")
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Choose files").click()
+    chooser.value.set_files(tmp_path / "arm.zip")
+    expect(page.get_by_role("heading", name="Arm on a bench", level=1)).to_be_visible(timeout=60_000)
+    assert page.url.startswith(f"{service_below}/studies/")
+
+
 def test_a_service_that_is_silent_is_named_and_its_return_is_noticed(
     page: Page, screenshot: Callable[[str], None], seen: Seen
 ) -> None:
@@ -78,7 +90,7 @@ def test_a_service_that_is_silent_is_named_and_its_return_is_noticed(
     for pattern in ("**/api/**", "**/healthz"):
         page.route(pattern, answer)
     page.goto("/studies")
-    expect(page.get_by_role("heading", name="No studies yet")).to_be_visible()
+    expect(page.get_by_role("heading", name="Handed in")).to_be_visible()
     away["now"] = True
     page.get_by_role("link", name="exogauge", exact=True).click()
     page.evaluate("window.dispatchEvent(new Event('focus')), document.dispatchEvent(new Event('visibilitychange'))")

@@ -8,6 +8,7 @@ import { useAway } from "../api/reachable";
 import styles from "./UnreachableBanner.module.css";
 
 const ASK_AGAIN_MS = 5_000;
+const LOOK = { root: styles.banner, title: styles.title, icon: styles.icon };
 
 /** Shown while the service does not answer. It asks again by itself, and the page goes on where it was. */
 export function UnreachableBanner() {
@@ -24,7 +25,7 @@ function Banner({ words }: { words: string }) {
   }, [cache, isSuccess, dataUpdatedAt]);
 
   return (
-    <Alert color="red" radius={0} icon={<IconPlugConnectedX aria-hidden />} title="The service cannot be reached" className={styles.banner}>
+    <Alert color="red" radius={0} icon={<IconPlugConnectedX aria-hidden />} title="The service cannot be reached" classNames={LOOK}>
       <Group justify="space-between" gap="sm">
         <Text size="sm">{words} This page asks again every few seconds; what is shown may be old.</Text>
         <Button size="xs" variant="default" onClick={() => void refetch()}>

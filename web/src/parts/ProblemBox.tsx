@@ -5,6 +5,7 @@ import { Refusal, type Problem, type ProblemError } from "../api/refusal";
 import styles from "./ProblemBox.module.css";
 
 const MOST = 50;
+const LOOK = { root: styles.box, title: styles.title, icon: styles.icon };
 
 type Props = { error?: unknown; problem?: Problem | null; retry?: () => void };
 
@@ -13,7 +14,7 @@ export function ProblemBox({ error, problem, retry }: Props) {
   const shown = problem ?? (error instanceof Refusal ? error.problem : defect(error));
   const rules = shown.errors ?? [];
   return (
-    <Alert role="alert" color="red" icon={<IconAlertTriangle aria-hidden />} title={shown.title} className={styles.box}>
+    <Alert role="alert" color="red" icon={<IconAlertTriangle aria-hidden />} title={shown.title} classNames={LOOK}>
       {rules.length !== 1 && <Text size="sm">{shown.detail}</Text>}
       {rules.length > 0 && (
         <List size="sm" mt={rules.length > 1 ? "xs" : 0} spacing={4}>

@@ -4,6 +4,7 @@ The rules are those of the report: `server/exogauge/studies/rounding.py`.
 */
 
 export const NONE = "–";
+const SURE = 1e-5;
 
 /** Rounded to so many digits; powers of ten only outside 1e-4 … 1e5. */
 export function significant(value: number | null | undefined, digits = 3): string {
@@ -15,10 +16,13 @@ export function significant(value: number | null | undefined, digits = 3): strin
   return fixed(value, Math.max(digits - 1 - exponent, 0));
 }
 
-/** [value, std] as text, the value to the place of the std's second digit: 5.0316, 0.0412 -> 5.032, 0.041. */
+/** [value, std] as text, the value to the place of the std's second digit: 5.0316, 0.0412 -> 5.032, 0.041.
+
+A std that would show only beyond the value's fifth digit is none.
+*/
 export function withStd(value: number | null | undefined, std: number | null | undefined): [string, string] {
   if (!isNumber(value)) return [NONE, NONE];
-  if (!isNumber(std) || std <= 0) return [significant(value, 4), NONE];
+  if (!isNumber(std) || std <= Math.abs(value) * SURE) return [significant(value, 4), NONE];
   let place = 1 - Math.floor(Math.log10(std));
   if (Math.round(std * 10 ** place) >= 100) place -= 1; // 0.0998 rounds to 0.10
   if (place > 6) return [significant(value, 4), significant(std, 2)];
@@ -35,7 +39,8 @@ export function between(low: number | null | undefined, high: number | null | un
 /** To so many places; a negative number of them rounds to tens, hundreds. */
 export function fixed(value: number, places: number): string {
   const step = 10 ** Math.max(-places, 0);
-  return minus((Math.round(value / step) * step === 0 || step > 1 ? Math.round(value / step) * step : value).toFixed(Math.max(places, 0)));
+  const rounded = step > 1 ? Math.round(value / step) * step : value;
+  return minus(rounded.toFixed(Math.max(places, 0)));
 }
 
 export function percent(share: number | null | undefined, digits = 0): string {

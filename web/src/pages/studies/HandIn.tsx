@@ -58,8 +58,8 @@ export function HandIn() {
         </Group>
         {limits && (
           <Text size="sm" c="dimmed" mt="xs">
-            At most {limitOf(limits.upload_bytes)} at once, {limitOf(limits.bundle_bytes)} unpacked,{" "}
-            {limits.bundle_files} files.
+            At most {limitOf(limits.bundle_bytes)} and {limits.bundle_files} files. If the line breaks, sending goes on
+            where it was.
           </Text>
         )}
       </Dropzone>

@@ -42,11 +42,12 @@ export function StudyList() {
         <Title order={2} size="h3" id="studies">
           Handed in
         </Title>
-        <Group gap="sm" grow={false} className={styles.search} justify="flex-end">
+        <Group gap="sm" className={styles.search} wrap="nowrap">
           <TextInput
             aria-label="Search studies"
             placeholder="Name, robot or wear"
             type="search"
+            className={styles.sought}
             leftSection={<IconSearch size={16} aria-hidden />}
             value={words}
             onChange={(event) => setWords(event.currentTarget.value)}

@@ -49,9 +49,9 @@ function missing(files: readonly Picked[]): ProblemError[] {
 function tooMuch(files: readonly Picked[], limits: Limits): ProblemError[] {
   const found = [];
   const size = totalSize(files);
-  if (size > limits.upload_bytes) {
-    const words = `together they have ${sizeOf(size)}, and this service takes ${limitOf(limits.upload_bytes)}`;
-    found.push(rule(words, "too_large", "Pack them as a zip, or leave out what is not needed."));
+  if (size > limits.bundle_bytes) {
+    const words = `together they have ${sizeOf(size)}, and this service takes ${limitOf(limits.bundle_bytes)}`;
+    found.push(rule(words, "too_large", "Leave out what is not needed; logs as Parquet are smaller."));
   }
   if (files.length > limits.bundle_files) {
     const words = `these are ${files.length} files, and this service takes ${limits.bundle_files}`;

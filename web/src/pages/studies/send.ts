@@ -1,54 +1,43 @@
-/** Hand files in as one request. How much of each has left is told while it is sent. */
+/** Hand files in: each by a resumable upload, a few at a time; then they become a study. */
 
-import { address } from "../../app/base";
-import { newKey } from "../../api/client";
-import { answered, failed } from "../../api/reachable";
-import { noAnswer, refusalOf } from "../../api/refusal";
+import { answer, api } from "../../api/client";
 import type { Study } from "../../api/studies";
-import { totalSize, type Picked } from "./picked";
+import { upload } from "../../api/upload";
+import type { Picked } from "./picked";
 
-/** sent: bytes of each file; reading: all have arrived, and the service looks at them. */
+/** sent: confirmed bytes of each file; reading: all have arrived, and the service looks at them. */
 export type Progress = { sent: number[]; reading: boolean };
-
-export type HandedIn = { study: Study; isNew: boolean };
 
 type Telling = (progress: Progress) => void;
 
-export function send(files: readonly Picked[], tell: Telling, signal: AbortSignal): Promise<HandedIn> {
-  return new Promise((resolve, reject) => {
-    const request = new XMLHttpRequest(); // fetch cannot say how much was sent
-    request.open("POST", address("api/v1/studies"));
-    request.setRequestHeader("Idempotency-Key", newKey());
-    request.responseType = "json";
-    request.upload.onprogress = ({ loaded }) => tell({ sent: shared(loaded, files), reading: false });
-    request.upload.onload = () => tell({ sent: files.map(({ file }) => file.size), reading: true });
-    request.onerror = () => {
-      const refusal = noAnswer();
-      failed(refusal);
-      reject(refusal);
-    };
-    request.onabort = () => reject(new DOMException("stopped", "AbortError"));
-    request.onload = () => {
-      if (request.status < 300) {
-        answered();
-        resolve({ study: request.response as Study, isNew: request.status === 201 });
-      } else {
-        reject(refusalOf(request.status, request.statusText, request.response));
-      }
-    };
-    signal.addEventListener("abort", () => request.abort());
-    const form = new FormData();
-    for (const { file, path } of files) form.append("files", file, path);
-    request.send(form);
-  });
-}
+const AT_A_TIME = 3;
 
-/** The files follow each other in the request, so what was sent belongs to the first ones. */
-function shared(loaded: number, files: readonly Picked[]): number[] {
-  let left = Math.min(loaded, totalSize(files));
-  return files.map(({ file }) => {
-    const part = Math.min(left, file.size);
-    left -= part;
-    return part;
-  });
+export async function send(files: readonly Picked[], tell: Telling, signal: AbortSignal): Promise<Study> {
+  const stopper = new AbortController(); // one refused file stops the others
+  signal.addEventListener("abort", () => stopper.abort());
+  const sent = files.map(() => 0);
+  const ids = files.map(() => "");
+  let next = 0;
+
+  async function line(): Promise<void> {
+    for (let k = next++; k < files.length; k = next++) {
+      const { file, path } = files[k] as Picked;
+      const told = (bytes: number) => {
+        sent[k] = bytes;
+        tell({ sent: [...sent], reading: false });
+      };
+      ids[k] = await upload(file, path, told, stopper.signal);
+      told(file.size);
+    }
+  }
+
+  try {
+    await Promise.all(Array.from({ length: Math.min(AT_A_TIME, files.length) }, line));
+  } catch (error) {
+    stopper.abort();
+    throw error;
+  }
+  tell({ sent, reading: true });
+  const body = { upload_ids: ids, paths: files.map(({ path }) => path) };
+  return answer(api.POST("/api/v1/studies/from-upload", { body, signal }));
 }

@@ -32,7 +32,7 @@ export function useHandIn(evaluate: boolean) {
     const tell = (progress: Progress) => setState({ step: "sending", files, progress });
     tell({ sent: files.map(() => 0), reading: false });
     try {
-      const { study } = await send(files, tell, stopper.signal);
+      const study = await send(files, tell, stopper.signal);
       if (evaluate && !study.latest_job) {
         await submit.mutateAsync({ study_id: study.id, kind: "evaluate", settings: {} });
       }
