@@ -13,6 +13,7 @@ from exogauge.api import (
     devices,
     from_uploads,
     health,
+    imports,
     logs,
     openapi,
     page,
@@ -81,6 +82,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         scenes.router,
         uploads_resumable.router,
         from_uploads.router,
+        imports.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

@@ -32,14 +32,14 @@ class Mappings:
             raise NotFound(f"no mapping is kept for robot {robot_id}")
         return found
 
-    def keep(
-        self, robot_id: str, content: Mapping[str, Any], content_hash: str, expected: str | None = None
-    ) -> tuple[MappingRecord, bool]:
-        """The mapping as it is now kept, and whether it is the robot's first. expected: hash of what it replaces;
-        Conflict where another is there."""
+    def own_hash(self, robot_id: str) -> str | None:
+        """content_hash of the robot's own mapping."""
+        own = self._own(robot_id)
+        return None if own is None else own.content_hash
+
+    def keep(self, robot_id: str, content: Mapping[str, Any], content_hash: str) -> tuple[MappingRecord, bool]:
+        """The mapping as it is now kept, and whether it is the robot's first."""
         Robots(self.lab).get(robot_id)
-        if expected is not None and getattr(self._own(robot_id), "content_hash", None) != expected:
-            raise Conflict("the robot's mapping has been changed meanwhile; read it again")
         values = {"content": dict(content), "content_hash": content_hash}
 
         def make() -> list[Base]:

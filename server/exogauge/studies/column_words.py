@@ -1,0 +1,129 @@
+"""Words in the name of a foreign column: its quantity, unit, axis, and what is left to name a joint or a sensor."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.logs.units import find_unit
+
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "t": ("t", "time", "timestamp", "timestamps", "stamp", "clock"),
+    "q": ("q", "qpos", "pos", "position", "positions", "angle", "angles", "theta", "enc", "encoder"),
+    "dq": ("dq", "qd", "qdot", "qvel", "vel", "velocity", "velocities", "speed", "speeds"),
+    "ddq": ("ddq", "qdd", "qddot", "qacc"),
+    "i": ("i", "iq", "cur", "curr", "current", "currents", "amps"),
+    "tau": ("tau", "torque", "torques", "trq", "effort", "efforts"),
+    "acc": ("acc", "accel", "acceleration", "accelerometer"),
+    "gyro": ("gyro", "gyr", "gyroscope", "omega", "angvel"),
+    "temp": ("temp", "temperature", "temperatures"),
+}  # fmt: skip
+KIND_OF = {word: kind for kind, words in QUANTITIES.items() for word in words}
+COMMANDED = {
+    "cmd",
+    "command",
+    "commanded",
+    "des",
+    "desired",
+    "ref",
+    "reference",
+    "target",
+    "goal",
+    "setpoint",
+    "planned",
+}
+FILLERS = {
+    "joint", "joints", "jnt", "j", "state", "states", "measured", "meas", "actual", "act", "fb", "feedback", "data",
+    "robot", "raw", "value", "values", "sensor", "sensors", "imu", "motor", "motors", "rotor", "read", "header", "link",
+    "linear", "angular", "ft", "wrench", "force", "forces", "log", "recv", "sec", "secs", "of", "the",
+}  # fmt: skip
+MOTOR = {"motor", "motors", "rotor"}
+SPELLED = {
+    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "seconds": "s", "sec": "s", "secs": "s",
+    "msec": "ms", "millis": "ms", "milliseconds": "ms", "usec": "us", "micros": "us", "microseconds": "us",
+    "nsec": "ns", "nsecs": "ns", "nanos": "ns", "nanoseconds": "ns", "celsius": "degC", "degc": "degC", "kelvin": "K",
+    "nm": "Nm", "mnm": "mNm", "ma": "mA", "ampere": "A", "amperes": "A", "newton": "N", "rads": "rad/s",
+    "degs": "deg/s", "dps": "deg/s", "mps2": "m/s^2", "ms2": "m/s^2",
+}  # fmt: skip
+TRAILING = {"deg", "rad", "mrad", "rpm", "ms", "us", "ns", "mm", "cm"}  # units that are told without brackets
+AXIS = re.compile(r"^(?:(?P<kind>acc|accel|a|gyro|gyr|g|w|omega|force|f|torque|moment|m|t|n)_?)?(?P<axis>[xyz])$")
+AXIS_KIND = {
+    "acc": "acc", "accel": "acc", "a": "acc", "gyro": "gyro", "gyr": "gyro", "g": "gyro", "w": "gyro",
+    "omega": "gyro", "force": "f", "f": "f", "torque": "m", "moment": "m", "m": "m", "t": "m", "n": "m",
+}  # fmt: skip
+
+
+@final
+@dataclass(frozen=True)
+class Words:
+    """tokens: what the name says beside the unit. unit: as it is written there, None where it is not."""
+
+    tokens: tuple[str, ...]
+    unit: str | None
+
+    @property
+    def commanded(self) -> bool:
+        return bool(COMMANDED & set(self.tokens))
+
+    @property
+    def motor_side(self) -> bool:
+        return bool(MOTOR & set(self.tokens))
+
+
+def words_of(name: str) -> Words:
+    """Of `torso_pitch_vel [deg/s]`: torso, pitch, vel; deg/s."""
+    bare, unit = name, None
+    bracket = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
+    if bracket and not bracket.group(1).isdecimal() and (found := known_unit(bracket.group(1))):
+        bare, unit = name[: bracket.start()], found
+    tail = re.search(r"[_\s]([A-Za-z]{2,})$", bare)
+    if unit is None and tail and find_unit(tail.group(1)) is not None:  # `_mA`, which small letters would not tell
+        bare, unit = bare[: tail.start()], tail.group(1)
+    tokens = tokens_of(bare)
+    if unit is None and len(tokens) == 1 and SPELLED.get(tokens[0], tokens[0]) in ("ms", "us", "ns"):
+        return Words(("time",), known_unit(tokens[0]))
+    if unit is None and len(tokens) > 2 and tokens[-2:] in (("deg", "s"), ("rad", "s"), ("m", "s")):
+        tokens, unit = tokens[:-2], known_unit("/".join(tokens[-2:]))
+    elif unit is None and len(tokens) > 1 and (tokens[-1] in TRAILING or tokens[-1] in SPELLED):
+        tokens, unit = tokens[:-1], known_unit(tokens[-1])
+    return Words(tokens, unit)
+
+
+def tokens_of(name: str) -> tuple[str, ...]:
+    """Words in small letters: split at signs, before capitals, and between letters and digits."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
+    return tuple(re.findall(r"[^\W\d_]+|\d+", spaced.lower()))
+
+
+def known_unit(text: str) -> str | None:
+    plain = SPELLED.get(text.strip().lower(), text.strip())
+    return plain if find_unit(plain) is not None else None
+
+
+def kinds_in(tokens: Sequence[str]) -> tuple[str, ...]:
+    """Quantities that the words name, each once."""
+    found = tuple(dict.fromkeys(KIND_OF[token] for token in tokens if token in KIND_OF))
+    if "angular" in tokens and "dq" in found:
+        return ("gyro",)
+    if "linear" in tokens and "acc" in found:
+        return ("acc",)
+    return found
+
+
+def axis_in(tokens: Sequence[str]) -> tuple[str, str] | None:
+    """(acc, gyro, f, m or nothing; x, y or z) where a word names an axis: `accx`, `fz`, `z`."""
+    for token in reversed(tokens):
+        if found := AXIS.match(token):
+            return AXIS_KIND.get(found["kind"] or "", ""), found["axis"]
+    return None
+
+
+def within(inner: Sequence[str], outer: Sequence[str]) -> tuple[str, ...] | None:
+    """What is left of `outer` when `inner` is taken out of it in one piece; None where it is not there."""
+    width = len(inner)
+    for start in range(len(outer) - width + 1):
+        if tuple(outer[start : start + width]) == tuple(inner):
+            return (*outer[:start], *outer[start + width :])
+    return None

@@ -1,0 +1,173 @@
+"""What a foreign column may be: named where its name and the robot leave one reading, else left open with advice."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import yaml
+
+from exogauge.studies.column_guess import Advice, JointFacts, Seen, Suggestion, Wearer, guess
+from exogauge.studies.mapping_file import parse_mapping
+from exogauge.studies.mapping_proposal import proposal
+
+ROBOT = Wearer(
+    (
+        JointFacts("torso_pitch", -0.5, 2.0, 6.0),
+        JointFacts("torso_yaw", -2.6, 2.6, 6.0),
+        JointFacts("l_knee", -0.1, 2.4, 10.0),
+    ),
+    ("l_foot", "r_foot"),
+)
+SMALL = (-0.3, 0.4)
+
+
+def one(name: str, low: float = -1.0, high: float = 1.0, wearer: Wearer = ROBOT, step: float | None = None):
+    return guess([Seen(name, low, high, step)], wearer, {})[name]
+
+
+@pytest.mark.parametrize(
+    ("name", "span", "channel", "unit"),
+    [
+        ("q.l_knee", SMALL, "q.l_knee", "rad"),
+        ("torso_pitch_pos_rad", SMALL, "q.torso_pitch", "rad"),
+        ("TorsoPitchPosition [deg]", (-20.0, 60.0), "q.torso_pitch", "deg"),
+        ("/joint_states/torso_yaw/velocity (rad/s)", SMALL, "dq.torso_yaw", "rad/s"),
+        ("l_knee.effort [N·m]", (-40.0, 80.0), "tau.l_knee", "N·m"),
+        ("l_knee_current_mA", (-4000.0, 4000.0), "i.l_knee", "mA"),
+        ("torso_pitch_angle", (-20.0, 60.0), "q.torso_pitch", "deg"),
+        ("l_foot/force/z [N]", (0.0, 700.0), "ft.l_foot.fz", "N"),
+        ("r_foot_mx [Nm]", SMALL, "ft.r_foot.mx", "Nm"),
+        ("imu/angular_velocity/y (deg/s)", SMALL, "gyro.y", "deg/s"),
+        ("temperature_l_knee", (20.0, 45.0), "temp.l_knee", "degC"),
+    ],
+)  # fmt: skip
+def test_a_name_that_leaves_one_reading_is_sure(name: str, span: tuple[float, float], channel: str, unit: str) -> None:
+    found = one(name, *span)
+    assert isinstance(found, Suggestion), found
+    assert (found.channel, found.unit, found.sign, found.sure) == (channel, unit, 1, True), found
+
+
+@pytest.mark.parametrize(
+    ("name", "span", "channel", "unit", "said"),
+    [
+        ("torso_yaw_pos", SMALL, "q.torso_yaw", "rad", "rad is usual"),
+        ("torso_yaw_torque", (-30.0, 30.0), "tau.torso_yaw", "Nm", "Nm is usual"),
+        ("l_knee_current", (-3000.0, 3000.0), "i.l_knee", "mA", "mA is usual"),
+        ("l_knee_motor_pos [rad]", (-100.0, 200.0), "q.l_knee", "rad", "motor's side"),
+        ("l_foot_fz", (0.0, 700.0), "ft.l_foot.fz", "N", "N is usual"),
+        ("gyro_x", (-120.0, 90.0), "gyro.x", "deg/s", "deg/s is usual"),
+    ],
+)
+def test_what_rests_on_habit_is_suggested_and_says_so(
+    name: str, span: tuple[float, float], channel: str, unit: str, said: str
+) -> None:
+    found = one(name, *span)
+    assert isinstance(found, Suggestion), found
+    assert (found.channel, found.unit, found.sure) == (channel, unit, False)
+    assert said in found.why
+    assert (found.side == "motor") == ("motor" in name)
+
+
+def test_a_joint_that_only_fits_its_limits_the_other_way_round_is_suggested_with_its_sign_and_not_sure() -> None:
+    for name, span in (
+        ("l_knee_pos [rad]", (-2.2, -0.2)),
+        ("l_knee_pos", (-2.2, -0.2)),
+        ("l_knee_pos", (-126.0, -10.0)),
+    ):
+        found = one(name, *span)
+        assert isinstance(found, Suggestion)
+        assert (found.sign, found.sure) == (-1, False)
+        assert "sign reversed" in found.why
+    assert isinstance(one("l_knee_pos", -500.0, 500.0), Advice)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("x7", "ignore"),
+        ("battery_voltage", "ignore"),
+        ("l_knee_desired_pos", "commanded"),
+        ("l_knee_status", "what of it was measured"),
+        ("wrist_pos", "No joint of the robot"),
+        ("head_fz", "which sensor"),
+        ("l_knee_pos [A]", "no unit of q"),
+        ("q.wrist", "No joint of the robot"),
+    ],
+)
+def test_what_cannot_be_named_gets_advice_and_no_suggestion(name: str, said: str) -> None:
+    found = one(name)
+    assert isinstance(found, Advice), found
+    assert said in found.text
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "step", "unit", "sure"),
+    [
+        ("t", 0.0, 0.005, "s", True),
+        ("time", 0.0, 5.0, "ms", True),
+        ("timestamp", 0.0, 5000.0, "us", True),
+        ("stamp", 1.7e18, 5e6, "ns", True),
+        ("stamp", 1.7e9, 0.005, "s", True),
+        ("Time (ms)", 0.0, 5.0, "ms", True),
+        ("ms", 0.0, 5.0, "ms", True),
+        ("time", 0.0, 0.1, "s", False),
+        ("time", 0.0, 100.0, "ms", False),
+    ],
+)
+def test_the_unit_of_time_is_told_by_its_name_its_epoch_or_its_step(
+    name: str, first: float, step: float, unit: str, sure: bool
+) -> None:
+    found = one(name, first, first + 1000 * step, step=step)
+    assert isinstance(found, Suggestion), found
+    assert (found.channel, found.unit) == ("t", unit)
+    assert found.sure or name == "t" or not sure
+    assert isinstance(one("time", 0.0, 5.0, step=None), Advice)
+
+
+@pytest.mark.parametrize(("size", "unit"), [(9.8, "m/s^2"), (0.99, "g"), (1003.0, "mg"), (9790.0, "mm/s^2")])
+def test_gravity_tells_the_unit_of_an_accelerometer(size: float, unit: str) -> None:
+    found = guess([Seen("acc_z", -size, size)], ROBOT, {"acc_z": size})["acc_z"]
+    assert (found.unit, found.sure) == (unit, True)
+    assert isinstance(guess([Seen("acc_z", -3.0, 3.0)], ROBOT, {"acc_z": 3.0})["acc_z"], Advice)
+
+
+def test_numbered_columns_are_joints_in_order_only_where_there_are_as_many_and_never_surely() -> None:
+    names = [f"position[{k}] (rad)" for k in range(3)]
+    found = guess([Seen(name, *SMALL) for name in names], ROBOT, {})
+    assert [found[name].channel for name in names] == ["q.torso_pitch", "q.torso_yaw", "q.l_knee"]
+    assert not any(found[name].sure for name in names)
+    fewer = guess([Seen(name, *SMALL) for name in names[:2]], ROBOT, {})
+    assert all(isinstance(each, Advice) for each in fewer.values())
+
+
+def test_two_columns_for_one_channel_are_both_left_open() -> None:
+    found = guess([Seen("time", 0.0, 5.0, 0.005), Seen("header.stamp", 0.0, 5.0, 0.005)], ROBOT, {})
+    assert all(isinstance(each, Advice) and "'time', 'header.stamp'" in each.text for each in found.values())
+
+
+def test_without_a_robot_a_joint_is_called_as_in_the_column_and_not_surely() -> None:
+    found = one("elbow_pos [rad]", wearer=Wearer())
+    assert (found.channel, found.sure) == ("q.elbow", False)
+    assert "no robot is given" in found.why
+
+
+def test_a_proposal_is_a_mapping_that_its_own_reader_takes() -> None:
+    names = [
+        "time",
+        "l_knee_pos",
+        "acc_x",
+        "acc_y",
+        "acc_z",
+        *(f"l_foot_{a}" for a in ("fx", "fy", "fz", "mx", "my", "mz")),
+    ]
+    seen = [Seen("time", 0.0, 5.0, 0.005), *(Seen(name, *SMALL) for name in names[1:])]
+    found = guess(seen, ROBOT, dict.fromkeys(("acc_x", "acc_y", "acc_z"), 9.81))
+    content = proposal("a.csv", {name: each for name, each in found.items() if isinstance(each, Suggestion)})
+    (entry,) = content["files"]
+    assert list(entry["columns"]) == ["l_knee_pos"]
+    assert [each["channel"] for each in entry["vectors"]] == ["acc"]
+    assert [each["sensor"] for each in entry["wrenches"]] == ["l_foot"]
+    (read,) = parse_mapping(yaml.safe_dump(content).encode(), "mapping.yaml").files
+    assert set(read.used) == set(names)
+    assert math.isclose(read.clock.delay_s, 0.0)
