@@ -1,0 +1,66 @@
+/** device.yaml as it is edited: its values, and the same file with changed values, comments and all. */
+
+import { parseDocument, type Document } from "yaml";
+
+export type ViaPoint = { link: string; xyz: [number, number, number] };
+export type Band = {
+  name: string;
+  group?: string;
+  via_points: ViaPoint[];
+  stiffness_n_per_m?: number;
+  natural_length_m?: number;
+  ground_truth?: boolean;
+  law?: string;
+  law_values?: Record<string, number>;
+  bench?: { file: string; is_truth?: boolean };
+};
+export type DeviceContent = { name: string; bands: Band[]; tied?: string[] };
+
+export function readDevice(text: string): DeviceContent {
+  const { name, bands, tied } = parseDocument(text).toJS() as DeviceContent;
+  return { name, bands, ...(tied && { tied }) };
+}
+
+/** The file with what differs changed in place; comments elsewhere stay. */
+export function writeDevice(text: string, content: DeviceContent): string {
+  const page = parseDocument(text);
+  const before = page.toJS() as DeviceContent;
+  if (content.name !== before.name) page.set("name", content.name);
+  content.bands.forEach((band, k) => writeBand(page, k, band, before.bands[k]));
+  return page.toString({ lineWidth: 120 });
+}
+
+function writeBand(page: Document, k: number, band: Band, before: Band | undefined): void {
+  const at = ["bands", k];
+  for (const key of ["stiffness_n_per_m", "natural_length_m", "ground_truth"] as const) {
+    if (band[key] === before?.[key]) continue;
+    if (band[key] === undefined) page.deleteIn([...at, key]);
+    else page.setIn([...at, key], band[key]);
+  }
+  const known = before?.via_points ?? [];
+  if (known.length !== band.via_points.length) {
+    const points = page.createNode(band.via_points.map(({ link, xyz }) => page.createNode({ link, xyz }, { flow: true })));
+    page.setIn([...at, "via_points"], points);
+    return;
+  }
+  band.via_points.forEach(({ link, xyz }, j) => {
+    const place = [...at, "via_points", j];
+    if (link !== known[j]?.link) page.setIn([...place, "link"], link);
+    if (xyz.some((each, axis) => each !== known[j]?.xyz[axis])) {
+      page.setIn([...place, "xyz"], page.createNode(xyz, { flow: true }));
+    }
+  });
+}
+
+export function groupOf(band: Band): string {
+  return band.group ?? band.name;
+}
+
+/** Bands of one group share their stiffness: where one says none, another's holds. */
+export function stiffnessOf(content: DeviceContent, group: string): number | undefined {
+  return content.bands.find((band) => groupOf(band) === group && band.stiffness_n_per_m !== undefined)?.stiffness_n_per_m;
+}
+
+export function groupsOf(content: DeviceContent): string[] {
+  return [...new Set(content.bands.map(groupOf))];
+}
