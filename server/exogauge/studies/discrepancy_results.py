@@ -8,6 +8,7 @@ from typing import Any
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Finding, Place
+from exogauge.studies.effect_words import at_place
 from exogauge.studies.support_results import number
 
 
@@ -37,6 +38,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "rank": finding.rank,
         "effect": finding.effect,
         "where": where(finding.place),
+        "title": at_place(finding.effect, finding.place.kind, finding.place.name),
         "parameters": numbers(finding.parameters),
         "held_out": asdict(finding.held_out),
         "score": finding.score,
@@ -64,6 +66,7 @@ def _alternative(other: Alternative) -> dict[str, Any]:
     return {
         "effect": other.effect,
         "where": where(other.place),
+        "title": at_place(other.effect, other.place.kind, other.place.name),
         "score": other.score,
         "reason": other.reason,
     }

@@ -83,10 +83,12 @@ def _evaluate(
             discrepancy, found = missing.discrepancy, missing.identification
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
-            span = spans["support"](progress)
-            support, stiffness = estimate_support(found.model, plain, worn, study.support_settings, span)
-            if discrepancy is not None and found is not first:
-                earlier = estimate_support(first.model, plain, worn, study.support_settings, span)
+            span, twice = spans["support"](progress), discrepancy is not None and found is not first
+            begin = _part(0.0, 0.5, "", span) if twice else span
+            support, stiffness = estimate_support(found.model, plain, worn, study.support_settings, begin)
+            if discrepancy is not None and twice:
+                again = _part(0.5, 1.0, "without what was named, ", span)
+                earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
                 discrepancy = replace(discrepancy, before_after=before_after(earlier, (support, stiffness)))
         progress(0.87, "writing the results")
         evaluation = Evaluation(
@@ -128,13 +130,14 @@ def _spans(worn: bool, discrepancy: bool) -> dict[str, Callable[[Progress], Prog
     spans: dict[str, Callable[[Progress], Progress]] = {}
     for step, weight in weights.items():
         stop = start + 0.72 * weight / total
-        spans[step] = partial(_part, start, stop)
+        spans[step] = partial(_part, start, stop, f"{step}: ")
         start = stop
     return spans
 
 
-def _part(start: float, stop: float, progress: Progress) -> Progress:
-    return lambda fraction, phrase: progress(start + (stop - start) * fraction, phrase)
+def _part(start: float, stop: float, step: str, progress: Progress) -> Progress:
+    """step: put before what is said, so that whoever listens knows where it belongs."""
+    return lambda fraction, phrase: progress(start + (stop - start) * fraction, step + phrase)
 
 
 def write(study: Study, evaluation: Evaluation, out: Path) -> None:

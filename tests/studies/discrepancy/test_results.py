@@ -34,13 +34,14 @@ def test_the_keys_are_those_of_the_contract(entry: dict[str, Any]) -> None:
     assert found["held_out"].keys() == {"channel", "unit", "rmse_before", "rmse_after", "noise_floor"}
     assert entry["chain"][0].keys() >= {"step", "rmse", "noise_floor", "worst", "worst_rmse", "worst_floor"}
     for other in (*found["alternatives"], *found["also_possible"], *entry["rejected"]):
-        assert other.keys() == {"effect", "where", "score", "reason"}
+        assert other.keys() == {"effect", "where", "title", "score", "reason"}
 
 
 def test_a_finding_says_what_where_how_large_and_how_it_is_known(entry: dict[str, Any]) -> None:
     first, second = entry["findings"]
     assert (first["effect"], first["where"]) == ("stribeck", {"joint": "torso_pitch"})
     assert (second["effect"], second["where"]) == ("payload", {"link": "r_arm"})
+    assert first["title"] == "Stribeck friction at torso_pitch"
     assert first["parameters"]["tau_b"] == {"value": 3.04, "std": 0.21, "unit": "N·m"}
     assert first["held_out"]["rmse_after"] == 1.083
     assert first["evidence"].startswith("torso_pitch: within 0.05 rad/s of rest")
