@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, final
+from typing import ClassVar, Literal, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
 Array = NDArray[np.float64]
+Sort = Literal["law", "stated", "wire"]
 
 
 @final
@@ -58,7 +59,8 @@ class BandEffect(Protocol):
     shapes: what is searched. confounds: what can stand in for it: other effects, or `stiffness` and `natural_length`
     that are fitted in any case. needs: in words, the motion that shows it. coordinate: of the evidence plot, one of
     `stretch`, `rate`, `clock`. once: it happens at one moment, so that nothing can be held out to judge it.
-    per_segment: the tension differs along the band.
+    per_segment: the tension differs along the band. sort: `law`, another way to pull; `stated`, the linear law with
+    other values than the description's; `wire`, a wire that the description does not know.
     """
 
     name: ClassVar[str]
@@ -70,6 +72,7 @@ class BandEffect(Protocol):
     coordinate: ClassVar[str]
     once: ClassVar[bool]
     per_segment: ClassVar[bool]
+    sort: ClassVar[Sort]
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         """(T, C) [N] that the band pulls more per unit of each coefficient; (T, S, C) per segment."""

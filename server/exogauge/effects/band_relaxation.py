@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals
+from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.presliding import relaxed
 from exogauge.effects.shaped import Shape
@@ -29,6 +29,7 @@ class BandRelaxation:
     coordinate = "rate"
     once = False
     per_segment = False
+    sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         (tau,) = shape

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals
+from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -32,6 +32,7 @@ class BandSlip:
     coordinate = "clock"
     once = True
     per_segment = False
+    sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         moment, lasting = shape[0] * signals.span, shape[1] >= 0.5

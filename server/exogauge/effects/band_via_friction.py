@@ -6,14 +6,14 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals
+from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
 
 @final
 class BandViaFriction:
-    """T_{j+1} - T_j = -μ T y_j at via point j (capstan, to first order in μ φ_j), on top of k x; the mean stays.
+    """T_{j+1} = T_j e^{-μ y_j} at via point j (capstan), the mean along the band k x; linear in μ about one that is tried.
 
     y_j runs between -φ_j and φ_j: +φ_j where the band slides at point j towards the side it comes from, which takes it
     some way after each turn, because both sides must first change by what friction held: y ← clip(y + Δu/d, ±φ). u is
@@ -32,6 +32,7 @@ class BandViaFriction:
     coordinate = "rate"
     once = False
     per_segment = True
+    sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         L, phi = signals.segment_length, signals.wrap
@@ -45,9 +46,9 @@ class BandViaFriction:
         per_metre = (1.0 / n[:, :-1] + 1.0 / n[:, 1:]) * (1.0 + strain) / (mu * strain)
         held = phi * signals.taut[:, None]
         y = clipped_sum(np.diff(u, axis=0, prepend=u[:1]) * per_metre, held)
-        along = np.concatenate([np.zeros((len(L), 1)), -np.cumsum(y, axis=1)], axis=1)
-        mean = np.sum(along * L, axis=1, keepdims=True) / total
-        return (signals.tension[:, None] * (along - mean))[:, :, None]
+        ratio = np.exp(-mu * np.concatenate([np.zeros((len(L), 1)), np.cumsum(y, axis=1)], axis=1))
+        ratio /= np.sum(ratio * L, axis=1, keepdims=True) / total
+        return (signals.tension[:, None] * (ratio - 1.0) / mu)[:, :, None]
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(signals.wrap is not None and np.any(signals.wrap * signals.taut[:, None] > 0.0))

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals
+from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -26,6 +26,7 @@ class ExtraBand:
     coordinate = "stretch"
     once = False
     per_segment = False
+    sort: Sort = "wire"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         l_0 = signals.shortest + shape[0] * signals.travel

@@ -1,0 +1,177 @@
+"""Where the search for effects of bands begins: one wear's logs, its bands fitted, how far joints are believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.device import Device
+from exogauge.devices.result import StiffnessResult
+from exogauge.devices.routing import Routing
+from exogauge.discrepancy.band_logs import Approach, Course, WearLog, WearLogs
+from exogauge.discrepancy.band_model import Fitted, Setting, Wear, believed, fit
+from exogauge.identification.model import RobotModel
+from exogauge.support.evaluate import LEAST_SIGMA, Gathered
+from exogauge.support.evidence import Evidence
+from exogauge.support.score_doubt import autocovariance
+
+Array = NDArray[np.float64]
+
+WEIGHINGS = 2  # of fitting and weighing the joints by what is left
+
+
+@final
+@dataclass(frozen=True)
+class Ground:
+    """One wear. floor: (D,) [N·m] what the approach finds in steady motion where there is nothing. sigma: (D,) of the
+    weights, memory: (D,) samples that count as one. null: the logs without the wear as if it were on, for B."""
+
+    device: Device
+    approach: Approach
+    model: RobotModel
+    setting: Setting
+    fitted: Fitted
+    floor: Array
+    sigma: Array
+    memory: Array
+    null: WearLogs | None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return self.setting.logs.names
+
+
+def lay_ground(
+    model: RobotModel, gathered: Gathered, device: Device, stiffness: Sequence[StiffnessResult]
+) -> Ground | None:
+    """None where no log with the device has a sample that counts."""
+    own = [each for each in gathered.evidences if each.worn.device.name == device.name]
+    approach: Approach = "A" if all(each.a is not None and each.compared.any() for each in own) else "B"
+    logs = WearLogs([_log(each, approach) for each in own], gathered.joints, gathered.names)
+    if not logs.used.any():
+        return None
+    routing = Routing(model.robot.tree, device.bands)
+    wires = tuple(logs.wire(Course("band", band.name, routing, b)) for b, band in enumerate(device.bands))
+    start = _start(device, stiffness, approach)
+    floor = _floor(gathered, own, approach)
+    travel = np.array([wire.travel for wire in wires])
+    belief = believed(device.bands, start, travel)
+    sigma, memory = np.maximum(floor, LEAST_SIGMA), np.ones(len(gathered.names))
+    for _ in range(WEIGHINGS):
+        weight, independent = weights(logs, sigma, memory)
+        setting = Setting(logs, device.bands, wires, weight, independent, belief)
+        fitted = fit(setting, start)
+        sigma, memory = _spread(logs, fitted.e, floor), memories(logs, fitted.e)
+    null = _null_logs(gathered, own) if approach == "B" else None
+    ground = Ground(device, approach, model, setting, fitted, floor, sigma, memory, null)
+    return weighed(ground, fitted)
+
+
+def whitened(ground: Ground) -> tuple[Setting, Fitted]:
+    """As if every sample's error were its own: to choose by what is worth a closer look. What is missing has a memory
+    of its own, which must not count against it."""
+    weight, independent = weights(ground.setting.logs, ground.sigma, np.ones_like(ground.memory))
+    setting = replace(ground.setting, weight=weight, independent=independent)
+    return setting, fit(setting, ground.fitted.wear)
+
+
+def weighed(ground: Ground, fitted: Fitted) -> Ground:
+    """The same ground with every joint weighed by what a fit leaves on it, and fitted so."""
+    logs = ground.setting.logs
+    sigma, memory = _spread(logs, fitted.e, ground.floor), memories(logs, fitted.e)
+    weight, independent = weights(logs, sigma, memory)
+    setting = replace(ground.setting, weight=weight, independent=independent)
+    return replace(ground, setting=setting, fitted=fit(setting, fitted.wear), sigma=sigma, memory=memory)
+
+
+def weights(logs: WearLogs, sigma: Array, memory: Array) -> tuple[Array, float]:
+    """(N, D) 1/(σ² memory) of the samples that count, and how many independent errors they are."""
+    return logs.used / (sigma**2 * memory), float(np.sum(logs.used / memory))
+
+
+def memories(logs: WearLogs, e: Array) -> Array:
+    """(D,) samples of a joint's residual that count as one: their integral correlation time, mean over the logs."""
+    result = np.ones(e.shape[1])
+    for joint in range(e.shape[1]):
+        found = []
+        for log in range(len(logs.logs)):
+            own = (logs.log == log) & logs.used[:, joint]
+            if own.sum() > 10:
+                whole = logs.log == log
+                c = autocovariance(np.where(own, e[:, joint], 0.0)[whole], own[whole])
+                found.append((1.0 + 2.0 * float(np.sum(c[1:])) / max(float(c[0]), 1e-300), int(own.sum())))
+        if found:
+            value, count = np.array(found).T
+            result[joint] = max(1.0, float(np.average(value, weights=count)))
+    return result
+
+
+def _spread(logs: WearLogs, e: Array, floor: Array) -> Array:
+    square = np.sum(np.where(logs.used, e, 0.0) ** 2, axis=0) / np.maximum(logs.used.sum(axis=0), 1)
+    return np.asarray(np.maximum(np.sqrt(square), np.maximum(floor, LEAST_SIGMA)))
+
+
+def _log(evidence: Evidence, approach: Approach) -> WearLog:
+    kept = evidence.kept
+    torque, used = evidence.b, evidence.steady
+    if approach == "A":
+        assert evidence.a is not None
+        torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
+    return WearLog(
+        name=evidence.worn.log.name,
+        motion=evidence.worn.motion,
+        time=evidence.time - evidence.time[0],
+        posture=evidence.posture,
+        kept=kept,
+        torque=np.where(used, torque, 0.0)[kept],
+        used=used[kept],
+        sloped=np.searchsorted(kept, evidence.sloped),
+        slope=evidence.slope_a if approach == "A" else evidence.slope_b,
+    )
+
+
+def _null_logs(gathered: Gathered, own: Sequence[Evidence]) -> WearLogs:
+    motions = {each.worn.motion for each in own}
+    chosen = [each for each in gathered.nothings if each.motion in motions]
+    logs = [
+        WearLog(
+            name="",
+            motion=each.motion,
+            time=each.time - each.time[0],
+            posture=each.posture,
+            kept=np.arange(len(each.time)),
+            torque=np.where(each.steady, each.b, 0.0),
+            used=each.steady,
+            sloped=np.zeros(0, dtype=np.intp),
+            slope=None,
+        )
+        for each in chosen
+    ]
+    return WearLogs(logs, gathered.joints, gathered.names, share=len(own) / max(len(logs), 1))
+
+
+def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> Array:
+    """(D,) [N·m] over those motions of these logs in which the joint moves steadily."""
+    repeats = [gathered.backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
+    found = [each.by_model_steady for each in repeats]
+    if approach == "A":
+        pairs = [each.between_runs_steady for each in repeats if each.between_runs_steady is not None]
+        found = pairs or [np.sqrt(2.0) * each for each in found]
+    seen = np.sum([each > 0.0 for each in found], axis=0)
+    return np.asarray(np.sqrt(np.sum(np.square(found), axis=0) / np.maximum(seen, 1)))
+
+
+def _start(device: Device, stiffness: Sequence[StiffnessResult], approach: Approach) -> Wear:
+    """As identified by the approach; as stated where the data did not decide."""
+    result = next(each for each in stiffness if each.device == device.name and each.approach == approach)
+    k, l_0 = [], []
+    for band, found in zip(device.bands, result.bands, strict=True):
+        use_stated = band.stiffness is not None and not found.identifiable
+        k.append(band.stiffness if use_stated and band.stiffness else max(found.stiffness.value, 1.0))
+        use_stated = band.natural_length is not None and not found.length_identifiable
+        l_0.append(band.natural_length if use_stated and band.natural_length else found.natural_length.value)
+    return Wear(np.array(k), np.array(l_0))

@@ -1,0 +1,107 @@
+"""Bands that are stiffer, softer, longer or shorter than stated, by more than anybody doubts.
+
+Stiffness and natural length are fitted in any case, so such a band leaves no residual. What shows it is the distance
+from what is stated, measured in what is doubted of it and in what the data leave open.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.discrepancy.band_doubt import deviations
+from exogauge.discrepancy.band_ground import Ground
+from exogauge.discrepancy.band_judge import SURE, Folds, left_out_residual, rmse
+from exogauge.discrepancy.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Fitted, Wear, believed, fit
+from exogauge.discrepancy.block_gains import summed, sureness
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Contradicted:
+    """One value that the data contradict. band: place; of: `stiffness` or `natural_length`. stated, value, std [N/m or
+    m]. gain: what holding it at the stated value costs, in independent errors. z: standard errors by which the error on
+    what was left out falls once it is let go; before, after: (N, D) [N·m] there. joint: the one that shows it most."""
+
+    band: int
+    of: str
+    stated: float
+    value: float
+    std: float
+    gain: float
+    z: float
+    before: Array
+    after: Array
+    joint: int
+    fitted: Fitted
+    as_stated: Fitted
+
+    @property
+    def effect(self) -> str:
+        return "band_stiffness" if self.of == "stiffness" else "band_length"
+
+
+def contradicted(ground: Ground, wear: Wear, folds: Folds) -> list[Contradicted]:
+    """The widest first; each is let go before the next is looked for."""
+    found: list[Contradicted] = []
+    free: frozenset[int] = frozenset()
+    while folds.left_out:
+        tried = [
+            one
+            for place in range(2 * len(ground.device.bands))
+            if place not in free and (one := _tried(ground, wear, place, free, folds)) is not None
+        ]
+        best = max(tried, key=lambda each: each.gain, default=None)
+        if best is None:
+            return found
+        found.append(best)
+        free |= {best.band + (len(ground.device.bands) if best.of != "stiffness" else 0)}
+        wear = best.fitted.wear
+    return found
+
+
+def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: Folds) -> Contradicted | None:
+    """None where nothing is stated, or what is stated may be true."""
+    bands, W = ground.device.bands, len(ground.device.bands)
+    b, of = place % W, "stiffness" if place < W else "natural_length"
+    stated = bands[b].stiffness if place < W else bands[b].natural_length
+    if stated is None:
+        return None
+    doubt = stated * (STIFFNESS_DOUBT if place < W else LENGTH_DOUBT)
+    travel = np.array([wire.travel for wire in ground.setting.wires[:W]])
+    setting = replace(ground.setting, belief=believed(bands, wear, travel, free | {place}))
+    let_go = fit(setting, wear)
+    value = float(let_go.wear.theta[place])
+    if abs(value - stated) <= doubt:
+        return None
+    std = float(deviations(replace(ground, setting=setting), let_go)[place])
+    if abs(value - stated) <= SURE * std:
+        return None
+    as_stated = fit(setting, let_go.wear, held={place: stated})
+    before = left_out_residual(setting, as_stated.wear, folds, held={place: stated})
+    after = left_out_residual(setting, let_go.wear, folds)
+    gained = (before**2 - after**2) / ground.sigma**2
+    counts = np.isfinite(before).any(axis=1)
+    z = sureness(summed(np.nansum(gained, axis=1)[counts], setting.logs.block[counts]))
+    joint = int(np.argmax(np.nansum(gained, axis=0)))
+    if z < SURE or not rmse(after, joint) < rmse(before, joint):
+        return None
+    return Contradicted(
+        band=b,
+        of=of,
+        stated=stated,
+        value=value,
+        std=std,
+        gain=as_stated.cost - let_go.cost,
+        z=z,
+        before=before,
+        after=after,
+        joint=joint,
+        fitted=let_go,
+        as_stated=as_stated,
+    )

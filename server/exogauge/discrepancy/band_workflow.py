@@ -1,0 +1,204 @@
+"""Find what the model of the wear lacks: other laws than a spring, values not as stated, a band that nobody declared.
+
+Like the search on joints, on another torque: the supporting torque, of which the model is the wear. Every candidate is
+fitted with all bands' stiffness and natural length beside it, and must explain what was left out of the fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from exogauge.devices.device import Device
+from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.discrepancy.band_doubt import deviations
+from exogauge.discrepancy.band_finding import CHANNEL, name_contradicted, name_effect, rejection
+from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whitened
+from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
+from exogauge.discrepancy.band_model import Wear, fit
+from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
+from exogauge.discrepancy.band_stated import contradicted
+from exogauge.discrepancy.block_gains import summed, sureness
+from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Lineage, Link, Verdict
+from exogauge.effects.band import BandEffect
+from exogauge.effects.catalogue import band_effects
+from exogauge.identification.model import RobotModel
+from exogauge.identification.settings import Progress
+from exogauge.support.evaluate import Gathered
+
+MOST_EFFECTS = 4  # on one wear
+WORTH_JUDGING = 6.0  # evidence (BIC)
+JUDGED = 8  # candidates per round
+ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
+SURE = 3.0  # standard errors above the floor
+
+
+@final
+@dataclass(frozen=True)
+class WearFindings:
+    """What the search says of one wear."""
+
+    findings: tuple[Finding, ...]
+    chain: tuple[Link, ...]
+    rejected: tuple[Alternative, ...]
+    unexplained: tuple[Excess, ...]
+    before_after: Mapping[str, tuple[Estimate, Estimate]]
+    tried: int
+    notes: tuple[str, ...]
+
+
+def find_band_effects(
+    model: RobotModel,
+    gathered: Gathered,
+    stiffness: Sequence[StiffnessResult],
+    so_far: Discrepancy,
+    effects: Mapping[str, BandEffect] | None = None,
+    progress: Progress = lambda _fraction, _phrase: None,
+) -> Discrepancy:
+    """so_far: what the joints' search says of the same model; it comes back with the findings of all wears appended.
+    gathered, stiffness: supporting torque and bands of the same logs. effects: what may be missing, default all."""
+    effects = band_effects() if effects is None else effects
+    devices = {each.worn.device.name: each.worn.device for each in gathered.evidences}
+    found = so_far
+    for done, device in enumerate(devices.values()):
+        progress(done / len(devices), f"looking for effects of {device.name}")
+        of = f" of {device.name}" if len(devices) > 1 else ""
+        said = search_wear(model, gathered, device, stiffness, effects, len(found.findings), of)
+        found = appended(found, said)
+    progress(1.0, "compared")
+    return found
+
+
+def search_wear(
+    model: RobotModel,
+    gathered: Gathered,
+    device: Device,
+    stiffness: Sequence[StiffnessResult],
+    effects: Mapping[str, BandEffect],
+    named: int,
+    of: str,
+) -> WearFindings:
+    """One device. named: findings that there are already. of: words that tell it from other devices, or ""."""
+    ground = lay_ground(model, gathered, device, stiffness)
+    if ground is None:
+        return WearFindings(
+            (), (), (), (), {}, 0, (f"No log with {device.name} has steady motion to judge its bands by.",)
+        )
+    folds = folds_of(ground.setting.logs)
+    if not folds.left_out:
+        note = f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
+        return WearFindings((), (), (), (), {}, 0, (note,))
+    first, findings, rejected, tried = ground, list[Finding](), list[Alternative](), 0
+    wears = [ground.fitted.wear]
+    while True:
+        judged, count = _judged(ground, effects, folds)
+        tried = max(tried, count)
+        rejected = [rejection(ground, each) for each in judged if each.objection]
+        winner = next((each for each in judged if not each.objection), None)
+        if winner is None or len(findings) >= MOST_EFFECTS:
+            break
+        findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
+        ground = weighed(ground, winner.fitted)
+        wears.append(ground.fitted.wear)
+    scorer = Scorer(ground.setting, ground.fitted)
+    for each in contradicted(ground, ground.fitted.wear, folds):
+        if effects.get(each.effect) is not None:
+            findings.append(name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of))
+    return WearFindings(
+        findings=tuple(findings),
+        chain=_chain(ground, findings, wears, folds),
+        rejected=tuple(rejected),
+        unexplained=_unexplained(ground, folds),
+        before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
+        tried=tried,
+        notes=(),
+    )
+
+
+def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
+    """The whole run's answer with that of one wear behind it."""
+    findings, unexplained = (*found.findings, *said.findings), (*found.unexplained, *said.unexplained)
+    verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
+    lines = list(found.lineage)
+    for each in said.findings:
+        parent = lines[-1].version if lines else None
+        label = f"{each.effect}@{each.place.name}"
+        lines.append(Lineage(f"{parent}+{label}" if parent else label, parent, label))
+    return replace(
+        found,
+        verdict=verdict,
+        findings=findings,
+        chain=(*found.chain, *said.chain),
+        unexplained=unexplained,
+        rejected=(*found.rejected, *said.rejected),
+        lineage=tuple(lines),
+        candidates=found.candidates + said.tried,
+        notes=(*found.notes, *said.notes),
+        before_after={**found.before_after, **said.before_after},
+    )
+
+
+def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> tuple[list[BandJudgement], int]:
+    """The candidates worth it, with most evidence first, and how many shapes were tried."""
+    scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
+    for effect, wire in candidates(scorer, effects):
+        best, count = scorer.best(effect, wire)
+        tried += count
+        if best is not None and best.evidence > WORTH_JUDGING:
+            worth.append(scorer.refined(best))
+    worth = sorted(worth, key=lambda each: -each.evidence)[:JUDGED]
+    judged = [judge(ground, each, folds) for each in worth]
+    likely = [each for each in judged if each.evidence > WORTH_JUDGING]
+    return sorted(likely, key=lambda one: -one.evidence), tried
+
+
+def _chain(ground: Ground, findings: Sequence[Finding], wears: Sequence[Wear], folds: Folds) -> tuple[Link, ...]:
+    """RMSE of the supporting torque of the joints in question, version by version; nothing where nothing was named."""
+    if len(wears) < 2:
+        return ()
+    joints = sorted({ground.joints.index(each.held_out.channel.removeprefix(CHANNEL)) for each in findings})
+    floor = float(np.sqrt(np.mean(ground.floor[joints] ** 2)))
+    links = []
+    for k, wear in enumerate(wears):
+        e = left_out_residual(ground.setting, fit(ground.setting, wear).wear, folds)
+        each = np.array([rmse(e, joint) for joint in joints])
+        worst = joints[int(np.argmax(each / np.maximum(ground.floor[joints], 1e-12)))]
+        step = (
+            "supporting torque, bands as springs"
+            if k == 0
+            else f"+ {findings[k - 1].effect} at {findings[k - 1].place.name}"
+        )
+        channel = f"{CHANNEL}{ground.joints[worst]}"
+        links.append(
+            Link(step, float(np.sqrt(np.mean(each**2))), floor, channel, rmse(e, worst), float(ground.floor[worst]))
+        )
+    return tuple(links)
+
+
+def _unexplained(ground: Ground, folds: Folds) -> tuple[Excess, ...]:
+    """Joints on which the wear's model errs by more than repeated runs do."""
+    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Excess]()
+    for joint, name in enumerate(ground.joints):
+        error, floor = rmse(e, joint), float(ground.floor[joint])
+        used = np.isfinite(e[:, joint])
+        if floor > 0.0 and used.any() and error > ABOVE * floor:
+            count = summed(used[used].astype(float), ground.setting.logs.block[used])
+            z = sureness(summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (ABOVE * floor) ** 2)
+            if z > SURE:
+                found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z, "with the wear on"))
+    return tuple(found)
+
+
+def _before_after(first: Ground, last: Ground, of: str) -> Mapping[str, tuple[Estimate, Estimate]]:
+    """Stiffness and natural length of every band, as springs alone and with what was named."""
+    told: dict[str, tuple[Estimate, Estimate]] = {}
+    W, was, now = len(first.device.bands), deviations(first, first.fitted), deviations(last, last.fitted)
+    for b, band in enumerate(first.device.bands):
+        for place, what, unit in ((b, "stiffness", "N/m"), (W + b, "natural length", "m")):
+            pair = [(first.fitted.wear.theta, was), (last.fitted.wear.theta, now)]
+            one, other = (Estimate(float(theta[place]), float(std[place]), unit) for theta, std in pair)
+            told[f"{what} of {band.name}{of}, without and with the wear's effects"] = one, other
+    return told
