@@ -149,6 +149,22 @@ def test_only_logs_that_the_job_evaluated_can_be_asked_for(client: TestClient, j
     assert client.get(f"{V1}/jobs/{job}/scenes/{name}.scene").status_code in (404, 422)
 
 
+def test_a_stored_device_is_drawn_on_its_robot(client: TestClient) -> None:
+    parts = [("files", (name, FILES[name].encode())) for name in ("robot.yaml", "robot.urdf")]
+    robot = client.post(f"{V1}/robots", files=parts).json()["id"]
+    made = client.post(f"{V1}/devices", files=[("files", ("device.yaml", FILES["device.yaml"].encode()))],
+                       data={"robot": robot})  # fmt: skip
+    assert made.status_code == 201, made.text
+    answer = client.get(f"{V1}/devices/{made.json()['id']}/scene")
+    assert answer.status_code == 200, answer.text
+    points = header(answer.content)["points"]
+    assert [(point["link"], point["position"]) for point in points] == [("base", [0.1, 0, 0]), ("arm", [0.05, 0, 0.2])]
+    alone = client.get(f"{V1}/robots/{robot}/scene")
+    assert header(alone.content)["points"] == []
+    for path in (f"robots/{uuid4()}/scene", f"devices/{uuid4()}/scene"):
+        assert client.get(f"{V1}/{path}").status_code == 404
+
+
 def test_the_player_may_be_framed_by_our_page_and_reach_nothing(client: TestClient) -> None:
     answer = client.get(f"{V1}/scenes/player")
     assert answer.status_code == 200

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, final
 
 from fastapi import APIRouter, Request
@@ -14,12 +14,13 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from exogauge.api.dependencies import Id, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.logs import lay_out_robot
 from exogauge.api.series import opened, series_of
 from exogauge.api.shapes import Role
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
-from exogauge.scene.drawing import Shelf, draw_log
+from exogauge.scene.drawing import Shelf, draw_at_rest, draw_log
 from exogauge.scene.frames import Frames
 from exogauge.scene.player import POLICY, made_for, player_page
 from exogauge.settings import Settings
@@ -91,14 +92,44 @@ def get_scene(
         series, result = series_of(store, job.id), store.results.of_job(job.id)
     if name not in series or name not in {log["name"] for log in study.summary.get("logs", [])}:
         raise NotFound(f"job {job_id} has evaluated no log of this name")
-    key = scene_key(study, result.sha256, series[name], name)
-    headers = {"ETag": f'"{key}"', "Cache-Control": "private, no-cache"}
-    if headers["ETag"] in request.headers.get("if-none-match", ""):
-        return Response(status_code=304, headers=headers)
-    drawn = shelf_of(request, settings).get(
-        key, lambda: drawn_now(study, name, series[name], result.sha256, storage, settings)
+    key = hashed(study.content_hash, result.sha256, series[name], name, made_for())
+    return kept(
+        key, lambda: drawn_now(study, name, series[name], result.sha256, storage, settings), name, request, settings
     )
-    return FileResponse(drawn, headers=headers, media_type=MEDIA_TYPE, filename=f"{name}.scene")
+
+
+@router.get("/robots/{robot_id}/scene", operation_id="getRobotScene", responses=RECORDING)
+def get_robot_scene(robot_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Response:
+    """The robot with all joints at zero."""
+    with storage.reading() as store:
+        robot = store.robots.get(str(robot_id))
+    key = hashed(robot.content_hash, made_for())
+
+    def draw() -> bytes:
+        with scratch_folder(settings) as scratch:
+            lay_out_robot(robot.id, storage, scratch / "robot")
+            return draw_at_rest(scratch, "robot", None)
+
+    return kept(key, draw, robot.name, request, settings)
+
+
+@router.get("/devices/{device_id}/scene", operation_id="getDeviceScene", responses=RECORDING)
+def get_device_scene(device_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Response:
+    """The device on its robot, all joints at zero; in the player its via points can be dragged."""
+    with storage.reading() as store:
+        device = store.devices.get(str(device_id))
+        robot = store.robots.get(device.robot_id)
+        files = store.devices.files(device.id)
+    key = hashed(robot.content_hash, device.content_hash, made_for())
+
+    def draw() -> bytes:
+        with scratch_folder(settings) as scratch:
+            lay_out_robot(robot.id, storage, scratch / "robot")
+            for file in files:
+                copy_out(storage.blobs, file.sha256, scratch / "device" / file.path)
+            return draw_at_rest(scratch, "robot", "device")
+
+    return kept(key, draw, device.name, request, settings)
 
 
 @router.get("/scenes/player", operation_id="getScenePlayer", responses=PAGE)
@@ -123,10 +154,18 @@ def scene_of(log: Mapping[str, Any], series: SeriesFile) -> SceneOut:
     )
 
 
-def scene_key(study: StudyRecord, result: str, series: str, log: str) -> str:
-    """The same for as long as the picture is the same."""
-    parts = [study.content_hash, result, series, log, made_for()]
+def hashed(*parts: str) -> str:
+    """A key that is the same for as long as the picture is the same."""
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def kept(key: str, draw: Callable[[], bytes], name: str, request: Request, settings: Settings) -> Response:
+    """The scene of this key, drawn now where there is none yet."""
+    headers = {"ETag": f'"{key}"', "Cache-Control": "private, no-cache"}
+    if headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    path = shelf_of(request, settings).get(key, draw)
+    return FileResponse(path, headers=headers, media_type=MEDIA_TYPE, filename=f"{name}.scene")
 
 
 def shelf_of(request: Request, settings: Settings) -> Shelf:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import final
+from typing import Any, final
 
 from exogauge.errors import BadStudy
 from exogauge.sandbox.asking import ask
@@ -22,15 +22,21 @@ AT_ONCE = 2  # children that draw at the same time
 
 def draw_log(folder: Path, log: str, series: Path | None, results: Path) -> bytes:
     """folder: the study's files, results.json and the series beside it or elsewhere. Raises BadInput, Unavailable."""
+    found = None if series is None else str(series)
+    options = {"folder": str(folder), "log": log, "series": found, "results": str(results)}
+    return _drawn("recording", options, folder, "study")
+
+
+def draw_at_rest(folder: Path, robot: str, device: str | None) -> bytes:
+    """robot, device: folders below `folder` that hold robot.yaml and device.yaml. Raises BadInput, Unavailable."""
+    worn = None if device is None else str(folder / device)
+    return _drawn("still", {"robot_folder": str(folder / robot), "device_folder": worn}, folder, "robot")
+
+
+def _drawn(task: str, options: dict[str, Any], folder: Path, what: str) -> bytes:
     limits = Limits.for_bytes(sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()))
-    options = {
-        "folder": str(folder),
-        "log": log,
-        "series": None if series is None else str(series),
-        "results": str(results),
-    }
     with TemporaryDirectory(prefix="exogauge-") as own:
-        ask(CHILD, "recording", options, Path(own), limits, BadStudy, what="study")
+        ask(CHILD, task, options, Path(own), limits, BadStudy, what=what)
         return (Path(own) / SCENE).read_bytes()
 
 

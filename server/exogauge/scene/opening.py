@@ -1,4 +1,5 @@
-"""The child process that draws one log of a stored study: it reads what was uploaded, and leaves one packed scene.
+"""The child process that draws a log of a stored study, or a robot at rest: it reads what was uploaded, and leaves one
+packed scene.
 
 Run by `drawing` as `python -I -m exogauge.scene.opening` in a temporary folder of its own.
 """
@@ -30,5 +31,20 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
     return {}
 
 
+def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
+    """The robot that robot_folder/robot.yaml describes, wearing what device_folder/device.yaml does."""
+    from exogauge.scene.mesh_files import mesh_opener
+    from exogauge.scene.still import draw_still
+    from exogauge.studies.bundle import Bundle
+    from exogauge.studies.device_file import read_device
+    from exogauge.studies.robot_file import read_robot
+
+    robot, _, urdf = read_robot(Bundle(Path(robot_folder), "robot.yaml"), "robot.yaml")
+    file = "device.yaml"
+    device = None if device_folder is None else read_device(Bundle(Path(device_folder), file), file, robot)
+    Path(SCENE).write_bytes(draw_still(robot, urdf, device, mesh_opener(Path(robot_folder))))
+    return {}
+
+
 if __name__ == "__main__":
-    sys.exit(serve({"recording": recording}))
+    sys.exit(serve({"recording": recording, "still": still}))

@@ -7,8 +7,9 @@
    page -> player   {type: "scene", data: ArrayBuffer}  {type: "seek", time, wish}  {type: "play", speed}  {type: "pause"}
                     {type: "camera"}
                     {type: "theme", dark}  {type: "show", layer, visible}  {type: "place", point, position}
+                    {type: "choose", point}
    player -> page   {type: "ready"}  {type: "loaded", about}  {type: "time", time, playing, wish}  {type: "failed", reason}
-                    {type: "moved", point, link, position, done} */
+                    {type: "moved", point, link, position, done}  {type: "chosen", point} */
 (() => {
   "use strict";
   const page = window.parent;
@@ -132,12 +133,20 @@
   /* What the client would tell a server: only a via point that was dragged matters. */
   let dragged = null;
   function heard(message) {
-    const point = state.scene?.points?.findIndex((each) => each.name === message.name) ?? -1;
+    const points = state.scene?.points ?? [];
+    if (message.type === "SceneNodeClickMessage") choose(points.findIndex((each) => each.ball === message.name));
+    const point = points.findIndex((each) => each.name === message.name);
     if (point < 0) return;
     if (message.type === "TransformControlsUpdateMessage") dragged = place(point, [...message.position]);
     else if (message.type !== "TransformControlsDragEndMessage" || !dragged) return;
     const done = message.type === "TransformControlsDragEndMessage";
     say({ type: "moved", point, link: state.scene.points[point].link, position: dragged, done });
+  }
+
+  /* Only the chosen point shows the arrows that it is dragged by; -1: none does. */
+  function choose(point) {
+    give(state.scene.points.map((each, k) => visible(each.name, k === point)));
+    say({ type: "chosen", point });
   }
 
   /* A via point at another place in its link's frame: the band follows. */
@@ -146,7 +155,8 @@
     point.position = position;
     const route = state.scene.points.filter((each) => each.band === point.band).map(world);
     const segments = route.slice(1).flatMap((end, k) => [...route[k], ...end]);
-    give([properties(point.line, { points: new Float32Array(segments) })]);
+    const ball = { type: "SetPositionMessage", name: point.ball, position, owner: "" };
+    give([ball, properties(point.line, { points: new Float32Array(segments) })]);
     return position;
   }
   const world = ({ rotation, origin, position }) =>
@@ -181,6 +191,7 @@
       tell(performance.now());
     },
     camera: () => { if (state.scene) give(camera()); },
+    choose: ({ point }) => { if (state.scene?.points) choose(point); },
     theme: ({ dark }) => { state.dark = dark; give([theme()]); },
     show: ({ layer, visible: yes }) => give((state.scene?.layers[layer] ?? []).map((name) => visible(name, yes))),
     place: ({ point, position }) => {

@@ -32,6 +32,7 @@ export type Said =
   | { type: "loaded"; about: About }
   | { type: "time"; time: number; playing: boolean; wish: number }
   | { type: "moved"; point: number; link: string; position: number[]; done: boolean }
+  | { type: "chosen"; point: number }
   | { type: "failed"; reason: string };
 
 export type Asked =
@@ -42,6 +43,7 @@ export type Asked =
   | { type: "camera" }
   | { type: "theme"; dark: boolean }
   | { type: "show"; layer: string; visible: boolean }
+  | { type: "choose"; point: number }
   | { type: "place"; point: number; position: number[] };
 
 export function ask(frame: HTMLIFrameElement | null, asked: Asked): void {

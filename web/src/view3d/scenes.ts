@@ -12,17 +12,42 @@ export function useScenes(jobId: string) {
   });
 }
 
+type Packed = Promise<{ data?: ArrayBuffer; error?: unknown; response: Response }>;
+
+const KEPT = { staleTime: Infinity, gcTime: 60_000, retry: false } as const;
+
 /** One log drawn, as the player takes it. The first one who asks waits a few seconds. */
 export function useRecording(jobId: string, log: string) {
   return useQuery({
     queryKey: ["jobs", jobId, "scenes", log],
-    queryFn: async ({ signal }) => {
-      const path = { job_id: jobId, name: log };
-      const asked = api.GET("/api/v1/jobs/{job_id}/scenes/{name}.scene", { params: { path }, parseAs: "arrayBuffer", signal });
-      return answer<ArrayBuffer>(asked as Promise<{ data?: ArrayBuffer; error?: unknown; response: Response }>);
+    queryFn: ({ signal }) => {
+      const params = { path: { job_id: jobId, name: log } };
+      return answer(api.GET("/api/v1/jobs/{job_id}/scenes/{name}.scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
     },
-    staleTime: Infinity,
-    gcTime: 60_000,
-    retry: false,
+    ...KEPT,
+  });
+}
+
+/** A robot at rest. */
+export function useRobotScene(robotId: string) {
+  return useQuery({
+    queryKey: ["robots", robotId, "scene"],
+    queryFn: ({ signal }) => {
+      const params = { path: { robot_id: robotId } };
+      return answer(api.GET("/api/v1/robots/{robot_id}/scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
+    },
+    ...KEPT,
+  });
+}
+
+/** A device on its robot at rest, whose via points can be dragged. */
+export function useDeviceScene(deviceId: string) {
+  return useQuery({
+    queryKey: ["devices", deviceId, "scene"],
+    queryFn: ({ signal }) => {
+      const params = { path: { device_id: deviceId } };
+      return answer(api.GET("/api/v1/devices/{device_id}/scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
+    },
+    ...KEPT,
   });
 }
