@@ -212,11 +212,15 @@ def test_links_that_are_fixed_to_each_other_are_one_place(tmp_path: Path) -> Non
     ("where", "right"),
     [
         ({"band": "chest to BODY"}, 1), ({"link": "chest"}, 1), ({"link": "head"}, 1), ({"band": "A_left"}, 0),
-        ({"link": "l_forearm"}, 0),
+        ({"link": "l_forearm"}, 0), ({"joint": "torso_yaw"}, 1), ({"joint": "l_elbow_pitch"}, 0),
     ],
 )  # fmt: skip
 def test_a_band_that_has_no_name_is_known_by_its_ends(tmp_path: Path, where, right: int) -> None:
-    truth = {"effect": "extra_band", "where": {"band": "extra"}, "parameters": {"ends": ["chest", "BODY"]}}
+    truth = {
+        "effect": "extra_band",
+        "where": {"band": "extra"},
+        "parameters": {"ends": ["chest", "BODY"], "joints": ["torso_yaw"]},
+    }
     said = {"effect": "extra_band", "where": where}
     found = _one(tmp_path, truth, said, bands={"A_left": {}}, rigid=[["chest", "computer", "head"]])
     assert found["visible"]["top1"] == right

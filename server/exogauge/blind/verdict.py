@@ -108,6 +108,7 @@ class _Places:
         self.bands = set(answer.get("bands", {}))
         extra = [each for each in answer["effects"] if each["effect"] == EXTRA]
         self.ends = {self.body.get(link, link) for each in extra for link in each["parameters"]["ends"]}
+        self.pulled = {joint for each in extra for joint in each["parameters"]["joints"]}
 
     def names(self, entries: Sequence[Mapping[str, Any]]) -> tuple[Name, ...]:
         return tuple((each["effect"], *self._place(each["effect"], each["where"])) for each in entries)
@@ -118,7 +119,8 @@ class _Places:
         kind, at = next(iter(where.items()))
         at = self.body.get(at, at) if kind == "link" else str(at)
         unnamed = kind == "band" and at not in self.bands
-        if effect == EXTRA and (unnamed or (kind == "link" and at in self.ends)):
+        near = (kind == "link" and at in self.ends) or (kind == "joint" and at in self.pulled)
+        if effect == EXTRA and (unnamed or near):
             return "band", "extra"
         return kind, at
 

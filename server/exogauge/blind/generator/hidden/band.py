@@ -15,6 +15,8 @@ from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.scene import Scene
 from exogauge.blind.generator.wear import LENGTH_STD, STIFFNESS_STD, Band, Wear
 
+_MAINLY = 0.3  # of the largest torque of a band on any joint
+
 
 def wear_of(scene: Scene) -> Wear:
     if scene.wear is None:
@@ -49,13 +51,13 @@ class _OnOneBand:
 @final
 @dataclass(frozen=True)
 class BandStiffness(_OnOneBand):
-    """This band alone is stiffer (sign 1) or softer by the share size than all of its group."""
+    """This band alone is stiffer (sign 1) or softer by the share size than is stated."""
 
     band: str
     sign: float
 
     name: ClassVar[str] = "band_stiffness"
-    linear: ClassVar[bool] = True
+    linear: ClassVar[bool] = False
 
     @classmethod
     def draw(cls, rng: np.random.Generator, scene: Scene, where: Where) -> Self:
@@ -69,13 +71,14 @@ class BandStiffness(_OnOneBand):
 
     def change(self, scene: Scene, size: float) -> Change:
         band = named(scene, self.band)
-        return more(scene, band, self.sign * size * band.tension)
+        stiffness = band.stated[0] * (1.0 + self.sign * size)
+        return more(scene, band, (stiffness - band.stiffness) * band.stretch)
 
 
 @final
 @dataclass(frozen=True)
 class BandLength(_OnOneBand):
-    """Its natural length is longer (sign 1) or shorter by the share size."""
+    """Its natural length is longer (sign 1) or shorter by the share size than is stated."""
 
     band: str
     sign: float
@@ -95,7 +98,7 @@ class BandLength(_OnOneBand):
 
     def change(self, scene: Scene, size: float) -> Change:
         band = named(scene, self.band)
-        return more(scene, band, _longer(band, self.sign * size * band.natural_length))
+        return more(scene, band, _longer(band, band.stated[1] * (1.0 + self.sign * size) - band.natural_length))
 
 
 @final
@@ -249,10 +252,14 @@ class BandViaFriction(_OnOneBand):
 @final
 @dataclass(frozen=True)
 class ExtraBand:
-    """Cloth or a cable between two links that device.yaml does not name: size [N/m] beyond its natural length."""
+    """Cloth or a cable between two links that device.yaml does not name: size [N/m] beyond its natural length.
+
+    ends: links. joints: those that it mainly pulls at.
+    """
 
     course: str
     ends: tuple[str, str]
+    joints: tuple[str, ...]
 
     name: ClassVar[str] = "extra_band"
     linear: ClassVar[bool] = True
@@ -265,8 +272,10 @@ class ExtraBand:
     @classmethod
     def draw(cls, rng: np.random.Generator, scene: Scene, where: Where) -> Self:
         spare = wear_of(scene).spare
-        wire = spare[int(rng.integers(len(spare)))].wire
-        return cls(wire.name, (wire.points[0][0], wire.points[-1][0]))
+        band = spare[int(rng.integers(len(spare)))]
+        lever = np.sqrt(np.mean(band.pull(band.stretch) ** 2, axis=(0, 1)))
+        joints = [name for name, own in zip(scene.joints, lever, strict=True) if own > _MAINLY * lever.max()]
+        return cls(band.wire.name, (band.wire.points[0][0], band.wire.points[-1][0]), tuple(joints))
 
     def limits(self, scene: Scene) -> tuple[float, float]:
         return 10.0, 300.0
