@@ -172,6 +172,49 @@ def test_events_tell_every_look_until_the_end_and_resume(client, study, app):
     assert events(client, job, **{"Last-Event-ID": "not a number"}) == told[-1:]
 
 
+def test_a_job_tells_its_steps_with_their_times_and_begins_them_anew_with_each_attempt(client, study, app):
+    storage = app.state.storage
+    job = ask(client, study).json()["id"]
+    lease = Lease(storage.engine, "w", 60.0)
+    lease.take()
+
+    def steps():
+        return client.get(f"/api/v1/jobs/{job}").json()["steps"]
+
+    def claimed(worker):
+        with storage.transaction() as store:
+            assert claims.claim(store.session, job, worker)
+
+    claimed("w")
+    for progress, message in ((0.0, "reading"), (0.1, "solving"), (0.4, "solving"), (0.9, "writing")):
+        with storage.transaction() as store:
+            assert claims.report(store.session, job, "w", progress, message)
+    told = steps()
+    assert [(each["message"], each["progress"]) for each in told] == [
+        ("reading", 0.0),
+        ("solving", 0.1),
+        ("writing", 0.9),
+    ]
+    assert [each["seconds"] is None for each in told] == [False, False, True]
+    assert all(each["seconds"] is None or 0.0 <= each["seconds"] < 60.0 for each in told)
+    lease.give_back()
+    Lease(storage.engine, "v", 60.0).take()
+    claimed("v")
+    assert steps() == []
+    with storage.transaction() as store:
+        assert claims.report(store.session, job, "v", 0.2, "reading")
+        assert claims.fail(store.session, job, "v", "out of wood")
+    assert [each["seconds"] is None for each in steps()] == [False]
+
+
+def test_a_queued_job_knows_how_many_start_before_it(client, study):
+    jobs = [ask(client, study, settings={"n": k}).json() for k in range(3)]
+    assert [job["ahead"] for job in jobs] == [0, 1, 2]
+    client.post(f"/api/v1/jobs/{jobs[0]['id']}/cancel")
+    assert client.get(f"/api/v1/jobs/{jobs[2]['id']}").json()["ahead"] == 1
+    assert client.get(f"/api/v1/jobs/{jobs[0]['id']}").json()["ahead"] is None
+
+
 def test_only_the_living_may_change_a_job_and_only_while_they_hold_it(client, study, app):
     storage = app.state.storage
     job = ask(client, study).json()["id"]

@@ -44,10 +44,22 @@ class JobRequest(BaseModel):
 
 
 @final
+class JobStep(BaseModel):
+    """Something that the present attempt did or does. progress: of the whole job when it began, 0..1. seconds: how long
+    it took; null while it goes on."""
+
+    message: str
+    progress: float
+    started_at: datetime
+    seconds: float | None
+
+
+@final
 class JobOut(Answer):
-    """progress: 0..1. message: what it does now. place: where in the queue it is, in words. reason: why it did not
-    succeed; problem: the same with file, row, column, value and advice, where what was handed in is to blame.
-    revision: grows with every change and is the id of its events."""
+    """progress: 0..1. message: what it does now; steps: what it did before, with times. place: where in the queue it
+    is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
+    column, value and advice, where what was handed in is to blame. revision: grows with every change and is the id of
+    its events."""
 
     id: str
     study_id: str
@@ -57,6 +69,8 @@ class JobOut(Answer):
     progress: float
     message: str
     place: str | None = None
+    ahead: int | None = None
+    steps: list[JobStep] = Field(default_factory=list)
     reason: str | None
     problem: Problem | None = None
     attempts: int
@@ -70,10 +84,26 @@ class JobOut(Answer):
 
     @classmethod
     def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
-        answer = cls.model_validate({**vars(job), "log": job.log if with_log else None})
-        answer.place = requests.place_in_words(session, job)
+        steps = steps_of(job)
+        answer = cls.model_validate({**vars(job), "log": job.log if with_log else None, "steps": steps})
+        answer.place, answer.ahead = requests.place_in_words(session, job), requests.ahead_of(session, job)
         answer.problem = of_failure(job.failure, job.reason)
         return answer
+
+
+def steps_of(job: JobRecord) -> list[JobStep]:
+    """Each ends where the next begins, the last with the job."""
+    begun = [datetime.fromisoformat(step["at"]) for step in job.steps or ()]
+    ends = [*begun[1:], job.finished_at]
+    return [
+        JobStep(
+            message=step["message"],
+            progress=step["progress"],
+            started_at=start,
+            seconds=None if end is None else max((end - start).total_seconds(), 0.0),
+        )
+        for step, start, end in zip(job.steps or (), begun, ends, strict=False)
+    ]
 
 
 @final

@@ -60,7 +60,8 @@ class Study:
 @final
 @dataclass(frozen=True)
 class Job:
-    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words.
+    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words;
+    ahead: how many start before it. steps: [{message, progress, started_at, seconds}] of the present attempt.
 
     reason: why it did not succeed; problem: the same with `errors` (file, row, column, value, advice), where what was
     handed in is to blame.
@@ -73,6 +74,8 @@ class Job:
     progress: float
     message: str
     place: str | None = None
+    ahead: int | None = None
+    steps: Sequence[Mapping[str, Any]] = field(default=(), repr=False)
     reason: str | None = None
     problem: Mapping[str, Any] | None = field(default=None, repr=False)
     attempts: int = 0

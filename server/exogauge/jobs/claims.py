@@ -26,6 +26,7 @@ from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
 
 MAX_ATTEMPTS = 4
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
+MOST_STEPS = 100  # kept of one attempt
 MOST_FAULTS = 100  # kept of a failed job
 MEDIA_TYPES = {
     ".parquet": "application/vnd.apache.parquet",
@@ -66,6 +67,7 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
         "attempts": Job.attempts + 1,
         "progress": 0.0,
         "message": "",
+        "steps": None,
         "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
     }
     if not change(session, sa.and_(Job.id == job_id, free, alive), taken):
@@ -75,8 +77,11 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
 
 
 def report(session: Session, job_id: str, worker: str, progress: float, message: str) -> bool:
-    """Say how far the job is; False when it is no longer this worker's."""
-    said = {"progress": min(max(progress, 0.0), 1.0), "message": printable(message)[:1000]}
+    """Say how far the job is; False when it is no longer this worker's. Another message begins another step."""
+    said: dict[str, Any] = {"progress": min(max(progress, 0.0), 1.0), "message": printable(message)[:1000]}
+    steps = session.scalar(sa.select(Job.steps).where(held_by(job_id, worker))) or []
+    if message and len(steps) < MOST_STEPS and (not steps or steps[-1]["message"] != said["message"]):
+        said["steps"] = [*steps, {**said, "at": database_now(session).isoformat()}]
     return change(session, held_by(job_id, worker), said) == 1
 
 
@@ -130,7 +135,8 @@ def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: S
 
 def release(session: Session, worker: str) -> int:
     """Put back what runs here: the worker leaves of its own will, so this was no attempt."""
-    back = {"state": "queued", "worker": None, "attempts": Job.attempts - 1, "progress": 0.0, "message": ""}
+    nothing = {"worker": None, "progress": 0.0, "message": "", "steps": None}
+    back = {"state": "queued", "attempts": Job.attempts - 1, **nothing}
     return change(session, sa.and_(Job.state == "running", Job.worker == worker), back)
 
 

@@ -82,13 +82,20 @@ def place_in_words(session: Session, job: JobRecord) -> str | None:
     workers = count(session, sa.select(WorkerLease.worker_id))
     if workers == 0:
         return "waiting for a worker: none is running (`exogauge work` starts one)"
-    before = (Job.created_at < job.created_at) | ((Job.created_at == job.created_at) & (Job.id < job.id))
-    ahead = count(session, sa.select(Job.id).where(Job.state == "queued", before))
+    ahead = ahead_of(session, job) or 0
     running = count(session, sa.select(Job.id).where(Job.state == "running"))
     if ahead == 0:
         return "next to start" if running >= workers else "starting"
     jobs, plural = "job" if ahead == 1 else "jobs", "" if workers == 1 else "s"
     return f"{ahead} {jobs} ahead in the queue, {running} running on {workers} worker{plural}"
+
+
+def ahead_of(session: Session, job: JobRecord) -> int | None:
+    """How many jobs start before a queued one; None for any other job."""
+    if job.state != "queued":
+        return None
+    before = (Job.created_at < job.created_at) | ((Job.created_at == job.created_at) & (Job.id < job.id))
+    return count(session, sa.select(Job.id).where(Job.state == "queued", before))
 
 
 def count(session: Session, rows: sa.Select[Any]) -> int:
