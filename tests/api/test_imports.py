@@ -108,6 +108,13 @@ def test_the_doctor_says_where_in_the_log_it_is_sick(client: TestClient, robot: 
     assert found["complete"], found["errors"]
     (frozen,) = [each for each in found["findings"] if each["rule"] == "frozen"]
     assert (frozen["channel"], frozen["index"], frozen["row"], frozen["t"]) == ("tau.elbow", 150, 151, 1.5)
+    around = frozen["around"]
+    assert (around["unit"], around["t"][0], around["t"][-1]) == (
+        "N·m",
+        0.0,
+        3.5,
+    )  # 200 samples to each side, or the end
+    assert around["values"][150] == 0.14112
     assert frozen["advice"]
 
 

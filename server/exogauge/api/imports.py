@@ -77,8 +77,18 @@ class ColumnOut(BaseModel):
 
 
 @final
+class AroundOut(BaseModel):
+    """t [s]; values [unit], SI, joint side; null: missing."""
+
+    unit: str
+    t: list[float]
+    values: list[float | None]
+
+
+@final
 class FindingOut(BaseModel):
-    """index: sample from 0 and t: its time [s], where a finding has a place. row: the same, counted from 1."""
+    """index: sample from 0 and t: its time [s], where a finding has a place. row: the same, counted from 1. around:
+    the channel's samples there."""
 
     severity: Literal["error", "warning", "note"]
     channel: str
@@ -89,6 +99,7 @@ class FindingOut(BaseModel):
     index: int | None
     t: float | None
     value: float | None
+    around: AroundOut | None
 
 
 @final

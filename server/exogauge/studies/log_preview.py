@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.errors import BadInput, BadLog, Fault
-from exogauge.logs.channels import shorten
+from exogauge.logs.channels import parse_channel, shorten
 from exogauge.logs.limits import MAX_COLUMNS
 from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # what examines a log is imported when there is one: it takes
     from exogauge.robots.description import Robot
 
 FIRST_ROWS = 20
+AROUND = 200  # samples to each side of a finding
 MOST_TEXT_COLUMNS = 40
 TEXT = ("not_a_number",)
 
@@ -71,18 +72,31 @@ def judged(
 
 
 def findings(log: Log, expected: Expectation) -> list[dict[str, Any]]:
-    """As results.json has them, with the sample's index from 0 and its time [s] where one is meant."""
+    """As results.json has them, with the sample's index from 0 and its time [s] where one is meant, and the samples
+    around it."""
     from exogauge.logs.doctor import examine
     from exogauge.studies.results import finite
 
     return [
-        finite(asdict(each))
-        | {
-            "index": None if each.row is None else each.row - 1,
-            "t": None if each.row is None else float(log.time[each.row - 1]),
-        }
+        finite(
+            asdict(each)
+            | {
+                "index": None if each.row is None else each.row - 1,
+                "t": None if each.row is None else float(log.time[each.row - 1]),
+                "around": None if each.row is None else _around(log, each.channel, each.row - 1),
+            }
+        )
         for each in examine(log, expected)
     ]
+
+
+def _around(log: Log, channel: str, index: int) -> dict[str, Any] | None:
+    """What to draw of a channel: `AROUND` samples to each side, exactly as they are; None of the clock."""
+    values = log.channels.get(channel)
+    if values is None:
+        return None
+    part = slice(max(index - AROUND, 0), index + AROUND + 1)
+    return {"unit": parse_channel(channel).unit, "t": log.time[part].tolist(), "values": values[part].tolist()}
 
 
 def wearer(robot: Robot | None) -> Wearer:
