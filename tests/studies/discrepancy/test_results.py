@@ -58,7 +58,8 @@ def test_the_curve_of_the_evidence_can_be_drawn_again(entry: dict[str, Any]) -> 
 
 def test_what_is_not_a_number_is_null(entry: dict[str, Any]) -> None:
     assert entry["rejected"][2] == {
-        "effect": "base_tilt", "where": {"base": True}, "score": None, "reason": "no held-out log moves the base"
+        "effect": "base_tilt", "where": {"base": True}, "title": "a tilted base", "score": None,
+        "reason": "no held-out log moves the base",
     }  # fmt: skip
 
 
