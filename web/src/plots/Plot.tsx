@@ -23,20 +23,22 @@ type Props = {
   cursor: Cursor;
   width: number;
   height: number;
+  timed: boolean;
   onZoom: (window: Window) => void;
   onWhole: () => void;
   onKey: (event: KeyboardEvent) => void;
 };
 
 /** One plot over time: drag zooms, hovering or touching moves the cursor, keys do both. */
-export function Plot({ label, words, unit, lines, drawn, window, cursor, width, height, onZoom, onWhole, onKey }: Props) {
+export function Plot(props: Props) {
+  const { label, words, unit, lines, drawn, window, cursor, width, height, timed, onZoom, onWhole, onKey } = props;
   const scheme: Scheme = useComputedColorScheme("light");
   const room = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const now = useRef({ window, onZoom, onWhole, scheme });
   now.current = { window, onZoom, onWhole, scheme };
   const banded = drawn.bands.map((band) => band !== null);
-  const shape = JSON.stringify([unit, lines.map((line) => [line.channel, line.look]), banded]);
+  const shape = JSON.stringify([unit, timed, lines.map((line) => [line.channel, line.look]), banded]);
 
   const data = useMemo(() => aligned(drawn), [drawn]);
 
@@ -48,6 +50,7 @@ export function Plot({ label, words, unit, lines, drawn, window, cursor, width, 
         banded,
         width,
         height,
+        timed,
         scheme: () => now.current.scheme,
         window: () => now.current.window,
         onZoom: (zoomed) => now.current.onZoom(zoomed),

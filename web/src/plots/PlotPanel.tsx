@@ -11,7 +11,8 @@ import { drawable } from "./polyline";
 import { Readings, readingWords } from "./Readings";
 import { useSample, useTiles } from "./series";
 
-const HEIGHT = 230;
+const HEIGHT = 210;
+const AXIS_NAME = 20; // below the last plot
 const STEP = 200; // a plot that grows a little need not ask again
 const REST_MS = 120;
 
@@ -21,6 +22,7 @@ type Props = {
   panel: Panel;
   hidden: readonly string[];
   doubts: boolean;
+  last: boolean;
   window: Window;
   cursor: Cursor;
   onZoom: (window: Window) => void;
@@ -31,7 +33,7 @@ type Props = {
 
 /** A plot with its name, and beside it what its lines are at the cursor. */
 export function PlotPanel(props: Props) {
-  const { jobId, log, panel, hidden, doubts, window, cursor, onZoom, onWhole, onKey, onToggle } = props;
+  const { jobId, log, panel, hidden, doubts, last, window, cursor, onZoom, onWhole, onKey, onToggle } = props;
   const { ref, width } = useElementSize<HTMLDivElement>();
   const shown = useMemo(() => panel.lines.filter((line) => !hidden.includes(line.channel)), [panel, hidden]);
   const channels = useMemo(() => needed(panel.lines), [panel]);
@@ -57,7 +59,8 @@ export function PlotPanel(props: Props) {
             window={window}
             cursor={cursor}
             width={width}
-            height={HEIGHT}
+            height={HEIGHT + (last ? AXIS_NAME : 0)}
+            timed={last}
             onZoom={onZoom}
             onWhole={onWhole}
             onKey={(event) => onKey(event, drawn.t)}

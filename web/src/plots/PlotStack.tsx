@@ -86,10 +86,10 @@ export function PlotStack({ jobId, series, view, first, cursor, onView }: Props)
       </PlotTools>
       <Text size="xs" c="dimmed">
         Drag across a plot to zoom, double-click for the whole log. In a plot: ← → move the cursor (Shift: ten times as
-        far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window.
+        far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window. A wide shade: the joint rests, and friction leaves an interval only.
       </Text>
       <div>
-        {shown.map((panel) => (
+        {shown.map((panel, k) => (
           <PlotPanel
             key={panel.key}
             jobId={jobId}
@@ -97,6 +97,7 @@ export function PlotStack({ jobId, series, view, first, cursor, onView }: Props)
             panel={panel}
             hidden={view.hide}
             doubts={view.doubts}
+            last={k === shown.length - 1}
             window={window}
             cursor={cursor}
             onZoom={show}

@@ -1,6 +1,7 @@
 /** The window as one picture that needs nothing else: SVG with its colours, names, units and the time that it shows. */
 
 import type { Panel, Line } from "./channels";
+import { room } from "./heights";
 import { ground, pen, shade, type Scheme } from "./looks";
 import type { Window } from "./Plot";
 import type { Drawable } from "./polyline";
@@ -37,7 +38,7 @@ export function drawing(head: string, pictured: readonly Pictured[], window: Win
 function panelOf({ panel, lines, drawn }: Pictured, place: Place, window: Window, scheme: Scheme, key: number): string {
   const colours = ground(scheme);
   const { left, top, width, height } = place;
-  const [low, high] = span(drawn);
+  const [low, high] = room(drawn.lines, drawn.bands.flatMap((band) => (band ? [band.low, band.high] : [])));
   const x = (t: number) => left + ((t - window.from) / (window.to - window.from)) * width;
   const y = (value: number) => top + height - ((value - low) / (high - low)) * height;
   const across = ticks(window.from, window.to, 10);
@@ -118,20 +119,6 @@ function area({ t, bands }: Drawable, k: number, x: Map1, y: Map1, fill: string)
 }
 
 type Map1 = (value: number) => number;
-
-/** Lowest and highest of all that is drawn, and a little room. */
-function span({ lines, bands }: Drawable): [number, number] {
-  let [low, high] = [Infinity, -Infinity];
-  for (const values of [...lines, ...bands.flatMap((band) => (band ? [band.low, band.high] : []))])
-    for (const value of values)
-      if (value !== null) {
-        low = Math.min(low, value);
-        high = Math.max(high, value);
-      }
-  if (!(high >= low)) return [-1, 1];
-  const room = 0.06 * (high - low) || Math.abs(high) || 1;
-  return [low - room, high + room];
-}
 
 function rule(x1: number, y1: number, x2: number, y2: number, colour: string): string {
   return `<path d="M${x1.toFixed(1)} ${y1.toFixed(1)}L${x2.toFixed(1)} ${y2.toFixed(1)}" stroke="${colour}"/>`;

@@ -3,6 +3,7 @@
 import uPlot from "uplot";
 
 import type { Line } from "./channels";
+import { room } from "./heights";
 import { ground, pen, shade, type Scheme } from "./looks";
 import { tickWords } from "./ticks";
 
@@ -12,6 +13,7 @@ type Setup = {
   banded: boolean[];
   width: number;
   height: number;
+  timed: boolean;
   scheme: () => Scheme;
   window: () => { from: number; to: number };
   onZoom: (window: { from: number; to: number }) => void;
@@ -20,7 +22,7 @@ type Setup = {
 const SMALLEST_DRAG = 6; // pixels
 const FONT = "12px system-ui, sans-serif";
 
-export function optionsOf({ unit, lines, banded, width, height, scheme, window, onZoom }: Setup): uPlot.Options {
+export function optionsOf({ unit, lines, banded, width, height, timed, scheme, window, onZoom }: Setup): uPlot.Options {
   const withBand = lines.filter((_, k) => banded[k]);
   const edge: uPlot.Series = { stroke: "transparent", width: 0, points: { show: false } };
   return {
@@ -36,13 +38,13 @@ export function optionsOf({ unit, lines, banded, width, height, scheme, window, 
       drag: { x: true, y: false, setScale: false, dist: SMALLEST_DRAG },
       bind: { dblclick: () => null },
     },
-    scales: { x: { time: false, range: () => [window().from, window().to] } },
+    scales: { x: { time: false, range: () => [window().from, window().to] }, y: { range: (plot) => heights(plot, 2 * withBand.length) } },
     series: [{}, ...withBand.flatMap(() => [edge, edge]), ...lines.map((line) => seriesOf(line, scheme))],
     bands: withBand.map((line, k) => ({
       series: [2 * k + 2, 2 * k + 1],
       fill: () => shade(line.look, scheme()),
     })),
-    axes: [axisOf("time [s]", scheme, { space: 70, size: 46 }), axisOf(unit && `[${unit}]`, scheme, { space: 32, size: 70 })],
+    axes: [axisOf(timed ? "time [s]" : "", scheme, { space: 70, size: timed ? 28 : 26 }), axisOf(unit && `[${unit}]`, scheme, { space: 32, size: 52 })],
     hooks: {
       setSelect: [
         (plot) => {
@@ -54,6 +56,11 @@ export function optionsOf({ unit, lines, banded, width, height, scheme, window, 
       ],
     },
   };
+}
+
+/** From the lines alone and the shades as far as they leave the lines readable. */
+function heights(plot: uPlot, shades: number): [number, number] {
+  return room(plot.data.slice(1 + shades), plot.data.slice(1, 1 + shades));
 }
 
 function seriesOf(line: Line, scheme: () => Scheme): uPlot.Series {

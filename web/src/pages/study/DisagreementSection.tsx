@@ -9,7 +9,10 @@ import { FindingStory } from "./FindingStory";
 import type { Discrepancy, Excess, Measured, Results } from "./results";
 import { Skipped } from "./Skipped";
 import { counted, leftOf, verdictOf } from "./verdict";
+import { count } from "../../parts/size";
 import { capital, channelWords, typeset } from "./words";
+
+const CHANGED = 0.1;
 
 /** From the first gap to the noise floor: what was missing, why that is believed, what it was not, what is left. */
 export function DisagreementSection({ results }: { results: Results }) {
@@ -107,39 +110,62 @@ function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
 function Consequences({ found }: { found: Discrepancy }) {
   const rows = Object.entries(found.before_after);
   if (!rows.length) return null;
+  const moved = rows.filter(([, { before, after }]) => moves(before, after));
+  const others = rows.filter(([, { before, after }]) => !moves(before, after));
   return (
     <section aria-labelledby="consequences">
       <Title order={2} size="h3" id="consequences" mb={4}>
         What that changes
       </Title>
-      <WideTable label="Support and stiffness without and with the named effects">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Quantity</Table.Th>
-            {["Without", "With", "Change"].map((head) => (
-              <Table.Th key={head} scope="col" data-number>
-                {head}
-              </Table.Th>
-            ))}
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {rows.map(([quantity, { before, after }]) => (
-            <Table.Tr key={quantity}>
-              <Table.Th scope="row">{capital(quantity)}</Table.Th>
-              <Table.Td data-number>
-                <Uncertain {...before} />
-              </Table.Td>
-              <Table.Td data-number>
-                <Uncertain {...after} />
-              </Table.Td>
-              <Table.Td data-number>{changeOf(before, after)}</Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
-      </WideTable>
+      {moved.length > 0 && <Changes label="Support and stiffness without and with the named effects" rows={moved} />}
+      {others.length > 0 && (
+        <details style={{ marginTop: "0.5rem", fontSize: "var(--mantine-font-size-sm)" }}>
+          <summary>{count(others.length, "quantity stays", "quantities stay")} as they were</summary>
+          <Changes label="What the named effects do not change" rows={others} />
+        </details>
+      )}
     </section>
   );
+}
+
+function Changes({ label, rows }: { label: string; rows: [string, { before: Measured; after: Measured }][] }) {
+  return (
+    <WideTable label={label}>
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th scope="col">Quantity</Table.Th>
+          {["Without", "With", "Change"].map((head) => (
+            <Table.Th key={head} scope="col" data-number>
+              {head}
+            </Table.Th>
+          ))}
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {rows.map(([quantity, { before, after }]) => (
+          <Table.Tr key={quantity}>
+            <Table.Th scope="row">{capital(quantity)}</Table.Th>
+            <Table.Td data-number>
+              <Uncertain {...before} />
+            </Table.Td>
+            <Table.Td data-number>
+              <Uncertain {...after} />
+            </Table.Td>
+            <Table.Td data-number>{changeOf(before, after)}</Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </WideTable>
+  );
+}
+
+/** Whether a quantity or its doubt changes by more than a tenth of the doubt (of itself where that is not known). */
+function moves(before: Measured, after: Measured): boolean {
+  const [value, later] = [before.value, after.value];
+  if (!isNumber(value) || !isNumber(later)) return true;
+  const [std, laterStd] = [before.std ?? 0, after.std ?? 0];
+  const doubt = Math.max(std, laterStd);
+  return Math.abs(later - value) > CHANGED * (doubt || Math.abs(value)) || Math.abs(laterStd - std) > CHANGED * doubt;
 }
 
 function changeOf(before: Measured, after: Measured): string {

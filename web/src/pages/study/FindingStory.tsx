@@ -32,7 +32,8 @@ export function FindingStory({ finding }: { finding: Finding }) {
         {finding.curve.coordinate.values.length > 1 && (
           <EvidencePlot curve={finding.curve} channel={channelWords(held.channel)} title={title} />
         )}
-        <WideTable label={`Parameters of ${title}`}>
+        <div style={{ maxWidth: "30rem" }}>
+          <WideTable label={`Parameters of ${title}`}>
           <Table.Thead>
             <Table.Tr>
               <Table.Th scope="col">Parameter</Table.Th>
@@ -53,7 +54,8 @@ export function FindingStory({ finding }: { finding: Finding }) {
               </Table.Tr>
             ))}
           </Table.Tbody>
-        </WideTable>
+          </WideTable>
+        </div>
         {finding.also_possible.length > 0 && (
           <Alert icon={<IconBulb aria-hidden />} color="yellow" variant="outline" title="These logs cannot tell it from">
             <CandidateTable name={`What may stand in for ${title}`} rows={finding.also_possible} />

@@ -26,9 +26,10 @@ export function JobBar({ job, jobs, onChoose }: Props) {
   const ended = job.state === "failed" || job.state === "cancelled";
   return (
     <div className={styles.bar}>
-      <Group gap="sm" justify="space-between" align="flex-end">
+      <Group gap="sm" justify="space-between" align="center">
         <Select
-          label="Job"
+          aria-label="Job"
+          size="sm"
           className={styles.choice}
           allowDeselect={false}
           data={jobs.map((each, k) => ({ value: each.id, label: jobWords(each, k === 0) }))}

@@ -33,7 +33,8 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
       <Group gap="sm" align="flex-end" mb="xs">
         <TextInput
           label="Find a parameter"
-          placeholder="k_T, torso_pitch, m[chest] …"
+          placeholder="k_T, torso_pitch, chest …"
+          miw={240}
           value={wanted}
           onChange={(event) => setWanted(event.currentTarget.value)}
         />
@@ -68,6 +69,11 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
             <Table.Tr key={each.name} data-parameter={each.name}>
               <Table.Th scope="row" style={{ overflowWrap: "anywhere" }}>
                 {each.name}
+                {each.combination && (
+                  <Text size="xs" c="dimmed" fw={400} title={Object.keys(each.combination).join(", ")}>
+                    a sum of {count(Object.keys(each.combination).length, "parameter")}
+                  </Text>
+                )}
               </Table.Th>
               <Table.Td data-number>
                 <Uncertain value={each.value} std={each.std} />
@@ -98,8 +104,8 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
 /** How much the logs narrowed what was believed. */
 function decidedBy({ name, identifiable, std, prior_std }: Parameter): string {
   const ratio = isNumber(std) && isNumber(prior_std) && std > 0 ? prior_std / std : null;
-  if (identifiable) return ratio !== null && ratio >= 1.05 ? `data, ${significant(ratio, 2)} times surer than before` : "data";
+  if (identifiable) return ratio !== null && ratio >= 1.05 ? `data: ${significant(ratio, 2)} times surer than before` : "data";
   if (name.startsWith("tau_s")) return "bounded only: friction at rest varies";
   if (ratio === null) return "prior: these motions do not tell it";
-  return ratio >= 1.05 ? `prior: data made it ${significant(ratio, 2)} times surer, too little` : "prior: these motions do not tell it";
+  return ratio >= 1.05 ? `mostly prior: data made it ${significant(ratio, 2)} times surer` : "prior: these motions do not tell it";
 }

@@ -3,6 +3,7 @@ import { IconLink } from "@tabler/icons-react";
 import { useEffect, useMemo } from "react";
 
 import type { Study } from "../../api/studies";
+import { significant } from "../../parts/digits";
 import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Cursor } from "../../plots/cursor";
@@ -11,6 +12,7 @@ import { useSeriesList, type SeriesFacts } from "../../plots/series";
 import { useView } from "../../plots/view";
 import type { Job } from "./jobs";
 import type { Results } from "./results";
+import { counted } from "./verdict";
 import { ROLES, summaryOf, type StudyLog } from "./summary";
 
 type Props = { study: Study; job: Job; results: Results };
@@ -53,7 +55,8 @@ export default function PlotsSection({ study, job, results }: Props) {
       )}
       <Select
         label="Log"
-        maw={480}
+        description={factsOf(series, logs)}
+        maw={560}
         searchable
         allowDeselect={false}
         data={optionsOf(known, logs)}
@@ -70,6 +73,18 @@ function firstOf(known: SeriesFacts[], logs: StudyLog[], results: Results): Seri
   const worn = results.support.find((each) => each.main)?.logs[0];
   const heldOut = logs.find((log) => log.role !== "identification")?.name;
   return known.find((each) => each.name === worn) ?? known.find((each) => each.name === heldOut) ?? known[0];
+}
+
+function factsOf(series: SeriesFacts, logs: StudyLog[]): string {
+  const log = logs.find((each) => each.name === series.name);
+  const facts = [
+    log && (ROLES[log.role] ?? log.role),
+    log?.motion && `motion ${log.motion}`,
+    `${significant(series.end - series.start, 4)} s`,
+    `${counted(series.samples)} samples`,
+    series.rate_hz !== null && `${significant(series.rate_hz, 4)} Hz`,
+  ];
+  return facts.filter(Boolean).join(" · ");
 }
 
 function optionsOf(known: SeriesFacts[], logs: StudyLog[]) {

@@ -6,6 +6,7 @@ import type { Study } from "../../api/studies";
 import { percent, significant } from "../../parts/digits";
 import type { Results, Support } from "./results";
 import { Skipped } from "./Skipped";
+import { PhaseTable } from "./PhaseTable";
 import { SupportBars } from "./SupportBars";
 import { SupportTable } from "./SupportTable";
 
@@ -67,6 +68,7 @@ export function SupportSection({ study, results }: Props) {
             </Text>
             <SupportBars motion={motion} rows={rows} />
             <SupportTable motion={motion} rows={rows} />
+            <PhaseTable motion={motion} rows={rows} />
             <Text size="sm" mt={6}>
               Over time:{" "}
               {logsOf(here).map((log, k) => (
@@ -92,7 +94,7 @@ function equalityWords(rows: Support[]): string {
   const order = ["equal", "doubtful", "different"];
   const worst = compared.reduce((one, two) => (order.indexOf(two.verdict) > order.indexOf(one.verdict) ? two : one));
   const most = Math.max(...compared.map((each) => each.dq_share ?? 0));
-  const words = `differ by at most ${percent(most, 1)} of a joint’s own velocity (rms) and ${significant(
+  const words = `differ by ${most < 0.001 ? "less than 0.1 %" : `at most ${percent(most, 1)}`} of a joint’s own velocity (rms) and ${significant(
     Math.max(...compared.map((each) => each.q_rms ?? 0)) * 1000,
     2,
   )} mrad`;

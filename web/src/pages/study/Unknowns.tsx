@@ -22,9 +22,12 @@ export function Unknowns({ found }: { found: Identification }) {
   const kinds = new Map<string, string[]>();
   for (const name of found.unidentifiable) {
     const [, head = name, place = ""] = /^(.+?)\[(.+)\]$/.exec(name) ?? [];
+    if (head === "base") continue; // sums of those that are named here
     const kind = /^I?[xyz]{2}$/.test(head) || head.startsWith("I") ? "moments of inertia" : (WORDS[head] ?? head);
     kinds.set(kind, [...new Set([...(kinds.get(kind) ?? []), place || name])]);
   }
+  const sums = found.parameters.filter((each) => each.combination);
+  const known = sums.filter((each) => each.identifiable).length;
   const impossible = Object.entries(found.consistent_links).filter(([, possible]) => !possible);
   return (
     <section aria-labelledby="unknown">
@@ -36,8 +39,8 @@ export function Unknowns({ found }: { found: Identification }) {
       ) : (
         <>
           <Text size="sm" mb="xs">
-            {count(found.unidentifiable.length, "parameter")} of {found.parameters.length}: for these the value is mostly what was
-            believed before. Sums of them may still be known well; a richer motion tells more of them apart.
+            For these the value is mostly what was believed before. {sums.length > 0 && `Of their sums that the motion can feel at all, ${count(known, "is", "are")} known better by the logs than before, of ${sums.length}. `}
+            A richer motion tells more of them apart.
           </Text>
           <List size="sm" spacing={2}>
             {[...kinds].map(([kind, places]) => (
