@@ -74,7 +74,11 @@
     for (const track of state.scene.tracks) track.shown = null;
     state.frame = -1;
     seek(state.time);
+    for (const pause of NUDGES) setTimeout(() => give([theme()]), pause);
   }
+
+  /* [ms] The client draws only when told something; letters and arrows that were made ready later would stay unseen. */
+  const NUDGES = [300, 1000, 3000, 8000];
 
   const theme = () => ({
     type: "ThemeConfigurationMessage", titlebar_content: null, control_layout: "floating", control_width: "small",
