@@ -91,6 +91,21 @@ def test_the_client_outlives_the_server(service, tmp_path, monkeypatch):
             opened.study_of_uploads([key], ["large.bin"])
 
 
+def test_a_foreign_log_is_looked_at_mapped_and_kept_with_its_robot(service, study_folder, tmp_path):
+    table = tmp_path / "vendor.csv"
+    rows = (f"{5 * k},{10 * (k % 9)},{k % 5}" for k in range(100))
+    table.write_text("\n".join(["time_ms,elbow_pos_deg,elbow_torque_Nm", *rows]) + "\n")
+    with Client(service.url) as opened:
+        robot = opened.upload_robot(study_folder / "robot.yaml")
+        key = opened.upload(table)
+        mapping = opened.preview_log(key, robot)["mapping"]
+        assert opened.preview_log(key, robot, mapping)["complete"]
+        assert opened.keep_mapping(robot, mapping)["mapping"] == opened.robot_mapping(robot)["mapping"] == mapping
+        log = opened.log_of_upload(key, mapping, robot)
+        assert (log.name, log.summary["channels"]) == ("vendor.csv", ["q.elbow", "tau.elbow"])
+        assert opened.models(opened.upload_study(study_folder)) == []
+
+
 def test_a_large_study_goes_up_in_pieces_and_is_the_same_study(service, study_folder, monkeypatch):
     with Client(service.url) as opened:
         whole = opened.upload_study(study_folder)

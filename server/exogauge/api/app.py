@@ -10,11 +10,13 @@ from fastapi import APIRouter, FastAPI
 
 from exogauge import __version__
 from exogauge.api import (
+    compare,
     devices,
     from_uploads,
     health,
     imports,
     logs,
+    models,
     openapi,
     page,
     problems,
@@ -83,6 +85,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         uploads_resumable.router,
         from_uploads.router,
         imports.router,
+        compare.router,
+        models.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

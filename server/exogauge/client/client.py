@@ -184,6 +184,62 @@ class Client:
         given = asked | ({} if device is None else {"device": device})
         return thing(WhatIf, self._http.ask(f"studies/{id_of(study)}/whatif", given))
 
+    def compare(self, jobs: Sequence[Job | str]) -> dict[str, Any]:
+        """Jobs side by side: {jobs, support, stiffness, identification, settings}, one cell per job in each row."""
+        answer: dict[str, Any] = self._http.get("compare", {"jobs": [id_of(job) for job in jobs]})
+        return answer
+
+    def models(self, study: Study | str) -> list[dict[str, Any]]:
+        """Versions of the study's model, with the effects that were added to each."""
+        answer: list[dict[str, Any]] = self._http.get(f"studies/{id_of(study)}/models")["items"]
+        return answer
+
+    def series(self, job: Job | str) -> list[dict[str, Any]]:
+        """The job's series: [{name, log, samples, start, end, rate_hz, channels: [{name, unit, kind, words}]}]."""
+        answer: list[dict[str, Any]] = self._http.get(f"jobs/{id_of(job)}/series")["items"]
+        return answer
+
+    def export_series(
+        self,
+        job: Job | str,
+        name: str,
+        target: str | Path,
+        channels: Sequence[str] = (),
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Path:
+        """Every sample of a window [s] of a series as CSV or Parquet, by the ending of `target`."""
+        target = Path(target)
+        form = "parquet" if target.suffix == ".parquet" else "csv"
+        asked = {"channels": list(channels), "start": start, "end": end, "format": form}
+        given = httpx.QueryParams({key: value for key, value in asked.items() if value is not None})
+        return self._http.download(f"jobs/{id_of(job)}/series/{quote(name)}/window?{given}", target)
+
+    def preview_log(
+        self, upload: str, robot: Robot | str | None = None, mapping: Mapping[str, Any] | str | None = None
+    ) -> dict[str, Any]:
+        """What an uploaded log holds, what its columns may be, and with a mapping what the doctor says of it."""
+        body = {"upload_id": upload, "robot_id": None if robot is None else id_of(robot), "mapping": mapping}
+        answer: dict[str, Any] = self._http.ask("imports/preview", body)
+        return answer
+
+    def log_of_upload(
+        self, upload: str, mapping: Mapping[str, Any] | str | None = None, robot: Robot | str | None = None
+    ) -> Log:
+        """A log that was uploaded before, read through its mapping."""
+        body = {"upload_id": upload, "robot_id": None if robot is None else id_of(robot), "mapping": mapping}
+        return thing(Log, self._http.post("logs/from-upload", body))
+
+    def robot_mapping(self, robot: Robot | str) -> dict[str, Any]:
+        """The mapping kept for the robot's logs: {robot_id, mapping, yaml, changed_at}."""
+        answer: dict[str, Any] = self._http.get(f"robots/{id_of(robot)}/mapping")
+        return answer
+
+    def keep_mapping(self, robot: Robot | str, mapping: Mapping[str, Any] | str) -> dict[str, Any]:
+        """Keep a mapping for the robot's next logs."""
+        answer: dict[str, Any] = self._http.put(f"robots/{id_of(robot)}/mapping", {"mapping": mapping})
+        return answer
+
     def results(self, job: Job | str) -> dict[str, Any]:
         """results.json of a job."""
         answer: dict[str, Any] = self._http.get(f"jobs/{id_of(job)}/results")

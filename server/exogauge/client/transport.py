@@ -49,6 +49,10 @@ class Transport:
         content = {"data": form, "files": files} if files else {"json": body}
         return self._send("POST", path, headers=headers, **content).json()
 
+    def put(self, path: str, body: Any) -> Any:
+        """PUT JSON, which may be sent again as it is."""
+        return self._send("PUT", path, json=body).json()
+
     def begin(self, path: str, headers: Mapping[str, str]) -> Any:
         """POST that says all in its headers; one idempotency key for all attempts."""
         return self._send("POST", path, headers={**headers, "Idempotency-Key": str(uuid.uuid4())}).json()

@@ -1,0 +1,23 @@
+"""results.json of jobs, read back: written by our own worker, so it may be opened here."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from exogauge.errors import BadInput, Fault
+from exogauge.storage.results import RESULTS
+from exogauge.storage.store import Store
+
+
+def content_of(store: Store, job_id: str) -> dict[str, Any]:
+    """NotFound where the job has no results, BadInput where it made something else (a what-if)."""
+    result = store.results.of_job(job_id)
+    evaluated = {each.name: each.sha256 for each in store.results.artifacts(job_id)}
+    if evaluated.get(RESULTS) != result.sha256:
+        kind = store.jobs.get(job_id).kind
+        advice = "Name jobs that evaluate a study."
+        raise BadInput(Fault(f"a job of kind {kind} makes no results.json", "no_results", advice, value=job_id))
+    with store.blobs.open(result.sha256) as stream:
+        content: dict[str, Any] = json.load(stream)
+    return content
