@@ -34,6 +34,7 @@ export function Readings({ panel, hidden, sample, cursor, onToggle }: Props) {
             <th scope="row">
               <Checkbox
                 size="xs"
+                styles={{ label: { fontSize: "var(--mantine-font-size-sm)" } }}
                 checked={!hidden.includes(line.channel)}
                 onChange={() => onToggle(line.channel)}
                 label={

@@ -12,7 +12,7 @@ type Place = { left: number; top: number; width: number; height: number };
 
 const WIDTH = 1000;
 const HEIGHT = 190;
-const MARGIN = { left: 74, right: 16, title: 46, gap: 22, head: 30, foot: 46 };
+const MARGIN = { left: 74, right: 16, title: 46, gap: 22, head: 30, foot: 26 };
 const FONT = 'font-family="system-ui, sans-serif"';
 
 /** head: what the picture is of. */
@@ -28,7 +28,7 @@ export function drawing(head: string, pictured: readonly Pictured[], window: Win
     const place = { left: MARGIN.left, top, width: WIDTH - MARGIN.left - MARGIN.right, height: HEIGHT };
     parts.push(panelOf(each, place, window, scheme, k));
   });
-  parts.push(words(WIDTH / 2, total - 14, "time [s]", colours.quiet, 'font-size="12" text-anchor="middle"'));
+  parts.push(words(WIDTH / 2, total - 10, "time [s]", colours.quiet, 'font-size="12" text-anchor="middle"'));
   const svg =
     `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${WIDTH} ${total}" width="${WIDTH}" height="${total}" ${FONT}>` +
     `<title>${escaped(head)}</title>${parts.join("")}</svg>`;

@@ -3,7 +3,8 @@
 import { useCallback, useMemo } from "react";
 import { useSearchParams } from "react-router";
 
-/** show: keys of plots; null where the address leaves it to the page. hide: channels. from, to, at [s]. */
+/** show: keys of plots; null where the address leaves it to the page. hide: channels. from, to, at [s].
+ * doubts, robot: whether uncertainties and the 3D view are shown. */
 export type View = {
   log: string | null;
   show: string[] | null;
@@ -12,6 +13,7 @@ export type View = {
   to: number | null;
   at: number | null;
   doubts: boolean;
+  robot: boolean;
 };
 
 const NOTHING = "none";
@@ -37,6 +39,7 @@ function read(search: URLSearchParams): View {
     to: number(search.get("to")),
     at: number(search.get("at")),
     doubts: search.get("doubts") !== "no",
+    robot: search.get("robot") === "yes",
   };
 }
 
@@ -53,6 +56,7 @@ function written(now: URLSearchParams, view: View): URLSearchParams {
   set("to", [view.to]);
   set("at", [view.at]);
   set("doubts", view.doubts ? [] : ["no"]);
+  set("robot", view.robot ? ["yes"] : []);
   return next;
 }
 

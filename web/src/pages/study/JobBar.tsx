@@ -7,7 +7,8 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { StateBadge } from "../../parts/StateBadge";
 import { useCancel, useRetry, type Job } from "./jobs";
 import styles from "./JobBar.module.css";
-import { duration, KINDS } from "./words";
+import { phrase } from "./stages";
+import { capital, duration, KINDS } from "./words";
 
 type Props = { job: Job; jobs: Job[]; onChoose: (jobId: string) => void };
 
@@ -79,7 +80,7 @@ function Live({ job }: { job: Job }) {
           ? "It stops within a second."
           : job.state === "queued"
             ? `In the queue: ${job.place ?? "waiting"}.`
-            : `${share} %: ${job.message || "starting"}`}
+            : `${share} %. ${capital(phrase(job.message)) || "Starting"}`}
       </Text>
     </div>
   );

@@ -1,6 +1,6 @@
-import { Alert, Button, CopyButton, Group, Select, Stack, Title } from "@mantine/core";
+import { Alert, Button, CopyButton, Group, Select, Stack, Switch, Title } from "@mantine/core";
 import { IconLink } from "@tabler/icons-react";
-import { useEffect, useMemo } from "react";
+import { lazy, Suspense, useEffect, useMemo } from "react";
 
 import type { Study } from "../../api/studies";
 import { significant } from "../../parts/digits";
@@ -14,6 +14,8 @@ import type { Job } from "./jobs";
 import type { Results } from "./results";
 import { counted } from "./verdict";
 import { ROLES, summaryOf, type StudyLog } from "./summary";
+
+const RobotView = lazy(() => import("../../view3d/RobotView").then((module) => ({ default: module.RobotView })));
 
 type Props = { study: Study; job: Job; results: Results };
 
@@ -40,13 +42,21 @@ export default function PlotsSection({ study, job, results }: Props) {
         <Title order={2} size="h3">
           Over time
         </Title>
-        <CopyButton value={window.location.href} timeout={1500}>
+        <Group gap="sm">
+          <Switch
+            size="sm"
+            label="Robot in 3D"
+            checked={view.robot}
+            onChange={(event) => change({ robot: event.currentTarget.checked })}
+          />
+          <CopyButton value={window.location.href} timeout={1500}>
           {({ copied, copy }) => (
             <Button size="xs" variant="default" leftSection={<IconLink size={16} aria-hidden />} onClick={copy}>
               {copied ? "Copied" : "Copy link to this view"}
             </Button>
           )}
-        </CopyButton>
+          </CopyButton>
+        </Group>
       </Group>
       {missing && (
         <Alert color="yellow" variant="outline" title={`This job has no series “${view.log}”`}>
@@ -63,6 +73,11 @@ export default function PlotsSection({ study, job, results }: Props) {
         value={series.name}
         onChange={(log) => log && log !== series.name && change({ log, from: null, to: null, at: null })}
       />
+      {view.robot && (
+        <Suspense fallback={<Loading what="the 3D view" />}>
+          <RobotView key={`${job.id} ${series.name}`} jobId={job.id} log={series.name} cursor={cursor} />
+        </Suspense>
+      )}
       <PlotStack key={series.name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
     </Stack>
   );

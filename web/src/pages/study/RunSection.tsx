@@ -1,7 +1,6 @@
-import { Anchor, Code, ScrollArea, Stack, Table, Text, Title } from "@mantine/core";
+import { Anchor, Code, ScrollArea, Stack, Table, Title } from "@mantine/core";
 
-import type { Study } from "../../api/studies";
-import { isActive } from "../../api/studies";
+import { isActive, type Study } from "../../api/studies";
 import { address } from "../../app/base";
 import { NONE, significant } from "../../parts/digits";
 import { sizeOf } from "../../parts/size";
@@ -9,12 +8,13 @@ import { When } from "../../parts/When";
 import { FactList } from "../../parts/FactList";
 import { WideTable } from "../../parts/WideTable";
 import { SignalDoubts } from "./SignalDoubts";
-import { useSaid, type Job } from "./jobs";
+import type { Job } from "./jobs";
 import { Pipeline } from "./Pipeline";
 import type { Results } from "./results";
-import { stagesOf } from "./stages";
-import { ROLES, summaryOf, type StudyLog } from "./summary";
-import { KINDS } from "./words";
+import styles from "./RunSection.module.css";
+import { phrase, stagesOf } from "./stages";
+import { ROLES, summaryOf, type StudySummary } from "./summary";
+import { capital, KINDS } from "./words";
 
 type Props = { study: Study; job: Job | null; results?: Results };
 
@@ -37,46 +37,40 @@ export function RunSection({ study, job, results }: Props) {
         <Title order={2} size="h3" id="logs" mb="sm">
           Logs
         </Title>
-        <Logs study={study} logs={summary.logs ?? []} />
+        <Logs study={study} summary={summary} />
       </section>
       {job && <Facts study={study} job={job} results={results} />}
     </Stack>
   );
 }
 
+/** Newest first: what it does now stands on top. */
 function Said({ job }: { job: Job }) {
-  const said = useSaid(job);
-  if (!said.length && !job.log) return null;
+  const steps = [...(job.steps ?? [])].reverse();
+  if (!steps.length && !job.log) return null;
   return (
     <section aria-labelledby="log">
       <Title order={2} size="h3" id="log" mb="sm">
-        What the job said
+        What the job did
       </Title>
-      <ScrollArea.Autosize mah={320} type="auto" viewportProps={{ tabIndex: 0, role: "region", "aria-label": "Lines of the job" }}>
-        {said.length > 0 && (
-          <ul style={{ margin: 0, paddingInlineStart: "1.2rem", fontSize: "var(--mantine-font-size-sm)" }}>
-            {said.map(({ at, message }, k) => (
-              <li key={k}>
-                <Text span c="dimmed" size="sm">
-                  {new Date(at).toLocaleTimeString()}
-                </Text>{" "}
-                {message}
-              </li>
-            ))}
-          </ul>
-        )}
+      <ScrollArea.Autosize mah={320} type="auto" viewportProps={{ tabIndex: 0, role: "region", "aria-label": "Log of the job" }}>
         {job.log && <Code block>{job.log}</Code>}
+        <ul className={styles.said}>
+          {steps.map(({ started_at, message, seconds }, k) => (
+            <li key={k}>
+              <time dateTime={started_at}>{new Date(started_at).toLocaleTimeString()}</time>
+              <span>{capital(phrase(message))}</span>
+              <span>{seconds === null ? (isActive(job.state) ? "now" : "") : `${significant(seconds, 2)} s`}</span>
+            </li>
+          ))}
+        </ul>
       </ScrollArea.Autosize>
-      {isActive(job.state) && said.length > 0 && (
-        <Text size="xs" c="dimmed">
-          The newest line is the last.
-        </Text>
-      )}
     </section>
   );
 }
 
-function Logs({ study, logs }: { study: Study; logs: StudyLog[] }) {
+function Logs({ study, summary: { logs = [], devices = [] } }: { study: Study; summary: StudySummary }) {
+  const worn = new Map(devices.map((each) => [each.file, each.name]));
   const hashes = new Map(study.files?.map((file) => [file.path, file]));
   return (
     <WideTable label="Logs of the study">
@@ -101,7 +95,7 @@ function Logs({ study, logs }: { study: Study; logs: StudyLog[] }) {
             <Table.Th scope="row">{log.name}</Table.Th>
             <Table.Td>{ROLES[log.role] ?? log.role}</Table.Td>
             <Table.Td>{log.motion ?? NONE}</Table.Td>
-            <Table.Td>{log.device ?? NONE}</Table.Td>
+            <Table.Td>{log.device ? (worn.get(log.device) ?? log.device) : NONE}</Table.Td>
             <Table.Td data-number>{significant(log.duration_s, 4)} s</Table.Td>
             <Table.Td data-number>{significant(log.rate_hz, 4)} Hz</Table.Td>
             <Table.Td data-number>{log.samples.toLocaleString("en").replaceAll(",", "\u202f")}</Table.Td>

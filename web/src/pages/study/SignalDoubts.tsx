@@ -5,7 +5,7 @@ import { WideTable } from "../../parts/WideTable";
 import type { Doubt } from "./results";
 
 const MOST_NAMED = 4;
-const ORDER = ["error", "warning", "info"];
+const ORDER = ["error", "warning", "note"];
 
 /** What the checks of the signals found, one row per rule: how often, where, and what to do. */
 export function SignalDoubts({ found }: { found: Doubt[] }) {

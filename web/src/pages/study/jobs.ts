@@ -8,7 +8,6 @@ import { isActive } from "../../api/studies";
 import { address } from "../../app/base";
 
 export type Job = Schemas["JobOut"];
-export type Said = { at: string; message: string };
 
 const LISTED = 100;
 const ASK_MS = 2_000;
@@ -52,19 +51,6 @@ export function useJob(jobId: string) {
     };
   }, [jobId, active, cache]);
   return found;
-}
-
-/** What a running job said while the page looked on; the service's own list, where it keeps one. */
-export function useSaid(job: Job): Said[] {
-  const [heard, setHeard] = useState<Said[]>([]);
-  useEffect(() => setHeard([]), [job.id]);
-  useEffect(() => {
-    if (!job.message || !isActive(job.state)) return;
-    setHeard((before) =>
-      before.at(-1)?.message === job.message ? before : [...before, { at: new Date().toISOString(), message: job.message }],
-    );
-  }, [job.message, job.state]);
-  return ("steps" in job ? (job.steps as Said[] | null) : null) ?? heard;
 }
 
 export function useCancel(jobId: string) {

@@ -44,6 +44,13 @@ function placeOf({ message, progress, started_at }: Job): number {
   return started_at && progress <= 0.15 ? 0 : -1;
 }
 
+/** `support: comparing bend_1` -> `Supporting torque: comparing bend_1`. */
+export function phrase(message: string): string {
+  const [, step = "", rest = message] = /^(\w+): (.*)$/.exec(message) ?? [];
+  const name = WORDS[step]?.[0];
+  return name ? `${name}: ${rest}` : message;
+}
+
 function made(kind: string, step: string): boolean {
   if (kind === "support") return step !== "discrepancy" && step !== "stiffness";
   return kind !== "stiffness" || step !== "discrepancy";
