@@ -8,80 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, final
 
 from exogauge.errors import BadLog
 from exogauge.logs.channels import parse_channel
-from exogauge.logs.units import STANDARD_GRAVITY, dimensions_of, find_unit
-from exogauge.studies.column_words import FILLERS, KIND_OF, Words, axis_in, kinds_in, tokens_of, within, words_of
+from exogauge.studies.body_columns import body_column
+from exogauge.studies.column_facts import SI, UNKNOWN, Advice, Seen, Suggestion, Wearer
+from exogauge.studies.column_words import FILLERS, KIND_OF, Words, kinds_in, tokens_of, within, words_of
+from exogauge.studies.joint_columns import joint_column
 
-SI = {"q": "rad", "dq": "rad/s", "ddq": "rad/s^2", "i": "A", "tau": "Nm", "acc": "m/s^2", "gyro": "rad/s",
-      "temp": "degC", "f": "N", "m": "Nm"}  # fmt: skip
-OTHER = {"q": "deg", "dq": "deg/s", "i": "mA", "tau": "mNm", "gyro": "deg/s", "m": "mNm"}  # what it may be as well
-ACC_UNITS = {"m/s^2": STANDARD_GRAVITY, "g": 1.0, "mg": 1000.0, "mm/s^2": 1000.0 * STANDARD_GRAVITY}
-ROOM = 0.05  # [rad or m], and as a share of the limit: a joint may be seen a little beyond its limits
-WORTH = 0.05  # [rad or m]
+JOINT_KINDS = ("q", "dq", "ddq", "i", "tau", "temp")
 RATES_HZ = (5.0, 20_000.0)  # of logs
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
-UNKNOWN = "Say what it measures (channel and unit), or list it under `ignore`."
-
-
-@final
-@dataclass(frozen=True)
-class Seen:
-    """One column. low, high: of its finite values. step: median difference, where it rises throughout, else None."""
-
-    name: str
-    low: float
-    high: float
-    step: float | None = None
-
-    @property
-    def size(self) -> float:
-        return max(abs(self.low), abs(self.high))
-
-
-@final
-@dataclass(frozen=True)
-class JointFacts:
-    """lower, upper: [rad or m]; velocity: [rad/s or m/s]; infinite where unknown."""
-
-    name: str
-    lower: float = -math.inf
-    upper: float = math.inf
-    velocity: float = math.inf
-
-
-@final
-@dataclass(frozen=True)
-class Wearer:
-    """What is known of the robot; joints None where no robot is named."""
-
-    joints: tuple[JointFacts, ...] | None = None
-    sensors: tuple[str, ...] = ()
-
-
-@final
-@dataclass(frozen=True)
-class Suggestion:
-    """channel: contract name, `t` for the time. why: what it rests on, in a sentence; sure: nothing else fits."""
-
-    channel: str
-    unit: str
-    sign: Literal[1, -1] = 1
-    side: Literal["joint", "motor"] = "joint"
-    sure: bool = False
-    why: str = ""
-
-
-@final
-@dataclass(frozen=True)
-class Advice:
-    """Why there is no suggestion, and what to do."""
-
-    text: str
 
 
 def guess(columns: Sequence[Seen], wearer: Wearer, norms: Mapping[str, float]) -> dict[str, Suggestion | Advice]:
@@ -103,19 +42,19 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
     if "t" in kinds and (len(kinds) == 1 or column.step is not None):
         return _time(column, words)
     if named is not None and len(kinds) == 1 and kinds[0] in ("q", "dq", "ddq", "i", "tau", "temp"):
-        return _joint(column, kinds[0], named[0], words, wearer, f"the name says {named[0]}", sure=True)
+        return joint_column(column, kinds[0], named[0], words, wearer, f"the name says {named[0]}", sure=True)
     if named is not None and kinds == ("acc",):
-        return _joint(column, "ddq", named[0], words, wearer, f"an acceleration of {named[0]}", sure=False)
-    if (body := _of_body(column, words, kinds, wearer, norms)) is not None:
+        return joint_column(column, "ddq", named[0], words, wearer, f"an acceleration of {named[0]}", sure=False)
+    if (body := body_column(column, words, kinds, wearer, norms)) is not None:
         return body
     if len(kinds) == 1 and kinds[0] in SI:
         if column.name in numbered:
             joint = numbered[column.name]
             why = "joints are numbered in the robot's order: check that the log has the same"
-            return _joint(column, kinds[0], joint, words, wearer, why, sure=False)
+            return joint_column(column, kinds[0], joint, words, wearer, why, sure=False)
         if wearer.joints is None and (joint := _left_over(column.name, rest)):
             why = "no robot is given, so the joint is called as in the column"
-            return _joint(column, kinds[0], joint, words, wearer, why, sure=False)
+            return joint_column(column, kinds[0], joint, words, wearer, why, sure=False)
         joints = ", ".join(joint.name for joint in (wearer.joints or ())[:8])
         return Advice(f"No joint of the robot is in its name ({joints}). {UNKNOWN}" if joints else UNKNOWN)
     if named is not None:
@@ -128,6 +67,8 @@ def _contract(name: str, wearer: Wearer) -> Suggestion | None:
         channel = parse_channel(name)
     except BadLog:
         return None
+    if channel.kind == "t":
+        return None  # many a file calls milliseconds so: the steps tell
     if channel.of_joint and wearer.joints is not None and channel.subject not in [each.name for each in wearer.joints]:
         return None
     return Suggestion(name, channel.unit, sure=True, why="the contract's own name, in its own unit")
@@ -138,153 +79,19 @@ def _time(column: Seen, words: Words) -> Suggestion | Advice:
         return Advice(
             "It is called a time but does not rise from row to row; choose another, or list it under `ignore`."
         )
-    unit = words.unit if words.unit in ("s", "ms", "us", "ns") else None
+    unit = words.unit if words.unit in SECONDS else None
     if unit is not None:
         return Suggestion("t", unit, sure=True, why=f"the name says time in {unit}")
     for size, epoch in EPOCHS:
         if column.low > size:
             return Suggestion("t", epoch, sure=True, why=f"stamps since 1970 in {epoch}")
-    rates = {
-        unit: 1.0 / (column.step * factor) for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
-    }
+    rates = {unit: 1.0 / (column.step * factor) for unit, factor in SECONDS.items()}
     fitting = [unit for unit, rate in rates.items() if RATES_HZ[0] <= rate <= RATES_HZ[1]]
     if not fitting:
         return Advice(f"It rises by {column.step:g} per row, which is no usual rate in s, ms, us or ns: give its unit.")
     best = min(fitting, key=lambda unit: abs(math.log(rates[unit] / 200.0)))
     others = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in fitting)
     return Suggestion("t", best, sure=len(fitting) == 1, why=f"steps of {column.step:g} are {others}")
-
-
-def _joint(
-    column: Seen, kind: str, joint: str, words: Words, wearer: Wearer, why: str, *, sure: bool
-) -> Suggestion | Advice:
-    """A quantity of a joint: its unit as named, or the one that the joint's limits allow."""
-    channel = parse_channel(f"{kind}.{joint}")
-    side: Literal["joint", "motor"] = "motor" if words.motor_side and kind != "temp" else "joint"
-    if side == "motor":
-        sure, why = False, f"{why}; the motor's side of the gear, by its name"
-    if words.unit is not None:
-        named = find_unit(words.unit)
-        if named is None or named.dimension not in dimensions_of(channel):
-            return Advice(f"Its name says {words.unit}, which is no unit of {channel.kind}. {UNKNOWN}")
-        sign = _sign(column, kind, words.unit, _facts(joint, wearer)) if side == "joint" else 1
-        return _signed(Suggestion(channel.name, words.unit, sign, side, sure, why))
-    facts = _facts(joint, wearer) if side == "joint" else None
-    if kind == "temp":
-        return Suggestion(channel.name, "degC", sure=sure and 0.0 < column.size < 150.0, why=why)
-    units = [unit for unit in (SI[kind], OTHER.get(kind)) if unit]
-    upright = [unit for unit in units if _fits(column, kind, unit, 1, facts)]
-    moving = [unit for unit in upright if _moves(column, kind, unit)]
-    turned = [unit for unit in units if _fits(column, kind, unit, -1, facts) and _moves(column, kind, unit)]
-    if turned and not moving:
-        rests = f"{turned[0]} with the sign reversed stays within the joint's limits, nothing else does"
-        return Suggestion(channel.name, turned[0], -1, side, False, f"{why}; {rests}")
-    if upright:
-        likely = moving or upright
-        unit = likely[-1] if _too_large(column, kind) else likely[0]
-        only = len(upright) == 1 and unit in moving and facts is not None and math.isfinite(_limit(facts, kind))
-        rests = f"only {unit} stays within the joint's limits" if only else f"the unit is not named: {unit} is usual"
-        return Suggestion(channel.name, unit, 1, side, sure and only, f"{why}; {rests}")
-    return Advice(
-        f"{why}, but {column.low:.4g} … {column.high:.4g} is beyond its limits in any unit. Check its zero (`offset`), "
-        "its side of the gear, and the joint."
-    )
-
-
-def _facts(joint: str, wearer: Wearer) -> JointFacts | None:
-    return next((each for each in wearer.joints or () if each.name == joint), None)
-
-
-def _limit(facts: JointFacts, kind: str) -> float:
-    return facts.velocity if kind == "dq" else facts.upper - facts.lower if kind == "q" else math.inf
-
-
-def _fits(column: Seen, kind: str, unit: str, sign: int, facts: JointFacts | None) -> bool:
-    found = find_unit(unit)
-    if facts is None or found is None or kind not in ("q", "dq"):
-        return sign == 1
-    low, high = sorted((sign * column.low * found.factor, sign * column.high * found.factor))
-    if kind == "dq":
-        return max(abs(low), abs(high)) <= facts.velocity * (1.0 + ROOM) and sign == 1
-    return low >= facts.lower - ROOM * (1.0 + abs(facts.lower)) and high <= facts.upper + ROOM * (
-        1.0 + abs(facts.upper)
-    )
-
-
-def _moves(column: Seen, kind: str, unit: str) -> bool:
-    """Whether a position, read in this unit, moves enough to have been worth a log."""
-    found = find_unit(unit)
-    return kind != "q" or found is None or (column.high - column.low) * found.factor >= WORTH
-
-
-def _sign(column: Seen, kind: str, unit: str, facts: JointFacts | None) -> Literal[1, -1]:
-    reversed_only = not _fits(column, kind, unit, 1, facts) and _fits(column, kind, unit, -1, facts)
-    return -1 if kind == "q" and reversed_only else 1
-
-
-def _signed(found: Suggestion) -> Suggestion:
-    if found.sign == 1:
-        return found
-    return replace(
-        found, sure=False, why=f"{found.why}; only with the sign reversed it stays within the joint's limits"
-    )
-
-
-def _too_large(column: Seen, kind: str) -> bool:
-    """For the SI unit, by what joints and sensors do."""
-    return column.size > {"q": 7.0, "dq": 40.0, "i": 200.0, "tau": 2000.0, "gyro": 35.0, "m": 2000.0}.get(
-        kind, math.inf
-    )
-
-
-def _of_body(
-    column: Seen, words: Words, kinds: tuple[str, ...], wearer: Wearer, norms: Mapping[str, float]
-) -> Suggestion | Advice | None:
-    """IMU and force/torque sensors: a component told by its axis. None where the name has no axis."""
-    axis = axis_in(words.tokens)
-    if axis is None:
-        return None
-    kind = axis[0]
-    if not kind:
-        forces = {"force": "f", "forces": "f", "torque": "m", "torques": "m", "moment": "m"}
-        kind = next((forces[token] for token in words.tokens if token in forces), "")
-        kind = kind or next((each for each in kinds if each in ("acc", "gyro")), "")
-    if kind in ("acc", "gyro"):
-        return _imu(column, kind, axis[1], words, norms)
-    if kind not in ("f", "m"):
-        return None
-    sensor = _sensor_in(words, wearer)
-    if sensor is None:
-        known = ", ".join(wearer.sensors) or "the robot has none, or no robot is given"
-        return Advice(f"A component of a wrench, but of which sensor? ({known}) {UNKNOWN}")
-    unit = words.unit or (OTHER[kind] if kind in OTHER and _too_large(column, kind) else SI[kind])
-    channel = parse_channel(f"ft.{sensor}.{kind}{axis[1]}")
-    found = find_unit(unit)
-    if found is None or found.dimension not in dimensions_of(channel):
-        return Advice(f"Its name says {unit}, which is no unit of a {'force' if kind == 'f' else 'moment'}. {UNKNOWN}")
-    rests = "" if words.unit else f"; the unit is not named: {unit} is usual"
-    return Suggestion(channel.name, unit, sure=words.unit is not None, why=f"the {channel.axis} of {sensor}{rests}")
-
-
-def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, float]) -> Suggestion | Advice:
-    channel = parse_channel(f"{kind}.{axis}")
-    if words.unit is not None:
-        unit = find_unit(words.unit)
-        if unit is None or unit.dimension not in dimensions_of(channel):
-            return Advice(f"Its name says {words.unit}, which is no unit of {channel.kind}. {UNKNOWN}")
-        return Suggestion(channel.name, words.unit, sure=True, why=f"the name says {kind} along {axis}")
-    size = norms.get(column.name)
-    if kind == "acc" and size is not None:
-        for unit_name, gravity in ACC_UNITS.items():
-            if abs(size / gravity - 1.0) < 0.1:
-                return Suggestion(
-                    channel.name, unit_name, sure=True, why=f"its usual size is {size:.4g}: gravity in {unit_name}"
-                )
-        return Advice(
-            f"Its usual size, {size:.4g}, is gravity in no unit. Give its unit, and check that gravity is in it."
-        )
-    unit_name = OTHER[kind] if kind in OTHER and _too_large(column, kind) else SI[kind]
-    return Suggestion(channel.name, unit_name, why=f"the unit is not named: {unit_name} is usual")
 
 
 def _joint_in(words: Words, wearer: Wearer) -> tuple[str, tuple[str, ...]] | None:
@@ -298,16 +105,6 @@ def _joint_in(words: Words, wearer: Wearer) -> tuple[str, tuple[str, ...]] | Non
     if not fitting or (len(fitting) > 1 and fitting[0][0] == fitting[1][0]):
         return None
     return fitting[0][1], fitting[0][2]
-
-
-def _sensor_in(words: Words, wearer: Wearer) -> str | None:
-    for sensor in sorted(wearer.sensors, key=len, reverse=True):
-        if within(tokens_of(sensor), words.tokens) is not None:
-            return sensor
-    if wearer.joints is not None:
-        return None
-    rest = [token for token in words.tokens if token not in FILLERS | set(KIND_OF) and axis_in((token,)) is None]
-    return "_".join(rest) or None
 
 
 def _left_over(name: str, tokens: Sequence[str]) -> str:

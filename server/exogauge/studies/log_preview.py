@@ -19,7 +19,8 @@ from exogauge.logs.limits import MAX_COLUMNS
 from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.tables import RawArray, Table, TextLayout, open_table, read_names
-from exogauge.studies.column_guess import Advice, JointFacts, Seen, Suggestion, Wearer, guess
+from exogauge.studies.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
+from exogauge.studies.column_guess import guess
 from exogauge.studies.column_words import axis_in, kinds_in, words_of
 from exogauge.studies.mapping_proposal import proposal
 
