@@ -64,6 +64,11 @@ def test_a_list_says_what_can_be_drawn(client: TestClient, job: str) -> None:
     ]
 
 
+def test_one_series_can_be_asked_for_by_name(client: TestClient, job: str) -> None:
+    assert [each["name"] for each in get(client, job, "", name="lift").json()["items"]] == ["lift"]
+    assert get(client, job, "", name="lower").json()["items"] == []
+
+
 def test_tiles_cover_the_whole_by_default_and_a_missing_value_is_null(client: TestClient, job: str) -> None:
     whole = get(client, job, "/lift/tiles", channels=[TAU, REST], width=100)
     assert whole.status_code == 200, whole.text

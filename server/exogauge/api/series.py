@@ -92,9 +92,16 @@ class TilesOut(BaseModel):
 
 
 @router.get("/jobs/{job_id}/series", operation_id="listSeries")
-def list_series(job_id: Id, store: ReaderDep, response: Response) -> SeriesList:
+def list_series(
+    job_id: Id,
+    store: ReaderDep,
+    response: Response,
+    name: Annotated[str | None, Query(max_length=200, description="only the series of this name")] = None,
+) -> SeriesList:
     """Every series that the job made, by name; empty until it has succeeded."""
     hashes = series_of(store, str(job_id))
+    if name is not None:
+        hashes = {each: sha256 for each, sha256 in hashes.items() if each == name}
     if hashes:
         response.headers["Cache-Control"] = NEVER_CHANGES
     return SeriesList(items=[described(name, opened(store.blobs, sha256)) for name, sha256 in hashes.items()])
