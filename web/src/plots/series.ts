@@ -1,4 +1,4 @@
-/** The series of a job: which there are, tiles of them to draw, single samples to read. */
+/** A series of a job: what it holds, tiles of them to draw, single samples to read. */
 
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 
@@ -9,13 +9,17 @@ export type Tiles = Schemas["TilesOut"];
 export type SeriesFacts =
   paths["/api/v1/jobs/{job_id}/series"]["get"]["responses"]["200"]["content"]["application/json"]["items"][number];
 
-export function useSeriesList(jobId: string, ready: boolean) {
+/** What one series holds; null where the job made none of that name. */
+export function useSeries(jobId: string, name: string | undefined) {
   return useQuery({
-    queryKey: ["series", jobId],
-    queryFn: ({ signal }) =>
-      answer(api.GET("/api/v1/jobs/{job_id}/series", { params: { path: { job_id: jobId } }, signal })),
+    queryKey: ["series", jobId, name],
+    queryFn: async ({ signal }): Promise<SeriesFacts | null> => {
+      const asked = { path: { job_id: jobId }, query: { name } };
+      const { items } = await answer(api.GET("/api/v1/jobs/{job_id}/series", { params: asked, signal }));
+      return items[0] ?? null;
+    },
     staleTime: Infinity,
-    enabled: ready,
+    enabled: name !== undefined,
   });
 }
 

@@ -8,10 +8,10 @@ import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Cursor } from "../../plots/cursor";
 import { PlotStack } from "../../plots/PlotStack";
-import { useSeriesList, type SeriesFacts } from "../../plots/series";
+import { useSeries, type SeriesFacts } from "../../plots/series";
 import { useView } from "../../plots/view";
 import type { Job } from "./jobs";
-import type { Results } from "./results";
+import { useArtifacts, type Results } from "./results";
 import { counted } from "./verdict";
 import { ROLES, summaryOf, type StudyLog } from "./summary";
 
@@ -21,21 +21,22 @@ type Props = { study: Study; job: Job; results: Results };
 
 /** One log at a time: what was measured, what each model says, what the wear gives. */
 export default function PlotsSection({ study, job, results }: Props) {
-  const { data, error, refetch } = useSeriesList(job.id, job.state === "succeeded");
   const [view, change] = useView();
   const logs = summaryOf(study).logs ?? [];
-  const known = data?.items ?? [];
-  const series = known.find((each) => each.name === view.log) ?? firstOf(known, logs, results);
-  const cursor = useMemo(() => new Cursor(view.at), [series?.name]);
+  const files = useArtifacts(job.id, job.state === "succeeded");
+  const names = useMemo(() => seriesNames(files.data?.items ?? []), [files.data]);
+  const name = view.log !== null && names.includes(view.log) ? view.log : firstOf(names, logs, results);
+  const { data: series, error, refetch } = useSeries(job.id, name);
+  const cursor = useMemo(() => new Cursor(view.at), [name]);
   const first = useMemo(() => (series ? plotsFor(series, results) : []), [series, results]);
   useEffect(() => {
     if (view.at !== null) cursor.move(view.at);
   }, [view.at, cursor]);
 
-  if (error) return <ProblemBox error={error} retry={() => void refetch()} />;
-  if (!data) return <Loading what="the series" />;
-  if (!series) return <Alert color="gray" variant="outline" title="This job made no series" />;
-  const missing = view.log !== null && view.log !== series.name;
+  const failure = files.error ?? error;
+  if (failure) return <ProblemBox error={failure} retry={() => void (files.error ? files.refetch() : refetch())} />;
+  if (!files.data) return <Loading what="the series" />;
+  if (name === undefined) return <Alert color="gray" variant="outline" title="This job made no series" />;
   return (
     <Stack gap="md">
       <Group justify="space-between" align="flex-end" gap="sm">
@@ -50,44 +51,53 @@ export default function PlotsSection({ study, job, results }: Props) {
             onChange={(event) => change({ robot: event.currentTarget.checked })}
           />
           <CopyButton value={window.location.href} timeout={1500}>
-          {({ copied, copy }) => (
-            <Button size="xs" variant="default" leftSection={<IconLink size={16} aria-hidden />} onClick={copy}>
-              {copied ? "Copied" : "Copy link to this view"}
-            </Button>
-          )}
+            {({ copied, copy }) => (
+              <Button size="xs" variant="default" leftSection={<IconLink size={16} aria-hidden />} onClick={copy}>
+                {copied ? "Copied" : "Copy link to this view"}
+              </Button>
+            )}
           </CopyButton>
         </Group>
       </Group>
-      {missing && (
+      {view.log !== null && view.log !== name && (
         <Alert color="yellow" variant="outline" title={`This job has no series “${view.log}”`}>
-          Shown instead: {series.name}.
+          Shown instead: {name}.
         </Alert>
       )}
       <Select
         label="Log"
-        description={factsOf(series, logs)}
+        description={series ? factsOf(series, logs) : "reading …"}
         maw={560}
         searchable
         allowDeselect={false}
-        data={optionsOf(known, logs)}
-        value={series.name}
-        onChange={(log) => log && log !== series.name && change({ log, from: null, to: null, at: null })}
+        data={optionsOf(names, logs)}
+        value={name}
+        onChange={(log) => log && log !== name && change({ log, from: null, to: null, at: null })}
       />
       {view.robot && (
         <Suspense fallback={<Loading what="the 3D view" />}>
-          <RobotView key={`${job.id} ${series.name}`} jobId={job.id} log={series.name} cursor={cursor} />
+          <RobotView key={`${job.id} ${name}`} jobId={job.id} log={name} cursor={cursor} />
         </Suspense>
       )}
-      <PlotStack key={series.name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
+      {series ? (
+        <PlotStack key={name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
+      ) : (
+        <Loading what="the series" />
+      )}
     </Stack>
   );
 }
 
+/** `series/bend_1.parquet` -> `bend_1`. */
+function seriesNames(files: { name: string }[]): string[] {
+  return files.flatMap(({ name }) => /^series\/([^/]+)\.parquet$/.exec(name)?.[1] ?? []);
+}
+
 /** Logs with the device first: they have most to show. */
-function firstOf(known: SeriesFacts[], logs: StudyLog[], results: Results): SeriesFacts | undefined {
+function firstOf(names: string[], logs: StudyLog[], results: Results): string | undefined {
   const worn = results.support.find((each) => each.main)?.logs[0];
   const heldOut = logs.find((log) => log.role !== "identification")?.name;
-  return known.find((each) => each.name === worn) ?? known.find((each) => each.name === heldOut) ?? known[0];
+  return [worn, heldOut].find((each) => each !== undefined && names.includes(each)) ?? names[0];
 }
 
 function factsOf(series: SeriesFacts, logs: StudyLog[]): string {
@@ -102,13 +112,13 @@ function factsOf(series: SeriesFacts, logs: StudyLog[]): string {
   return facts.filter(Boolean).join(" · ");
 }
 
-function optionsOf(known: SeriesFacts[], logs: StudyLog[]) {
+function optionsOf(names: string[], logs: StudyLog[]) {
   const roles = new Map(logs.map((log) => [log.name, log]));
   const groups = new Map<string, { value: string; label: string }[]>();
-  for (const each of known) {
-    const log = roles.get(each.name);
+  for (const name of names) {
+    const log = roles.get(name);
     const group = log ? [log.motion && `Motion ${log.motion}`, ROLES[log.role] ?? log.role].filter(Boolean).join(", ") : "Logs";
-    groups.set(group, [...(groups.get(group) ?? []), { value: each.name, label: each.name }]);
+    groups.set(group, [...(groups.get(group) ?? []), { value: name, label: name }]);
   }
   return [...groups].map(([group, items]) => ({ group, items }));
 }
