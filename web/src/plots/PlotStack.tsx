@@ -6,6 +6,7 @@ import { useRestingTime, type Cursor } from "./cursor";
 import { ExportMenu } from "./ExportMenu";
 import type { Window } from "./Plot";
 import { PlotPanel } from "./PlotPanel";
+import styles from "./PlotStack.module.css";
 import { PlotTools } from "./PlotTools";
 import type { SeriesFacts } from "./series";
 import { isWhole, panned, stepped, within, zoomed } from "./steps";
@@ -88,7 +89,7 @@ export function PlotStack({ jobId, series, view, first, cursor, onView }: Props)
         Drag across a plot to zoom, double-click for the whole log. In a plot: ← → move the cursor (Shift: ten times as
         far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window. A wide shade: the joint rests, and friction leaves an interval only.
       </Text>
-      <div>
+      <div className={styles.stack}>
         {shown.map((panel, k) => (
           <PlotPanel
             key={panel.key}

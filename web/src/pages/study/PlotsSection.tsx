@@ -11,6 +11,7 @@ import { PlotStack } from "../../plots/PlotStack";
 import { useSeries, type SeriesFacts } from "../../plots/series";
 import { useView } from "../../plots/view";
 import type { Job } from "./jobs";
+import styles from "./PlotsSection.module.css";
 import { useArtifacts, type Results } from "./results";
 import { counted } from "./verdict";
 import { ROLES, summaryOf, type StudyLog } from "./summary";
@@ -74,16 +75,20 @@ export default function PlotsSection({ study, job, results }: Props) {
         value={name}
         onChange={(log) => log && log !== name && change({ log, from: null, to: null, at: null })}
       />
-      {view.robot && (
-        <Suspense fallback={<Loading what="the 3D view" />}>
-          <RobotView key={`${job.id} ${name}`} jobId={job.id} log={name} cursor={cursor} />
-        </Suspense>
-      )}
-      {series ? (
-        <PlotStack key={name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
-      ) : (
-        <Loading what="the series" />
-      )}
+      <div className={styles.sides} data-robot={view.robot || undefined}>
+        {view.robot && (
+          <div className={styles.robot}>
+            <Suspense fallback={<Loading what="the 3D view" />}>
+              <RobotView key={`${job.id} ${name}`} jobId={job.id} log={name} cursor={cursor} />
+            </Suspense>
+          </div>
+        )}
+        {series ? (
+          <PlotStack key={name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
+        ) : (
+          <Loading what="the series" />
+        )}
+      </div>
     </Stack>
   );
 }

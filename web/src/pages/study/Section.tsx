@@ -1,4 +1,5 @@
-import { lazy, Suspense } from "react";
+import { lazy, Suspense, useEffect } from "react";
+import { useLocation } from "react-router";
 
 import type { Study } from "../../api/studies";
 import { Loading } from "../../parts/Loading";
@@ -18,8 +19,17 @@ const PlotsSection = lazy(() => import("./PlotsSection"));
 
 type Props = { name: SectionKey; study: Study; job: Job; results?: Results };
 
-/** One part of the review. */
-export function Section({ name, study, job, results }: Props) {
+/** One part of the review. An address may end with a heading of it: `#parameters`. */
+export function Section(props: Props) {
+  const { hash } = useLocation();
+  const { name, job } = props;
+  useEffect(() => {
+    if (hash) document.getElementById(decodeURIComponent(hash.slice(1)))?.scrollIntoView();
+  }, [hash, name, job.id]);
+  return <Part {...props} />;
+}
+
+function Part({ name, study, job, results }: Props) {
   if (name === "files") return <FilesSection job={job} />;
   if (name === "run" || !isEvaluation(results))
     return <RunSection study={study} job={job} results={isEvaluation(results) ? results : undefined} />;
