@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.devices.result import StiffnessResult
 from exogauge.devices.routing import Routing
+from exogauge.discrepancy.band_beyond import Beyond
 from exogauge.discrepancy.band_logs import Approach, Course, WearLog, WearLogs
 from exogauge.discrepancy.band_model import Fitted, Setting, Wear, believed, fit
 from exogauge.identification.model import RobotModel
@@ -20,6 +21,7 @@ from exogauge.support.evidence import Evidence
 from exogauge.support.score_doubt import autocovariance
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 
@@ -46,27 +48,36 @@ class Ground:
 
 
 def lay_ground(
-    model: RobotModel, gathered: Gathered, device: Device, stiffness: Sequence[StiffnessResult]
+    model: RobotModel,
+    gathered: Gathered,
+    device: Device,
+    stiffness: Sequence[StiffnessResult],
+    beyond: Beyond | None = None,
 ) -> Ground | None:
-    """None where no log with the device has a sample that counts."""
+    """None where no log with the device has a sample that counts. beyond: further joints to look at."""
     own = [each for each in gathered.evidences if each.worn.device.name == device.name]
     approach: Approach = "A" if all(each.a is not None and each.compared.any() for each in own) else "B"
-    logs = WearLogs([_log(each, approach) for each in own], gathered.joints, gathered.names)
+    joints, names = gathered.joints, list(gathered.names)
+    if beyond is not None:
+        joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
+    logs = WearLogs([_log(each, approach, beyond) for each in own], joints, names)
     if not logs.used.any():
         return None
     routing = Routing(model.robot.tree, device.bands)
     wires = tuple(logs.wire(Course("band", band.name, routing, b)) for b, band in enumerate(device.bands))
     start = _start(device, stiffness, approach)
     floor = _floor(gathered, own, approach)
+    if beyond is not None:
+        floor = np.concatenate([floor, beyond.floor_a if approach == "A" else beyond.floor_b])
     travel = np.array([wire.travel for wire in wires])
     belief = believed(device.bands, start, travel)
-    sigma, memory = np.maximum(floor, LEAST_SIGMA), np.ones(len(gathered.names))
+    sigma, memory = np.maximum(floor, LEAST_SIGMA), np.ones(len(names))
     for _ in range(WEIGHINGS):
         weight, independent = weights(logs, sigma, memory)
         setting = Setting(logs, device.bands, wires, weight, independent, belief)
         fitted = fit(setting, start)
         sigma, memory = _spread(logs, fitted.e, floor), memories(logs, fitted.e)
-    null = _null_logs(gathered, own) if approach == "B" else None
+    null = _null_logs(gathered, own, beyond) if approach == "B" else None
     ground = Ground(device, approach, model, setting, fitted, floor, sigma, memory, null)
     return weighed(ground, fitted)
 
@@ -115,43 +126,48 @@ def _spread(logs: WearLogs, e: Array, floor: Array) -> Array:
     return np.asarray(np.maximum(np.sqrt(square), np.maximum(floor, LEAST_SIGMA)))
 
 
-def _log(evidence: Evidence, approach: Approach) -> WearLog:
+def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None) -> WearLog:
     kept = evidence.kept
     torque, used = evidence.b, evidence.steady
     if approach == "A":
         assert evidence.a is not None
         torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
+    pair = np.where(used, torque, 0.0)[kept], used[kept]
+    if beyond is not None:
+        pair = _beside(pair, (beyond.a if approach == "A" else beyond.b)[evidence.worn.log.name])
     return WearLog(
         name=evidence.worn.log.name,
         motion=evidence.worn.motion,
         time=evidence.time - evidence.time[0],
         posture=evidence.posture,
         kept=kept,
-        torque=np.where(used, torque, 0.0)[kept],
-        used=used[kept],
+        torque=pair[0],
+        used=pair[1],
         sloped=np.searchsorted(kept, evidence.sloped),
         slope=evidence.slope_a if approach == "A" else evidence.slope_b,
     )
 
 
-def _null_logs(gathered: Gathered, own: Sequence[Evidence]) -> WearLogs:
+def _beside(own: tuple[Array, BoolArray], more: tuple[Array, BoolArray]) -> tuple[Array, BoolArray]:
+    return np.hstack([own[0], more[0]]), np.hstack([own[1], more[1]])
+
+
+def _null_logs(gathered: Gathered, own: Sequence[Evidence], beyond: Beyond | None) -> WearLogs:
     motions = {each.worn.motion for each in own}
-    chosen = [each for each in gathered.nothings if each.motion in motions]
-    logs = [
-        WearLog(
-            name="",
-            motion=each.motion,
-            time=each.time - each.time[0],
-            posture=each.posture,
-            kept=np.arange(len(each.time)),
-            torque=np.where(each.steady, each.b, 0.0),
-            used=each.steady,
-            sloped=np.zeros(0, dtype=np.intp),
-            slope=None,
-        )
-        for each in chosen
-    ]
-    return WearLogs(logs, gathered.joints, gathered.names, share=len(own) / max(len(logs), 1))
+    logs, places = list[WearLog](), dict[str, int]()
+    for each in gathered.nothings:
+        place = places[each.motion] = places.get(each.motion, -1) + 1
+        if each.motion in motions:
+            pair = np.where(each.steady, each.b, 0.0), each.steady
+            if beyond is not None:
+                pair = _beside(pair, beyond.null[each.motion][place])
+            nothing = np.zeros(0, dtype=np.intp)
+            time, kept = each.time - each.time[0], np.arange(len(each.time))
+            logs.append(WearLog("", each.motion, time, each.posture, kept, pair[0], pair[1], nothing, None))
+    joints, names = gathered.joints, list(gathered.names)
+    if beyond is not None:
+        joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
+    return WearLogs(logs, joints, names, share=len(own) / max(len(logs), 1))
 
 
 def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> Array:

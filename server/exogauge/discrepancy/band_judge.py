@@ -25,6 +25,9 @@ FEWEST_BLOCKS = 5
 SURE = 3.0  # standard errors by which the error on what was left out must fall, and by which a coefficient is not zero
 SURE_ONCE = 6.0  # of the coefficient of an effect of one moment, which nothing that was left out can confirm
 EVIDENCE_ONCE = 40.0
+ACTS = 0.3  # of an effect's torque on the joint that feels it most, against each joint's noise
+SPREAD_ONCE = 2.0  # standard errors, by blocks: the gain must not be one moment's alone
+LEAST_OF_SUPPORT = 0.02  # of the supporting torque: a smaller effect is not worth a name
 LEAST = 0.05  # of the square error of the joint that shows it most
 WORSE = 3.0  # standard errors by which a regime may not get worse
 FEWEST_IN_REGIME = 30
@@ -111,6 +114,7 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
     seen = [np.where(used, each.e, np.nan) for each in (base, fitted)]
     gains, fitted_gains = ((was**2 - now**2) / after_all.sigma**2 for was, now in (left_out, seen))
     by_joint = np.nansum(fitted_gains if added.effect.once else gains, axis=0)
+    by_joint = np.where(_acted_on(setting, fitted, len(added.coefficients)), by_joint, -np.inf)
     if added.effect.once:  # logs before it can only dilute what those say in which it happens or lasts
         acts = np.abs(fitted.A[:, :, -1]).sum(axis=1) > 0.0
         own = np.isin(setting.logs.log, setting.logs.log[acts])
@@ -132,6 +136,13 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
         objection="",
     )
     return replace(judged, objection=_objection(judged, after_all))
+
+
+def _acted_on(setting: Setting, fitted: Fitted, width: int) -> BoolArray:
+    """(D,) joints on which the last effect acts more than by the way."""
+    coefficients = fitted.wear.theta[-width:]
+    size = np.sqrt(np.sum(setting.weight * (fitted.A[:, :, -width:] @ coefficients) ** 2, axis=0))
+    return np.asarray(size >= ACTS * max(float(size.max()), 1e-300))
 
 
 def by_block(logs: WearLogs, gains: Array) -> Array:
@@ -165,8 +176,11 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
             return "it happens once, so nothing can be held out, and the evidence is not overwhelming"
     elif len(judged.blocks) < FEWEST_BLOCKS:
         return "too little steady motion is left out of the fit to judge it"
-    if judged.z < SURE:
-        return f"the error does not fall surely ({judged.z:.1f} standard errors, {SURE:.0f} are asked for)"
+    needed = SPREAD_ONCE if judged.once else SURE
+    if judged.z < needed:
+        return f"the error does not fall surely ({judged.z:.1f} standard errors, {needed:.0f} are asked for)"
+    if _share_of_support(judged, ground) < LEAST_OF_SUPPORT:
+        return f"it is less than {100 * LEAST_OF_SUPPORT:.0f} % of the support at the joint that shows it most"
     if judged.explained < LEAST:
         return f"it explains {100 * max(judged.explained, 0.0):.1f} % of the error: not worth a name"
     gains = (judged.before**2 - judged.after**2) / ground.sigma**2
@@ -177,6 +191,14 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
             if worse < -WORSE:
                 return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
     return ""
+
+
+def _share_of_support(judged: BandJudgement, ground: Ground) -> float:
+    """RMS of what the effect adds over that of the supporting torque, on that joint."""
+    logs, joint = ground.setting.logs, judged.joint
+    used = logs.used[:, joint]
+    own = judged.fitted.A[used, joint, -len(judged.added.coefficients) :] @ judged.added.coefficients
+    return float(np.sqrt(np.mean(own**2)) / max(np.sqrt(np.mean(logs.torque[used, joint] ** 2)), 1e-300))
 
 
 def _regimes(ground: Ground, wire: int) -> Sequence[tuple[str, BoolArray]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, final
 
@@ -69,6 +69,16 @@ class WearLogs:
         """(N,) samples of one log within `BLOCK_S` share a number."""
         part = np.floor(self.time / BLOCK_S).astype(np.intp)
         return np.asarray(np.unique(self.log * (int(part.max()) + 1) + part, return_inverse=True)[1], dtype=np.intp)
+
+    def few(self) -> WearLogs:
+        """One log of every motion, kept samples alone: for a first look at many wires. Not for what has a memory."""
+        motions = [each.motion for each in self.logs]
+        chosen = [each for k, each in enumerate(self.logs) if motions.index(each.motion) == k]
+        thin = [
+            replace(each, time=each.time[each.kept], posture=each.posture[each.kept], kept=np.arange(len(each.kept)))
+            for each in chosen
+        ]
+        return WearLogs(thin, self.joints, self.names)
 
     def wire(self, course: Course) -> Wire:
         """A course in these logs."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from exogauge.discrepancy.band_logs import Wire
 from exogauge.discrepancy.band_model import Added, Fitted, Setting
 from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
@@ -46,6 +47,13 @@ class Scorer:
         self._e = (fitted.e * self._root).ravel()
         self._H = fitted.hessian
         self._square = float(self._e @ self._e)
+
+    def beside(self, wire: Wire) -> Scorer:
+        """The same with a further wire behind the others."""
+        other = object.__new__(Scorer)
+        other.__dict__.update(self.__dict__)
+        other.setting = replace(self.setting, wires=(*self.setting.wires, wire))
+        return other
 
     def score(self, effect: BandEffect, wire: int, shape: tuple[float, ...]) -> BandScore | None:
         """None where the springs take its place, or nothing of it shows."""

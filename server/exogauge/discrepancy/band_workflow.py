@@ -14,7 +14,9 @@ import numpy as np
 
 from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.discrepancy.band_beyond import Beyond
 from exogauge.discrepancy.band_doubt import deviations
+from exogauge.discrepancy.band_extra import further_wires
 from exogauge.discrepancy.band_finding import CHANNEL, name_contradicted, name_effect, rejection
 from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whitened
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
@@ -34,6 +36,11 @@ WORTH_JUDGING = 6.0  # evidence (BIC)
 JUDGED = 8  # candidates per round
 ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 SURE = 3.0  # standard errors above the floor
+CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
+UNCLEAR = (
+    "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
+    "nothing is said of the other bands until it is."
+)
 
 
 @final
@@ -55,18 +62,20 @@ def find_band_effects(
     gathered: Gathered,
     stiffness: Sequence[StiffnessResult],
     so_far: Discrepancy,
+    beyond: Beyond | None = None,
     effects: Mapping[str, BandEffect] | None = None,
     progress: Progress = lambda _fraction, _phrase: None,
 ) -> Discrepancy:
     """so_far: what the joints' search says of the same model; it comes back with the findings of all wears appended.
-    gathered, stiffness: supporting torque and bands of the same logs. effects: what may be missing, default all."""
+    gathered, stiffness: supporting torque and bands of the same logs. beyond: the same on joints that no declared band
+    crosses. effects: what may be missing, default all."""
     effects = band_effects() if effects is None else effects
     devices = {each.worn.device.name: each.worn.device for each in gathered.evidences}
     found = so_far
     for done, device in enumerate(devices.values()):
         progress(done / len(devices), f"looking for effects of {device.name}")
         of = f" of {device.name}" if len(devices) > 1 else ""
-        said = search_wear(model, gathered, device, stiffness, effects, len(found.findings), of)
+        said = search_wear(model, gathered, device, stiffness, beyond, effects, len(found.findings), of)
         found = appended(found, said)
     progress(1.0, "compared")
     return found
@@ -77,12 +86,13 @@ def search_wear(
     gathered: Gathered,
     device: Device,
     stiffness: Sequence[StiffnessResult],
+    beyond: Beyond | None,
     effects: Mapping[str, BandEffect],
     named: int,
     of: str,
 ) -> WearFindings:
     """One device. named: findings that there are already. of: words that tell it from other devices, or ""."""
-    ground = lay_ground(model, gathered, device, stiffness)
+    ground = lay_ground(model, gathered, device, stiffness, beyond)
     if ground is None:
         return WearFindings(
             (), (), (), (), {}, 0, (f"No log with {device.name} has steady motion to judge its bands by.",)
@@ -91,10 +101,10 @@ def search_wear(
     if not folds.left_out:
         note = f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
         return WearFindings((), (), (), (), {}, 0, (note,))
-    first, findings, rejected, tried = ground, list[Finding](), list[Alternative](), 0
+    first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
     wears = [ground.fitted.wear]
     while True:
-        judged, count = _judged(ground, effects, folds)
+        ground, judged, count = _judged(ground, effects, folds)
         tried = max(tried, count)
         rejected = [rejection(ground, each) for each in judged if each.objection]
         winner = next((each for each in judged if not each.objection), None)
@@ -103,8 +113,13 @@ def search_wear(
         findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
         ground = weighed(ground, winner.fitted)
         wears.append(ground.fitted.wear)
+        unclear = (
+            winner.added.effect.sort == "wire" and rmse(winner.after, winner.joint) > CLEAR * ground.floor[winner.joint]
+        )
+        if unclear:
+            break
     scorer = Scorer(ground.setting, ground.fitted)
-    for each in contradicted(ground, ground.fitted.wear, folds):
+    for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
         if effects.get(each.effect) is not None:
             findings.append(name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of))
     return WearFindings(
@@ -114,7 +129,7 @@ def search_wear(
         unexplained=_unexplained(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
         tried=tried,
-        notes=(),
+        notes=(UNCLEAR.format(device.name),) if unclear else (),
     )
 
 
@@ -141,18 +156,22 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
     )
 
 
-def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> tuple[list[BandJudgement], int]:
-    """The candidates worth it, with most evidence first, and how many shapes were tried."""
+def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> tuple[Ground, list[BandJudgement], int]:
+    """The ground with further wires that are worth it, the candidates judged, with most evidence first, and how many
+    shapes were tried."""
     scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
     for effect, wire in candidates(scorer, effects):
         best, count = scorer.best(effect, wire)
         tried += count
         if best is not None and best.evidence > WORTH_JUDGING:
             worth.append(scorer.refined(best))
+    for effect in (each for each in effects.values() if each.sort == "wire"):
+        ground, scorer, scores, count = further_wires(ground, scorer, effect)
+        worth, tried = worth + [scorer.refined(each) for each in scores], tried + count
     worth = sorted(worth, key=lambda each: -each.evidence)[:JUDGED]
     judged = [judge(ground, each, folds) for each in worth]
     likely = [each for each in judged if each.evidence > WORTH_JUDGING]
-    return sorted(likely, key=lambda one: -one.evidence), tried
+    return ground, sorted(likely, key=lambda one: -one.evidence), tried
 
 
 def _chain(ground: Ground, findings: Sequence[Finding], wears: Sequence[Wear], folds: Folds) -> tuple[Link, ...]:
