@@ -12,6 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.devices.result import StiffnessResult
+from exogauge.discrepancy.band_beyond import look_beyond
+from exogauge.discrepancy.band_workflow import find_band_effects
+from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
@@ -28,7 +31,7 @@ from exogauge.studies.results import Evaluation, parameter_table, results, to_js
 from exogauge.studies.series import write_series
 from exogauge.studies.stiffness_results import stiffness_table
 from exogauge.studies.support_results import support_table
-from exogauge.support.evaluate import estimate_support
+from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
 from exogauge.support.motions import require_same_motions
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
@@ -85,11 +88,14 @@ def _evaluate(
         if worn:
             span, twice = spans["support"](progress), discrepancy is not None and found is not first
             begin = _part(0.0, 0.5, "", span) if twice else span
-            support, stiffness = estimate_support(found.model, plain, worn, study.support_settings, begin)
+            gathered = gather_support(found.model, plain, worn, study.support_settings, begin)
+            support, stiffness = conclude_support(found.model, gathered, worn, study.support_settings, begin)
             if discrepancy is not None and twice:
                 again = _part(0.5, 1.0, "without what was named, ", span)
                 earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
                 discrepancy = replace(discrepancy, before_after=before_after(earlier, (support, stiffness)))
+            if discrepancy is not None:
+                discrepancy = _with_wear(study, found, plain, gathered, stiffness, discrepancy, span)
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,
@@ -107,6 +113,21 @@ def _evaluate(
         )
         write(study, evaluation, out)
     progress(1.0, "done")
+
+
+def _with_wear(
+    study: Study,
+    found: Identification,
+    plain: Sequence[PlainLog],
+    gathered: Gathered,
+    stiffness: Sequence[StiffnessResult],
+    discrepancy: Discrepancy,
+    progress: Progress,
+) -> Discrepancy:
+    """What the model of the wear lacks, behind what that of the robot lacked."""
+    progress(0.99, "looking for effects of the bands")
+    beyond = look_beyond(found.model, gathered, plain, study.support_settings)
+    return find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
 
 
 def _require_same_motions(study: Study, worn: Sequence[WornLog], plain: Sequence[PlainLog]) -> None:
