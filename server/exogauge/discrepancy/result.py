@@ -150,7 +150,8 @@ class Lineage:
 @final
 @dataclass(frozen=True)
 class Discrepancy:
-    """before_after: quantity name -> (before, after), of supporting torque and stiffness."""
+    """before_after: quantity name -> (before, after), of supporting torque and stiffness. wear_chain: as chain, of the
+    supporting torque and the model of the wear; empty where nothing was added to it."""
 
     verdict: Verdict
     findings: tuple[Finding, ...]
@@ -162,3 +163,4 @@ class Discrepancy:
     candidates: int
     notes: tuple[str, ...]
     before_after: Mapping[str, tuple[Estimate, Estimate]]
+    wear_chain: tuple[Link, ...] = ()

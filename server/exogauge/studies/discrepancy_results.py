@@ -20,6 +20,7 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
         "verdict": found.verdict,
         "findings": [_finding(each) for each in found.findings],
         "chain": [asdict(each) for each in found.chain],
+        "wear_chain": [asdict(each) for each in found.wear_chain],
         "located": [asdict(each) for each in found.located],
         "unexplained": [asdict(each) for each in found.unexplained],
         "rejected": [_alternative(each) for each in found.rejected],

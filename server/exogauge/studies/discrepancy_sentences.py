@@ -135,6 +135,8 @@ def place(found: Mapping[str, Any]) -> str:
 
 def channel(name: str) -> str:
     """`tau.torso_pitch` -> `torso_pitch`; others as in the log."""
+    if name.startswith("support."):
+        return f"{name.removeprefix('support.')} (support)"
     return name.removeprefix("tau.")
 
 
