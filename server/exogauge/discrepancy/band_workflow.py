@@ -124,7 +124,7 @@ def search_wear(
             findings.append(name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of))
     return WearFindings(
         findings=tuple(findings),
-        chain=_chain(ground, findings, wears, folds),
+        chain=_chain(ground, findings, wears, folds, of),
         rejected=tuple(rejected),
         unexplained=_unexplained(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
@@ -146,7 +146,7 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         found,
         verdict=verdict,
         findings=findings,
-        chain=(*found.chain, *said.chain),
+        wear_chain=(*found.wear_chain, *said.chain),
         unexplained=unexplained,
         rejected=(*found.rejected, *said.rejected),
         lineage=tuple(lines),
@@ -174,7 +174,9 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     return ground, sorted(likely, key=lambda one: -one.evidence), tried
 
 
-def _chain(ground: Ground, findings: Sequence[Finding], wears: Sequence[Wear], folds: Folds) -> tuple[Link, ...]:
+def _chain(
+    ground: Ground, findings: Sequence[Finding], wears: Sequence[Wear], folds: Folds, of: str
+) -> tuple[Link, ...]:
     """RMSE of the supporting torque of the joints in question, version by version; nothing where nothing was named."""
     if len(wears) < 2:
         return ()
