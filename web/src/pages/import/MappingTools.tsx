@@ -1,0 +1,44 @@
+import { Button, Group } from "@mantine/core";
+
+import type { Preview } from "../../api/imports";
+import { choicesOf, NOTHING, type Mapping, type Whole } from "./choices";
+
+type Props = { preview: Preview; whole: Whole; set: (whole: Whole) => void };
+
+/** What is said of many columns at once. */
+export function MappingTools({ preview, whole, set }: Props) {
+  const take = (mapping: unknown) => {
+    const made = choicesOf(mapping as Mapping, preview);
+    if (made) set(made);
+  };
+  const open = preview.columns.filter(({ name }) => (whole.columns[name]?.means ?? "") === "");
+  const guesses = open.filter((column) => column.suggestion);
+  const takeGuesses = () => {
+    const proposed = choicesOf(preview.proposal as Mapping, preview);
+    if (!proposed) return;
+    const added = Object.fromEntries(guesses.map(({ name }) => [name, proposed.columns[name] ?? NOTHING]));
+    set({ ...whole, columns: { ...whole.columns, ...added } });
+  };
+  const ignoreRest = () => {
+    const left = Object.fromEntries(open.map(({ name }) => [name, { ...NOTHING, means: "ignore" as const }]));
+    set({ ...whole, columns: { ...whole.columns, ...left } });
+  };
+  return (
+    <Group gap="xs">
+      {preview.remembered && (
+        <Button variant="default" size="xs" onClick={() => take(preview.remembered)}>
+          As kept for the robot
+        </Button>
+      )}
+      <Button variant="default" size="xs" onClick={() => take(preview.mapping)}>
+        Only what is sure
+      </Button>
+      <Button variant="default" size="xs" disabled={guesses.length === 0} onClick={takeGuesses}>
+        Take {guesses.length} suggestions
+      </Button>
+      <Button variant="default" size="xs" disabled={open.length === 0} onClick={ignoreRest}>
+        Ignore the {open.length} open ones
+      </Button>
+    </Group>
+  );
+}

@@ -1,0 +1,43 @@
+import { Button, Checkbox, Group, Stack, Text } from "@mantine/core";
+import { useState } from "react";
+
+import type { Schemas } from "../../api/client";
+import { useCreateLog, useKeepMapping } from "../../api/imports";
+import { ProblemBox } from "../../parts/ProblemBox";
+
+type Props = {
+  uploadId: string;
+  robotId: string | undefined;
+  mapping: object | string | undefined;
+  ready: boolean;
+  stored: (log: Schemas["LogOut"]) => void;
+};
+
+/** The file with its mapping becomes a log, and the mapping is kept for the robot's next one. */
+export function StoreLog({ uploadId, robotId, mapping, ready, stored }: Props) {
+  const [keep, setKeep] = useState(true);
+  const create = useCreateLog();
+  const remember = useKeepMapping();
+  const store = async () => {
+    if (keep && robotId && mapping) await remember.mutateAsync({ robotId, mapping });
+    stored(await create.mutateAsync({ uploadId, robotId, mapping }));
+  };
+  return (
+    <Stack gap="sm">
+      <Group gap="lg">
+        <Button disabled={!ready} loading={create.isPending || remember.isPending} onClick={() => void store().catch(() => undefined)}>
+          Store the log
+        </Button>
+        {robotId && (
+          <Checkbox label="Keep this mapping for the robot’s next logs" checked={keep} onChange={(event) => setKeep(event.currentTarget.checked)} />
+        )}
+        {!ready && (
+          <Text size="sm" c="dimmed">
+            It can be stored once every column is named or ignored.
+          </Text>
+        )}
+      </Group>
+      {(create.error ?? remember.error) && <ProblemBox error={create.error ?? remember.error} />}
+    </Stack>
+  );
+}
