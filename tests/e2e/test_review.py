@@ -179,7 +179,7 @@ def test_a_job_tells_its_place_in_the_queue_is_cancelled_and_run_again(
     (tmp_path / "arm.zip").write_bytes(zipped(arm_study()))
     with Client(service.url) as client:
         study = client.upload_study(tmp_path / "arm.zip")
-        for cutoff_hz in (5.0, 6.0, 7.0):
+        for cutoff_hz in (5.0, 6.0):
             ahead = client.submit(study, settings={"cutoff_hz": cutoff_hz})
         job = client.submit(study)
         page.goto(f"/studies/{study.id}?job={job.id}")
@@ -188,7 +188,7 @@ def test_a_job_tells_its_place_in_the_queue_is_cancelled_and_run_again(
         expect(page.get_by_text("This job was cancelled")).to_be_visible()
         screenshot("review-cancelled")
         page.get_by_role("button", name="Run it again").click()
-        expect(page.get_by_role("navigation", name="Parts of the review")).to_be_visible(timeout=120_000)
+        expect(page.get_by_role("navigation", name="Parts of the review")).to_be_visible(timeout=300_000)
         assert client.job(ahead).state == "succeeded"  # it stood before
     page.get_by_role("combobox", name="Job").click()
-    expect(page.get_by_role("option")).to_have_count(5)
+    expect(page.get_by_role("option")).to_have_count(4)
