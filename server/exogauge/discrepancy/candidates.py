@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.identification.link_site import LinkSite, end_links
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import AxisSite, BaseSite, Effect, Seen, SensorSite, Site
@@ -38,16 +39,17 @@ class Candidate:
 
 
 def sites(model: RobotModel) -> tuple[Site, ...]:
-    """Where effects can sit: axes whose drive is logged, components of sensors that carry bodies, the base."""
+    """Where effects can sit: axes whose drive is logged, components of sensors that carry bodies, links
+    that carry nothing, the base."""
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     components = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
-    return (*axes, *components, BaseSite())
+    return (*axes, *components, *end_links(model.equations), BaseSite())
 
 
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
-    return {AxisSite: "joint", SensorSite: "sensor", BaseSite: "base"}[type(site)]
+    return {AxisSite: "joint", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
 
 
 def candidates_at(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
@@ -65,5 +67,8 @@ def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, 
     if not candidates:
         return np.zeros((len(prepared.kept), 0, kinds))
     raw = np.concatenate([seen.columns(each.effect, each.shape) for each in candidates], axis=1)
-    flat = prepared.low_pass.apply(raw.reshape(len(raw), -1))[prepared.kept]
-    return np.asarray(flat.reshape(len(prepared.kept), -1, kinds))
+    flat = raw.reshape(len(raw), -1)
+    some = flat.any(axis=0)
+    kept = np.zeros((len(prepared.kept), flat.shape[1]))
+    kept[:, some] = prepared.low_pass.apply(flat[:, some])[prepared.kept]
+    return kept.reshape(len(kept), -1, kinds)

@@ -24,10 +24,10 @@ def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[st
     known = {name: values for name, values in each.items() if np.isfinite(values[0]) and values[1] > 0.0}
     worst = max(known, key=lambda name: known[name][0] / known[name][1], default="")
     worst_rmse, worst_floor = known.get(worst, (float("nan"), float("nan")))
-    units = {unit_of(name) for name in asked}
-    if len(units) == 1:
+    sorts = {(unit_of(name), name.partition(".")[0]) for name in asked}
+    if len(sorts) == 1:  # a sensor's moments would drown among joint torques
         rmse, floor = pooled([fit for fit in found.validation if fit.held_out and fit.channel in asked])
-        return Link(step, rmse, floor, worst, worst_rmse, worst_floor, units.pop())
+        return Link(step, rmse, floor, worst, worst_rmse, worst_floor, unit_of(asked[0]))
     ratios = [known[name][0] / known[name][1] for name in asked if name in known]
     rmse = float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
     return Link(step, rmse, 1.0, worst, worst_rmse, worst_floor, FLOORS)

@@ -44,7 +44,7 @@ def name_effect(
 ) -> Finding:
     model, candidate = ground.model, winner.score.candidate
     effect, place, rows = candidate.effect, place_of(ground.model, candidate), rows_of[candidate.site]
-    channel = _channel(model.equations, winner.kind)
+    channel = channel_of(model.equations, winner.kind)
     held_out = _held_out(channel, before, after)
     score = held_out.explained
     kinds = set(candidate.site.kinds(model.equations))
@@ -68,7 +68,8 @@ def name_effect(
     )
 
 
-def _channel(equations: Equations, kind: int) -> str:
+def channel_of(equations: Equations, kind: int) -> str:
+    """Of a kind of rows."""
     return channels(equations).get(kind) or BASE_CHANNELS[kind]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.discrepancy.candidates import Candidate, candidates_at, columns_of, place_kind, sites
-from exogauge.discrepancy.score import Score, residual_memory, score
+from exogauge.discrepancy.score import Score, residual_memory, score_all
 from exogauge.discrepancy.sums import Sums
+from exogauge.effects.order import begins_among
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Recording
@@ -58,7 +59,8 @@ class Ground:
 def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequence[Effect], tick: Tick) -> Ground:
     """Pass over the logs, then score every candidate on the fitted ones."""
     x, fitted = model.solution.unbounded.x, Sums()
-    everywhere = {site: _all_at(model, site, effects) for site in sites(model)}
+    numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
+    everywhere = {site: _all_at(model, site, effects, numbers) for site in sites(model)}
     everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
     shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
     residuals: list[LogResiduals] = []
@@ -82,17 +84,22 @@ def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequ
         site: [each for each in candidates if each.effect.name in shown[site]]
         for site, candidates in everywhere.items()
     }
-    scores = [each for each in _scores(model, everywhere, fitted, memory)
-              if each.candidate.effect.name in shown[each.candidate.site]]  # fmt: skip
+    scores = [
+        each
+        for site, sums in fitted.by_site.items()
+        for each in score_all(model, everywhere[site], sums, memory)
+        if each.gain > 0.0 and each.candidate.effect.name in shown[site]
+    ]
     ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
     return Ground(model, tried, fitted, memory, tuple(residuals), ranked)
 
 
-def _all_at(model: RobotModel, site: Site, effects: Sequence[Effect]) -> list[Candidate]:
-    """An effect sits at a site once."""
+def _all_at(model: RobotModel, site: Site, effects: Sequence[Effect], numbers: Sequence[int]) -> list[Candidate]:
+    """An effect sits at a site once, and begins between the first and the last of the fitted logs, if it begins."""
     there = {each.effect.name for each in model.extension.effects if each.site == site} if model.extension else set()
     fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
-    return [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
+    every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
+    return [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
 
 
 def _applies(effect: Effect, seen: Seen) -> bool:
@@ -104,16 +111,3 @@ def _memory(residuals: Sequence[LogResiduals], kind: int) -> float:
     fitted = [each.residual[kind] for each in residuals if not each.held_out and kind in each.residual]
     known = [residual_memory(e) for e in fitted if np.isfinite(e).sum() >= FEWEST]
     return float(np.median(known)) if known else 1.0
-
-
-def _scores(
-    model: RobotModel, candidates: Mapping[Site, Sequence[Candidate]], fitted: Sums, memory: Mapping[int, float]
-) -> Iterator[Score]:
-    for site, sums in fitted.by_site.items():
-        start = 0
-        for candidate in candidates[site]:
-            part = slice(start, start + candidate.width)
-            start += candidate.width
-            found = score(model, candidate, {kind: each.part(part) for kind, each in sums.items()}, memory)
-            if found is not None and found.gain > 0.0:
-                yield found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -23,8 +23,8 @@ NEARLY_ALL = 0.999  # of the square sum: no candidate is credited with more
 @final
 @dataclass(frozen=True)
 class Score:
-    """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood gained with coloured
-    residuals, less a price per value that was chosen (BIC). coefficients: (C,). step: (P,) what the baseline moves by.
+    """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that all rows gain, with
+    coloured residuals, less what the prior loses and a price per value that was chosen (BIC). coefficients: (C,). step: (P,) what the baseline moves by.
     left: share of the candidate that the baseline cannot take its place in, 0…1.
     """
 
@@ -43,31 +43,85 @@ def score(
 
     None where the baseline swallows it, or nothing weighs.
     """
+    return next(iter(score_all(model, [candidate], sums, memory)), None)
+
+
+def score_all(
+    model: RobotModel, candidates: Sequence[Candidate], sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> Iterator[Score]:
+    """Those of one site that the baseline does not swallow, by one solve for all. sums: of their columns, in order."""
     weights, own = model.solution.weights, model.equations.columns()
     live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
     if not live:
-        return None
-    C = candidate.width
+        return
+    C = sum(candidate.width for candidate in candidates)
     B, squares, g = np.zeros((model.equations.size, C)), np.zeros((C, C)), np.zeros(C)
     for kind, each in live.items():
         B[own[kind]] += weights[kind] * each.cross.T
         squares += weights[kind] * each.own
         g += weights[kind] * each.with_residual
     V = model.solution.unbounded.divided(B)
-    size = np.sqrt(np.maximum(np.diag(squares), 1e-300))
-    S = (squares - B.T @ V) / np.outer(size, size)
-    left = float(np.min(np.linalg.eigvalsh(S)))
-    if left < BLIND:
-        return None
-    theta = _within_range(S, g / size, candidate, size)
-    gain = float(2.0 * (g / size) @ theta - theta @ S @ theta)
-    independent = sum(each.rows / memory[kind] for kind, each in live.items())
-    square = sum(weights[kind] * each.square for kind, each in live.items())
-    share = float(np.clip(gain / max(square, 1e-300), 0.0, NEARLY_ALL))
-    chosen = C + len(candidate.shape)
-    evidence = -independent * np.log1p(-share) - chosen * np.log(max(independent, 2.0))
-    coefficients = theta / size
-    return Score(candidate, gain, float(evidence), coefficients, -V @ coefficients, left)
+    start, fitted = 0, list[_Fitted]()
+    for candidate in candidates:
+        part = slice(start, start + candidate.width)
+        start += candidate.width
+        size = np.sqrt(np.maximum(np.diag(squares)[part], 1e-300))
+        S = (squares[part, part] - B[:, part].T @ V[:, part]) / np.outer(size, size)
+        left = float(np.min(np.linalg.eigvalsh(S)))
+        if left < BLIND:
+            continue
+        theta = _within_range(S, g[part] / size, candidate, size)
+        gain = float(2.0 * (g[part] / size) @ theta - theta @ S @ theta)
+        coefficients = theta / size
+        fitted.append(_Fitted(candidate, part, gain, coefficients, -V[:, part] @ coefficients, left))
+    for one, evidence in zip(fitted, _evidence(model, fitted, live, memory), strict=True):
+        yield Score(one.candidate, one.gain, evidence, one.coefficients, one.step, one.left)
+
+
+@final
+@dataclass(frozen=True)
+class _Fitted:
+    """A candidate fitted beside the baseline. part: its columns among those of the site."""
+
+    candidate: Candidate
+    part: slice
+    gain: float
+    coefficients: Array
+    step: Array
+    left: float
+
+
+def _evidence(
+    model: RobotModel, fitted: Sequence[_Fitted], sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> list[float]:
+    """Of each: what every kind of row gains in log likelihood, its variance estimated anew, less what the prior loses.
+
+    The baseline moves with the candidate, so rows gain and lose that it is not in.
+    """
+    if not fitted:
+        return []
+    solution, own = model.solution, model.equations.columns()
+    steps = np.stack([each.step for each in fitted], axis=1)  # (P, n)
+    total, explained, independent = np.zeros(len(fitted)), np.zeros(len(fitted)), 0.0
+    for kind, weight in enumerate(solution.weights):
+        rows = int(solution.statistics.count[kind])
+        if weight <= 0.0 or not rows:
+            continue
+        before, slope, curvature = solution.statistics.around(kind, solution.unbounded.x)
+        D = steps[own[kind]]
+        change = np.sum(D * (curvature @ D), axis=0) - 2.0 * slope @ D
+        if kind in sums:
+            for n, one in enumerate(fitted):
+                theta, part = one.coefficients, sums[kind].part(one.part)
+                with_rows = part.cross @ D[:, n] - part.with_residual
+                change[n] += float(2.0 * theta @ with_rows + theta @ part.own @ theta)
+            independent += sums[kind].rows / memory[kind]
+        left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - NEARLY_ALL, None)
+        total -= rows / memory[kind] * np.log(left)
+        explained -= weight * change
+    prior = np.maximum(explained - np.array([each.gain for each in fitted]), 0.0)
+    price = np.array([each.candidate.width + len(each.candidate.shape) for each in fitted])
+    return [float(value) for value in total - prior - price * np.log(max(independent, 2.0))]
 
 
 def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Array:

@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
+import numpy as np
+
 from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.finding import name_effect, objection, rejection
+from exogauge.discrepancy.finding import channel_of, name_effect, objection, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
@@ -24,13 +26,18 @@ from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
-from exogauge.identification.site import Effect, Site
+from exogauge.identification.site import AxisSite, Effect, Site
 
 MOST_EFFECTS = 6
 WORTH_JUDGING = 6.0  # evidence (BIC): odds of twenty to one before the number of candidates is counted
 JUDGED = 12  # candidates per round
 BETTER = 10.0  # evidence by which another effect must beat one that was named, to take its place
+RELINEARISED = (
+    2  # identifications with an effect that depends on what the bodies weigh: the first one's were bent by it
+)
 NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
+
+MATTERS = 0.35  # of the noise floor: what takes less off the held-out error is no name worth
 
 Key = tuple[str, Site]
 
@@ -87,9 +94,10 @@ class Search:
         ground = self._lay(self.current, share)
         self.first, self.last = self.first or ground, ground
         judged, rows = judge_best(ground, self.recordings, self.effects)
+        judged = [self._weighed(ground, each) for each in judged]
         self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
-        for winner in widest_first(claimed) if len(self.steps) < MOST_EFFECTS else []:
+        for winner in claimed if len(self.steps) < MOST_EFFECTS else []:
             candidate = winner.score.candidate
             self.progress(share + 0.25, f"adding {candidate.effect.name}")
             added = as_added(candidate)
@@ -101,6 +109,18 @@ class Search:
                 return True
             self.failed[candidate.key] = replace(rejection(ground.model, winner), reason=refused)
         return False
+
+    def _weighed(self, ground: Ground, judged: Judgement) -> Judgement:
+        """With an objection where the effect is real and too small to matter."""
+        if judged.objection:
+            return judged
+        channel = channel_of(ground.model.equations, judged.kind)
+        floor = pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
+        size = float(np.sqrt(max(judged.before**2 - judged.after**2, 0.0)))
+        if not size < MATTERS * floor:
+            return judged
+        told = f"it is there, and smaller than what matters ({size:.2g} where the sensors' noise is {floor:.2g})"
+        return replace(judged, objection=told)
 
     def _swap(self, number: int) -> bool:
         """Whether another effect at the same place explains more than this step's, once the later ones are there."""
@@ -152,8 +172,11 @@ class Search:
 
     def _identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = {(fit.log, fit.channel): fit.noise_floor for fit in self.base.validation}
-        extension = Extension(self.base.model, tuple(effects), floors)
-        return identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
+        found = self.base
+        for _ in range(1 if all(isinstance(each.site, AxisSite) for each in effects) else RELINEARISED):
+            extension = Extension(found.model, tuple(effects), floors)
+            found = identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
+        return found
 
     def _lay(self, found: Identification, share: float) -> Ground:
         def tick(fraction: float, phrase: str) -> None:
@@ -190,14 +213,6 @@ def judge_best(
         finer = refined(ground.model, each, rows[site], ground.memory)
         judged.append(judge(ground.model, finer, rows[site]))
     return sorted(judged, key=lambda one: -one.score.evidence), rows
-
-
-def widest_first(claimed: Sequence[Judgement]) -> list[Judgement]:
-    """Of each site the effect with most evidence; of those first the one that closes the largest gap, relative to what
-    is left. Then the others, by evidence."""
-    best = {each.score.candidate.site: each for each in sorted(claimed, key=lambda one: one.score.evidence)}
-    first = sorted(best.values(), key=lambda each: -each.before / max(each.after, 1e-300))
-    return first + [each for each in claimed if each not in first]
 
 
 def as_added(candidate: Candidate) -> AddedEffect:

@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class BaseSignals:
     """T samples of the base link, in its frame: (T, 3) proper acceleration [m/s²], angular velocity [rad/s] and
-    acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still."""
+    acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still.
+    first_angle: (T,) [rad] of the first joint."""
 
     time: Array
     acc: Array
@@ -28,16 +29,19 @@ class BaseSignals:
     gyro_rate: Array
     gyro_dot_rate: Array
     floating: bool
+    first_angle: Array
 
 
 @final
 @dataclass(frozen=True)
 class BaseChange:
-    """(T, 3) each: how the base's motion differs per unit of a coefficient."""
+    """(T, 3) each: how the base's motion differs per unit of a coefficient. first_torque: (T,) [N·m] what the first joint
+    has to give beside that."""
 
     acc: Array
     gyro: Array
     gyro_dot: Array
+    first_torque: Array | None = None
 
 
 class BaseEffect(Protocol):

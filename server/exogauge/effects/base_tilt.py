@@ -1,4 +1,4 @@
-"""The base does not stand as upright as it is said to, or the IMU is not mounted as straight."""
+"""The base does not stand as upright as it is said to."""
 
 from __future__ import annotations
 
@@ -15,28 +15,34 @@ MOST = 0.2  # [rad]
 
 @final
 class BaseTilt:
-    """Gravity (and what an IMU feels) turned by a small rotation about the base's x and y: a_true = a + δ × a.
+    """Gravity turned by a small rotation δ about the base's x and y: a_true = a + δ × a. Fixed bases only.
 
-    A turn about the vertical changes nothing where the base stands still, and little where it does not.
+    Where the first joint turns about the vertical, gravity never shows where the mass beyond it lies across the axis.
+    On a tilted base it does: first_sin and first_cos are that.
     """
 
     name = "base_tilt"
     place = "base"
     sentence = "The base stands at an angle to gravity that nobody stated."
-    coefficients = (Quantity("about_x", "rad", -MOST, MOST), Quantity("about_y", "rad", -MOST, MOST))
+    coefficients = (
+        Quantity("about_x", "rad", -MOST, MOST),
+        Quantity("about_y", "rad", -MOST, MOST),
+        Quantity("first_sin", "N·m"),
+        Quantity("first_cos", "N·m"),
+    )
     shapes: tuple[Shape, ...] = ()
     confounds = ("first moments", "motor_offset", "zero")
     needs = "Turn the whole robot about the vertical between two logs, or turn its first joint by half a turn."
     coordinate = "time"
 
     def changes(self, signals: BaseSignals, shape: tuple[float, ...]) -> list[BaseChange]:
-        return [
-            BaseChange(*(np.cross(axis, each) for each in (signals.acc, signals.gyro, signals.gyro_dot)))
-            for axis in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
-        ]
+        still = np.zeros_like(signals.acc)
+        turned = [BaseChange(np.cross(axis, signals.acc), still, still) for axis in np.eye(3)[:2]]
+        torques = (np.sin(signals.first_angle), np.cos(signals.first_angle))
+        return [*turned, *(BaseChange(still, still, still, torque) for torque in torques)]
 
     def applies(self, signals: BaseSignals) -> bool:
-        return len(signals.time) > 0
+        return not signals.floating and len(signals.time) > 0
 
 
 EFFECT = BaseTilt()

@@ -13,6 +13,7 @@ import exogauge.effects as package
 from exogauge.effects.band import BandEffect
 from exogauge.effects.base import BaseEffect
 from exogauge.effects.effect import JointEffect
+from exogauge.effects.link import LinkEffect
 from exogauge.effects.sensor import SensorEffect
 from exogauge.effects.shaped import ShapedEffect
 from exogauge.errors import BadInput, Fault
@@ -53,9 +54,17 @@ def band_effects() -> Mapping[str, BandEffect]:
     return MappingProxyType({effect.name: effect for effect in found})
 
 
-def missing_effects() -> tuple[ShapedEffect | SensorEffect | BaseEffect, ...]:
-    """Every effect of joints, sensors and the base that a model may miss."""
-    return (*shaped_effects().values(), *sensor_effects().values(), *base_effects().values())
+@cache
+def link_effects() -> Mapping[str, LinkEffect]:
+    """Identifier -> effect of a link that is not there from the first log on."""
+    found: list[LinkEffect] = _placed("link")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+def missing_effects() -> tuple[ShapedEffect | SensorEffect | BaseEffect | LinkEffect, ...]:
+    """Every effect of joints, sensors, links and the base that a model may miss."""
+    every = (shaped_effects(), sensor_effects(), link_effects(), base_effects())
+    return tuple(effect for placed in every for effect in placed.values())
 
 
 def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:

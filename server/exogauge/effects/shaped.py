@@ -37,6 +37,7 @@ class AxisSignals:
     residual too and would explain itself. temperature: (T,) [°C] or None where it is not logged.
     speed_scale, torque_scale, range: of the axis over all fitted logs: rms velocity, rms torque and range of
     position, for scale-free shapes; the same in every log.
+    number: of the log in the order of the study, from 0; -1 where it is not known.
     """
 
     time: Array
@@ -50,6 +51,7 @@ class AxisSignals:
     speed_scale: float
     torque_scale: float
     range: float
+    number: int = -1
 
 
 class ShapedEffect(Protocol):

@@ -113,6 +113,14 @@ class Statistics:
         R[:, order] = upper
         return SquareRoot(R * scale, z, max(float(yy - z @ z), 0.0))
 
+    def around(self, kind: int, x: Array) -> tuple[float, Array, Array]:
+        """Of one kind's rows: Σ e² with e = y - A x, Σ A^T e (k_r,), Σ A^T A (k_r, k_r). x: (P,)."""
+        upper = self._upper(kind)
+        G = upper + np.triu(upper, 1).T
+        v = np.append(-x[self.columns[kind]], 1.0)
+        slope = G @ v
+        return float(v @ slope), slope[:-1], G[:-1, :-1]
+
     def residual_square_sum(self, x: Array) -> Array:
         """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
         sums = np.empty(len(self.columns))

@@ -46,6 +46,7 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 speed_scale=float(model.sizes.velocity[axis]),
                 torque_scale=float(model.sizes.torque[axis]),
                 range=float(model.sizes.range[axis]),
+                number=model.order.get(log.name, -1),
             )
         )
     return result

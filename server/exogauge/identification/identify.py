@@ -124,6 +124,7 @@ def identify(
             solution=solution,
             sizes=AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted)),
             extension=extension,
+            order={recording.log.name: number for number, recording in enumerate(recordings)},
         ),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, final
 
@@ -39,6 +40,7 @@ class RobotModel:
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
     sizes: of the fitted motions.
+    order: name of a log -> its number in the order of the study, from 0.
     extension: effects that were added to a parent model, None for a first one. computed: what `axis_signals.loads` and
     `site.carried` have computed, by what it is and the log's name.
     """
@@ -53,6 +55,7 @@ class RobotModel:
     solution: Solution
     sizes: AxisSizes
     extension: Extension | None = None
+    order: Mapping[str, int] = field(default_factory=dict)
     computed: dict[tuple[str, str], Array] = field(default_factory=dict, repr=False, compare=False)
 
     @property

@@ -122,13 +122,21 @@ class SensorSite:
         return "sensor", equations.robot.cuts[self.sensor].name, COMPONENTS[self.component]
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        return (equations.first_cut + 6 * self.sensor + self.component,)
+        first = equations.first_cut + 6 * self.sensor  # what one component does moves the bodies, and with them all six
+        return tuple(range(first, first + 6))
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         sign = model.robot.cuts[self.sensor].sign
         expected = -sign * carried(model, prepared)[:, 6 * self.sensor : 6 * self.sensor + 6]
         signals = SensorSignals(prepared.log.time - prepared.log.time[0], expected, self.component)
-        return Seen(signals, lambda effect, shape: sign * effect.columns(signals, shape)[:, :, None])
+
+        def columns(effect: Any, shape: tuple[float, ...]) -> Array:
+            own = sign * effect.columns(signals, shape)
+            every = np.zeros((*own.shape, 6))
+            every[:, :, self.component] = own
+            return every
+
+        return Seen(signals, columns)
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         own = "N" if self.component < 3 else "N·m"
@@ -162,12 +170,16 @@ class BaseSite:
         acc, gyro, gyro_dot = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
         time = prepared.log.time - prepared.log.time[0]
         still = (motion.acc, motion.gyro, motion.gyro_dot)
-        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, model.robot.floating)
+        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, model.robot.floating, motion.q[:, 0])
         kinds = self.kinds(model.equations)
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             changes: Sequence[BaseChange] = effect.changes(signals, shape)
-            return np.stack([_response(model, prepared, change)[:, kinds] for change in changes], axis=1)
+            rows = [_response(model, prepared, change) for change in changes]
+            for each, change in zip(rows, changes, strict=True):
+                if change.first_torque is not None:
+                    each[:, model.equations.first_axis] -= change.first_torque
+            return np.stack([each[:, kinds] for each in rows], axis=1)
 
         return Seen(signals, columns)
 
@@ -190,6 +202,11 @@ def carried(model: RobotModel, prepared: Prepared) -> Array:
 def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
     """(T, kinds) what the change takes off each row per unit: - d(Y φ)/dθ."""
     m = prepared.motion
+    if not change.acc.any() and change.first_torque is not None:
+        return np.zeros((m.samples, model.equations.kinds))
+    if not change.gyro.any() and not change.gyro_dot.any():  # then the rows are linear in it
+        still = np.zeros_like(m.q)
+        return -_rows(model, Motion(m.q, still, still, change.acc, change.gyro, change.gyro_dot))
 
     def moved(step: float) -> Array:
         base = (m.acc + step * change.acc, m.gyro + step * change.gyro, m.gyro_dot + step * change.gyro_dot)

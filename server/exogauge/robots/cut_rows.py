@@ -37,22 +37,26 @@ class CutRows:
         columns = np.zeros((6, k_1 + k_2, motion.samples))
         columns[:, :k_1] = mass_columns(self._mass, sweep)
         columns[3:, k_1:] = inertia_columns(self._inertia, sweep)
-        R, p = self.pose(sweep, motion.samples)
-        force, moment = columns[:3], columns[3:]
-        moment = moment - np.cross(p[:, None], force, axis=0)
-        local = (np.einsum("jit,jkt->ikt", R, each) for each in (force, moment))
         blocks = []
-        rows = [row[:width] for part, width in zip(local, (k_1, k_1 + k_2), strict=True) for row in part]
-        for row, more in zip(rows, extra, strict=True):
-            block = np.zeros((len(row) + more, motion.samples))
-            block[: len(row)] = row
+        rows = in_sensor(self.tree, self.frame, sweep, columns)
+        for row, width, more in zip(rows, (k_1,) * 3 + (k_1 + k_2,) * 3, extra, strict=True):
+            block = np.zeros((width + more, motion.samples))
+            block[:width] = row[:width]
             blocks.append(block.T)
         return blocks
 
-    def pose(self, sweep: Sweep, samples: int) -> tuple[Array, Array]:
-        """R_base_sensor (3, 3, T) and its place in the base frame (3, T)."""
-        body, T = self.tree.frames[self.frame]
-        if body < 0:
-            return np.repeat(T.rotation[:, :, None], samples, 2), np.repeat(T.translation[:, None], samples, 1)
-        R = np.einsum("ijt,jk->ikt", sweep.R[body], T.rotation)
-        return R, sweep.p[body] + np.einsum("ijt,j->it", sweep.R[body], T.translation)
+
+def in_sensor(tree: RigidTree, frame: str, sweep: Sweep, wrench: Array) -> Array:
+    """(6, K, T) wrenches about the base origin in the base frame, about a sensor's origin in its axes."""
+    R, p = _pose(tree, frame, sweep, wrench.shape[2])
+    force, moment = wrench[:3], wrench[3:] - np.cross(p[:, None], wrench[:3], axis=0)
+    return np.concatenate([np.einsum("jit,jkt->ikt", R, each) for each in (force, moment)])
+
+
+def _pose(tree: RigidTree, frame: str, sweep: Sweep, samples: int) -> tuple[Array, Array]:
+    """R_base_sensor (3, 3, T) and its place in the base frame (3, T)."""
+    body, T = tree.frames[frame]
+    if body < 0:
+        return np.repeat(T.rotation[:, :, None], samples, 2), np.repeat(T.translation[:, None], samples, 1)
+    R = np.einsum("ijt,jk->ikt", sweep.R[body], T.rotation)
+    return R, sweep.p[body] + np.einsum("ijt,j->it", sweep.R[body], T.translation)
