@@ -1,0 +1,67 @@
+import { Stack, Table, Text, Title } from "@mantine/core";
+
+import type { Comparison } from "../../api/compare";
+import { figure, fixed } from "../../parts/number";
+import { WideTable } from "../../parts/WideTable";
+import { jobNames } from "./heads";
+
+const KINDS: Record<string, string> = {
+  base_moment: "Moments of the base",
+  trunk_torque: "Torque of the trunk",
+  joint_torque: "Torque of all joints",
+};
+const VERDICTS: Record<string, string> = {
+  effects: "something is missing",
+  unexplained: "something is missing that no candidate explains",
+  none: "nothing is missing",
+};
+
+/** How well each job's robot predicts logs that it was not fitted to, and what its model lacks. */
+export function IdentificationMatrix({ comparison }: { comparison: Comparison }) {
+  const names = jobNames(comparison);
+  if (comparison.identification.length === 0) return null;
+  return (
+    <Stack component="section" gap="sm" aria-labelledby="identification">
+      <Title order={2} size="h3" id="identification">
+        The robot’s model
+      </Title>
+      <WideTable label="The robot’s model" tight>
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>RMSE</Table.Th>
+            {names.map((name) => (
+              <Table.Th key={name} data-number>
+                {name}
+              </Table.Th>
+            ))}
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {comparison.identification.map((row) => (
+            <Table.Tr key={row.kind}>
+              <Table.Th scope="row">
+                {KINDS[row.kind] ?? row.kind} [{row.unit}]
+              </Table.Th>
+              {row.cells.map((cell, k) => (
+                <Table.Td key={k} data-number>
+                  {cell ? `${fixed(cell.rmse_prior, 3)} → ${fixed(cell.rmse_identified, 3)}, floor ${fixed(cell.noise_floor, 3)}` : figure(null)}
+                </Table.Td>
+              ))}
+            </Table.Tr>
+          ))}
+          <Table.Tr>
+            <Table.Th scope="row">What it lacks</Table.Th>
+            {comparison.jobs.map((job) => (
+              <Table.Td key={job.id} data-number>
+                {job.verdict === null ? "not searched" : job.effects.map(({ effect, where }) => `${effect} at ${Object.values(where).join(", ")}`).join("; ") || VERDICTS[job.verdict]}
+              </Table.Td>
+            ))}
+          </Table.Tr>
+        </Table.Tbody>
+      </WideTable>
+      <Text size="sm" c="dimmed">
+        With the maker’s values → as identified, and the floor that noise sets; on held-out logs where there are some.
+      </Text>
+    </Stack>
+  );
+}
