@@ -16,7 +16,7 @@ from exogauge.effects.shaped import AxisSignals
 UNITS = {"N·m", "N·m/s", "N·m/rad", "N·m/rad³", "N·m·s/rad", "rad", "s", "s²", "1"}
 SHAPE_UNITS = {"1", "s", "rad", "1/rev", *OWN_SIZES}
 COORDINATES = {"velocity", "position", "load", "time", "acceleration", "drive", "temperature"}
-MOST_COLUMNS = 120  # on one axis, over all effects and shapes: what a search can afford per joint
+MOST_COLUMNS = 140  # on one axis, over all effects and shapes: what a search can afford per joint
 DISSIPATIVE = ("stribeck", "load_coulomb", "nonlinear_viscous", "presliding", "thermal_viscous")
 CONSERVATIVE = ("joint_spring", "torque_ripple")
 EFFECTS = dict(shaped_effects())

@@ -80,7 +80,7 @@ class LinkSite:
         for index, sensor in enumerate(robot.cuts):
             first = equations.first_cut + 6 * index
             every[first : first + 6] = in_sensor(tree, sensor.frame, sweep, wrench)
-        own = every[list(self.kinds(equations))]
+        own: Array = every[list(self.kinds(equations))]
         return np.ascontiguousarray(own.transpose(2, 1, 0))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
