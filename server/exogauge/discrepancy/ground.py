@@ -44,12 +44,13 @@ class LogResiduals:
 @final
 @dataclass(frozen=True)
 class Ground:
-    """candidates: site -> those that any fitted log holds what they need for. fitted: sums of the columns of all
-    effects that the model has not, in the order of `candidates_at`. memory: kind of row -> samples of the fitted logs
+    """candidates: site -> those that any fitted log holds what they need for. summed: those, and all others that the
+    model has not; fitted: sums of their columns, in order. memory: kind of row -> samples of the fitted logs
     that count as one. scores: of every candidate that the baseline does not swallow, best first."""
 
     model: RobotModel
     candidates: Mapping[Site, Sequence[Candidate]]
+    summed: Mapping[Site, Sequence[Candidate]]
     fitted: Sums
     memory: Mapping[int, float]
     residuals: tuple[LogResiduals, ...]
@@ -91,7 +92,7 @@ def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequ
         if each.gain > 0.0 and each.candidate.effect.name in shown[site]
     ]
     ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
-    return Ground(model, tried, fitted, memory, tuple(residuals), ranked)
+    return Ground(model, tried, everywhere, fitted, memory, tuple(residuals), ranked)
 
 
 def _all_at(model: RobotModel, site: Site, effects: Sequence[Effect], numbers: Sequence[int]) -> list[Candidate]:
