@@ -1,5 +1,5 @@
 import { MultiSelect, Stack, Switch, Text } from "@mantine/core";
-import { useEffect, useMemo, type KeyboardEvent } from "react";
+import { useEffect, useMemo, useRef, type KeyboardEvent } from "react";
 
 import { GROUPS, panelsOf } from "./channels";
 import { useRestingTime, type Cursor } from "./cursor";
@@ -117,11 +117,19 @@ function optionsOf(panels: ReturnType<typeof panelsOf>, group: string) {
   return panels.filter((panel) => panel.group === group).map((panel) => ({ value: panel.key, label: panel.title }));
 }
 
-/** The address follows the cursor once it rests, and the cursor the address when that is changed from elsewhere. */
+/** The address follows the cursor once it rests; the cursor follows the address where somebody else changed that. */
 function useCursorInView(cursor: Cursor, at: number | null, keep: (at: number | null) => void): void {
+  const kept = useRef(at);
   const rested = useRestingTime(cursor, REST_MS);
-  const rounded = rested === null ? null : Number(rested.toFixed(4));
   useEffect(() => {
-    if (rounded !== null && rounded !== at && rested === cursor.time) keep(rounded);
-  }, [rounded]);
+    if (at === kept.current) return;
+    kept.current = at;
+    if (at !== null) cursor.move(at);
+  }, [at, cursor]);
+  useEffect(() => {
+    const rounded = rested === null ? null : Number(rested.toFixed(4));
+    if (rounded === null || rounded === kept.current) return;
+    kept.current = rounded;
+    keep(rounded);
+  }, [rested]);
 }

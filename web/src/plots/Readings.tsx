@@ -69,13 +69,13 @@ function reading({ channel, std, low, high }: Line, { values }: Sample): string 
   const [bottom, top] = [low ? values[low] : null, high ? values[high] : null];
   if (typeof bottom === "number" && typeof top === "number") return `${significant(bottom)} … ${significant(top)}`;
   const doubt = std ? values[std] : null;
-  if (typeof doubt !== "number") return significant(value, 4);
-  return withStd(value, doubt).join(" ± ");
+  const [shown, spread] = withStd(value, typeof doubt === "number" ? doubt : null);
+  return spread === NONE ? shown : `${shown} ± ${spread}`;
 }
 
 /** The same in one sentence, for who listens. */
 export function readingWords(lines: readonly Line[], sample: Sample | null, unit: string): string {
   if (!sample) return "no cursor";
-  const values = lines.map((line) => `${line.words} ${reading(line, sample)} ${unit}`);
+  const values = lines.map((line) => `${line.words} ${reading(line, sample)} ${unit}`.replace(`${NONE} ${unit}`, "no value"));
   return `${sample.t.toFixed(3)} s: ${values.join(", ")}`;
 }

@@ -1,6 +1,6 @@
 /** What the plots show, kept in the page's address, so that a link holds the view. */
 
-import { useCallback, useMemo } from "react";
+import { useCallback, useEffect, useMemo, useRef } from "react";
 import { useSearchParams } from "react-router";
 
 /** show: keys of plots; null where the address leaves it to the page. hide: channels. from, to, at [s].
@@ -18,12 +18,24 @@ export type View = {
 
 const NOTHING = "none";
 
+/** Changes that follow each other closely add up: each starts from the last one, whether or not that is shown yet. */
 export function useView(): [View, (change: Partial<View>) => void] {
   const [search, setSearch] = useSearchParams();
   const view = useMemo(() => read(search), [search]);
+  const latest = useRef(search);
+  const mine = useRef(new Set<string>());
+  useEffect(() => {
+    const text = search.toString();
+    if (!mine.current.has(text)) latest.current = search;
+    if (text === latest.current.toString()) mine.current.clear();
+  }, [search]);
   const change = useCallback(
-    (wanted: Partial<View>) =>
-      setSearch((now) => written(now, { ...read(now), ...wanted }), { replace: true, preventScrollReset: true }),
+    (wanted: Partial<View>) => {
+      const next = written(latest.current, { ...read(latest.current), ...wanted });
+      latest.current = next;
+      mine.current.add(next.toString());
+      setSearch(next, { replace: true, preventScrollReset: true });
+    },
     [setSearch],
   );
   return [view, change];

@@ -1,6 +1,6 @@
 import { Alert, Button, CopyButton, Group, Select, Stack, Switch, Title } from "@mantine/core";
 import { IconLink } from "@tabler/icons-react";
-import { lazy, Suspense, useEffect, useMemo } from "react";
+import { lazy, Suspense, useMemo } from "react";
 
 import type { Study } from "../../api/studies";
 import { significant } from "../../parts/digits";
@@ -30,9 +30,6 @@ export default function PlotsSection({ study, job, results }: Props) {
   const { data: series, error, refetch } = useSeries(job.id, name);
   const cursor = useMemo(() => new Cursor(view.at), [name]);
   const first = useMemo(() => (series ? plotsFor(series, results) : []), [series, results]);
-  useEffect(() => {
-    if (view.at !== null) cursor.move(view.at);
-  }, [view.at, cursor]);
 
   const failure = files.error ?? error;
   if (failure) return <ProblemBox error={failure} retry={() => void (files.error ? files.refetch() : refetch())} />;
