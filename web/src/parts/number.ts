@@ -21,9 +21,14 @@ export function fixed(value: number | null | undefined, decimals: number): strin
   return minus(Number(text) === 0 ? (0).toFixed(decimals) : text);
 }
 
-/** The value with as many decimals as its standard deviation has two digits of: 197.8 ± 0.6. */
+const NEGLIGIBLE = 1e-5;
+
+/** The value with as many decimals as its standard deviation has two digits of: 197.8 ± 0.6; alone where that is
+nothing beside it. */
 export function withStd(value: number | null | undefined, std: number | null | undefined): string {
-  if (std === null || std === undefined || !(std > 0) || value === null || value === undefined) return figure(value);
+  if (std === null || std === undefined || !(std > 0) || value === null || value === undefined || std < NEGLIGIBLE * Math.abs(value)) {
+    return figure(value);
+  }
   const decimals = Math.min(Math.max(1 - Math.floor(Math.log10(std)), 0), 8);
   return `${fixed(value, decimals)} ± ${fixed(std, decimals)}`;
 }

@@ -5,11 +5,13 @@ import { useComparison } from "../../api/compare";
 import { Empty } from "../../parts/Empty";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
+import { usePrintInLight } from "../../parts/usePrintInLight";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { DifferingSettings } from "./DifferingSettings";
 import { Exports } from "./Exports";
 import { IdentificationMatrix } from "./IdentificationMatrix";
 import { JobPicker } from "./JobPicker";
+import { JobRecord } from "./JobRecord";
 import { Overlay } from "./Overlay";
 import { useSelection } from "./selection";
 import { StiffnessMatrix } from "./StiffnessMatrix";
@@ -20,6 +22,7 @@ export function Component() {
   const [selection, select] = useSelection();
   const { data: comparison, error, refetch, isFetching } = useComparison(selection.jobs);
   const some = selection.jobs.length > 0;
+  usePrintInLight();
   return (
     <div className={styles.page}>
       <PageTitle title="Compare" lead="Devices, motions and approaches side by side; every number is that of its job’s results.json.">
@@ -53,6 +56,7 @@ export function Component() {
             <StiffnessMatrix comparison={comparison} differing={selection.differing} />
             <IdentificationMatrix comparison={comparison} />
             <DifferingSettings comparison={comparison} />
+            <JobRecord comparison={comparison} />
           </>
         ) : (
           !error && <Loading what="the comparison" lines={6} />

@@ -1,4 +1,5 @@
 import { Anchor, Badge, Paper, Stack, Text, Title } from "@mantine/core";
+import { useEffect } from "react";
 import { Link } from "react-router";
 
 import { useDevices, type Device } from "../../api/devices";
@@ -14,7 +15,9 @@ import { HandInDevice } from "./HandInDevice";
 
 export function Component() {
   const { data: devices, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useDevices();
-  if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage();
+  useEffect(() => {
+    if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage(); // versions of one device stand together
+  }, [hasNextPage, error, isFetchingNextPage, fetchNextPage]);
   return (
     <>
       <PageTitle title="Devices" lead="What a robot wears: elastic bands, their routes, stiffness and natural length." />

@@ -1,4 +1,5 @@
 import { Anchor, Paper, Stack, Text, Title } from "@mantine/core";
+import { useEffect } from "react";
 import { Link } from "react-router";
 
 import { useRobots, type Robot } from "../../api/robots";
@@ -14,8 +15,10 @@ import styles from "./RobotList.module.css";
 import { RobotsOfStudies } from "./RobotsOfStudies";
 
 export function Component() {
-  const { data: robots, error, refetch, hasNextPage, fetchNextPage } = useRobots();
-  if (hasNextPage && !error) void fetchNextPage();
+  const { data: robots, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useRobots();
+  useEffect(() => {
+    if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage(); // versions of one robot stand together
+  }, [hasNextPage, error, isFetchingNextPage, fetchNextPage]);
   return (
     <>
       <PageTitle title="Robots" lead="What wears a device: joints, drives, links and sensors as their maker says." />
