@@ -1,0 +1,96 @@
+"""What begins between two logs: the logs before are the reference."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.effects.catalogue import missing_effects
+from exogauge.effects.order import begins_among, since_log
+from exogauge.identification.identify import identify
+from exogauge.identification.link_site import LinkSite, end_links
+from exogauge.identification.settings import Recording, Settings
+
+SETTINGS = Settings(cutoff_hz=8.0)
+LOAD_KG, LOAD_AT = 0.4, np.array([0.05, -0.02, 0.12])
+
+
+@pytest.fixture(scope="module")
+def loaded(arm_urdf):
+    """Torque that a load in the last link asks for, by pinocchio."""
+    models = [pin.buildModelFromXML(arm_urdf) for _ in range(2)]
+    models[1].appendBodyToJoint(3, pin.Inertia(LOAD_KG, LOAD_AT, 1e-3 * np.eye(3)), pin.SE3.Identity())
+    data = [model.createData() for model in models]
+
+    def torque(m):
+        a = np.gradient(m.v, m.t, axis=0)
+        return np.array([
+            pin.rnea(models[1], data[1], *row) - pin.rnea(models[0], data[0], *row)
+            for row in zip(m.q, m.v, a, strict=True)
+        ])  # fmt: skip
+
+    return torque
+
+
+def rougher(m):
+    """At the second joint, other friction than before; it rises a little less than in proportion to speed."""
+    return np.sign(m.v) * (0.5 + 0.4 * np.abs(m.v) ** 0.9) * (np.arange(3) == 1)
+
+
+@pytest.fixture(scope="module")
+def searched(robot, record):
+    """(hidden, from which of four logs on) -> what is found; the fourth log is held out."""
+
+    def run(hidden, since):
+        logs = [record(seed, *([hidden] if number >= since else [])) for number, seed in enumerate((1, 2, 3, 9))]
+        recordings = [Recording(log, held_out=number == 3) for number, log in enumerate(logs)]
+        return find_missing_effects(identify(robot, recordings, SETTINGS), recordings, missing_effects(), SETTINGS)
+
+    return run
+
+
+@pytest.mark.parametrize("since", [1, 2])
+def test_a_load_picked_up_between_two_logs_is_named_with_its_mass_and_place(searched, loaded, since):
+    (finding,) = searched(loaded, since).discrepancy.findings
+    assert (finding.effect, finding.place.kind, finding.place.name) == ("payload", "link", "lj3")
+    assert finding.parameters["since"].value == since
+    true = dict(zip(("mass", "mx", "my", "mz"), (LOAD_KG, *(LOAD_KG * LOAD_AT)), strict=True))
+    for name, value in true.items():
+        found = finding.parameters[name]
+        assert abs(found.value - value) < 4.0 * found.std + 0.02 * LOAD_KG
+
+
+def test_friction_that_shifts_is_named_with_the_log_from_which_it_does(searched):
+    (finding,) = searched(rougher, 2).discrepancy.findings
+    assert (finding.effect, finding.place.name) == ("friction_shift", "j2")
+    assert finding.parameters["since"].value == 2
+    assert finding.parameters["tau_c_change"].value == pytest.approx(0.5, abs=0.1)
+    assert finding.held_out.rmse_after < 0.1 * finding.held_out.rmse_before
+
+
+def test_friction_that_shifts_with_the_held_out_log_only_cannot_be_known(searched):
+    found = searched(rougher, 3).discrepancy
+    assert "friction_shift" not in [each.effect for each in found.findings]
+    assert [each.channel for each in found.unexplained][:1] == ["tau.j2"] or found.findings
+
+
+def test_only_a_beginning_among_the_fitted_logs_is_tried():
+    shapes = (since_log(),)
+    assert [begins_among(shapes, (value,), (0, 1, 3)) for value in (0.0, 1.0, 3.0, 4.0)] == [False, True, True, False]
+    assert begins_among((), (), ())
+
+
+def test_rows_of_a_load_are_what_the_heavier_body_asks_for_more(robot, record):
+    recordings = [Recording(record(1), False)]
+    model = identify(robot, recordings, SETTINGS).model
+    (site,) = end_links(model.equations)
+    assert site == LinkSite(2)
+    prepared = model.prepare(recordings[0].log)
+    (effect,) = [each for each in missing_effects() if each.place == "link"]
+    columns = site.see(model, prepared).columns(effect, (-1.0,))
+    base = model.equations.base.regroup
+    more = np.zeros(robot.tree.phi.shape)
+    more[2, :4] = [1.0, 0.1, -0.2, 0.3]
+    asked = model.equations.blocks.predict(prepared.motion, base @ more.ravel())
+    told = -np.einsum("tck,c->tk", columns, more[2, :4])
+    np.testing.assert_allclose(told, asked[:, list(site.kinds(model.equations))], atol=1e-9)
