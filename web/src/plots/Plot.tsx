@@ -1,7 +1,7 @@
 import "uplot/dist/uPlot.min.css";
 
 import { useComputedColorScheme } from "@mantine/core";
-import { useEffect, useLayoutEffect, useMemo, useRef, type KeyboardEvent } from "react";
+import { useLayoutEffect, useMemo, useRef, type KeyboardEvent } from "react";
 import uPlot from "uplot";
 
 import type { Line } from "./channels";
@@ -73,7 +73,7 @@ export function Plot(props: Props) {
     plot.current?.setScale("x", { min: window.from, max: window.to });
   }, [window.from, window.to, data, shape]);
   useLayoutEffect(() => plot.current?.setSize({ width, height }), [width, height]);
-  useEffect(() => plot.current?.redraw(false), [scheme]);
+  useLayoutEffect(() => plot.current?.redraw(false), [scheme]);
 
   return (
     <div
