@@ -67,6 +67,14 @@ class BandJudgement:
         return self.added.effect.once
 
     @property
+    def gone(self) -> Array:
+        """(D,) [N·m] RMS of what is gone with it, by joint."""
+        square = [
+            np.nanmean(np.where(np.isfinite(e).any(axis=0), e, 0.0) ** 2, axis=0) for e in (self.before, self.after)
+        ]
+        return np.asarray(np.sqrt(np.maximum(square[0] - square[1], 0.0)))
+
+    @property
     def explained(self) -> float:
         """Share of the square error of that joint that goes."""
         before, after = rmse(self.before, self.joint), rmse(self.after, self.joint)
@@ -179,8 +187,8 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
     needed = SPREAD_ONCE if judged.once else SURE
     if judged.z < needed:
         return f"the error does not fall surely ({judged.z:.1f} standard errors, {needed:.0f} are asked for)"
-    if _share_of_support(judged, ground) < LEAST_OF_SUPPORT:
-        return f"it is less than {100 * LEAST_OF_SUPPORT:.0f} % of the support at the joint that shows it most"
+    if _size(judged, ground) < 1.0:
+        return f"it is less than the noise and {100 * LEAST_OF_SUPPORT:.0f} % of the support where it shows most"
     if judged.explained < LEAST:
         return f"it explains {100 * max(judged.explained, 0.0):.1f} % of the error: not worth a name"
     gains = (judged.before**2 - judged.after**2) / ground.sigma**2
@@ -193,12 +201,13 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
     return ""
 
 
-def _share_of_support(judged: BandJudgement, ground: Ground) -> float:
-    """RMS of what the effect adds over that of the supporting torque, on that joint."""
+def _size(judged: BandJudgement, ground: Ground) -> float:
+    """RMS of what the effect adds on that joint, in what is worth a name."""
     logs, joint = ground.setting.logs, judged.joint
     used = logs.used[:, joint]
     own = judged.fitted.A[used, joint, -len(judged.added.coefficients) :] @ judged.added.coefficients
-    return float(np.sqrt(np.mean(own**2)) / max(np.sqrt(np.mean(logs.torque[used, joint] ** 2)), 1e-300))
+    support = float(np.sqrt(np.mean(logs.torque[used, joint] ** 2)))
+    return float(np.sqrt(np.mean(own**2)) / max(min(LEAST_OF_SUPPORT * support, ground.floor[joint]), 1e-300))
 
 
 def _regimes(ground: Ground, wire: int) -> Sequence[tuple[str, BoolArray]]:

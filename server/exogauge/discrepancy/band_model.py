@@ -28,6 +28,7 @@ LENGTH_DOUBT = 0.02  # of a stated natural length
 ALIKE = 0.1  # of a group's stiffness: how much its bands may differ, one standard deviation
 UNSTATED = 1.0  # of a value that nobody states: hardly believed at all
 STEPS = 15
+NEAR = 1e-5  # of a value: a step that shows a slope
 SMALL = 1e-6  # relative change of the cost at which a search ends
 SOFTEST, SHORTEST = 1e-3, 1e-3  # [N/m], [m]
 
@@ -175,14 +176,25 @@ def residual(logs: WearLogs, bands: Sequence[Band], wires: Sequence[Wire], wear:
 
 
 def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
-    """(N, D, P) slope of the model's torque with theta; that of an added effect with its own band's spring left out."""
+    """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts too."""
     W = len(wear.k)
     parts = np.zeros((*logs.torque.shape, 2 * W))
     for b in range(W):
         stretch = wires[b].length - wear.l_0[b]
         parts[:, :, b] = -wires[b].jacobian * np.maximum(stretch, 0.0)[:, None]
         parts[:, :, W + b] = wires[b].jacobian * (wear.k[b] * (stretch > 0.0))[:, None]
-    more = [wires[each.wire].columns(each.effect, each.shape, *wear.spring(each.wire)) for each in wear.added]
+    more = []
+    for each in wear.added:
+        (k, l_0), wire = wear.spring(each.wire), wires[each.wire]
+        own = wire.columns(each.effect, each.shape, k, l_0)
+        if each.wire < W:
+            stiffer, longer = (
+                wire.columns(each.effect, each.shape, k + dk, l_0 + dl)
+                for dk, dl in ((NEAR * k, 0.0), (0.0, NEAR * l_0))
+            )
+            parts[:, :, each.wire] += (stiffer - own) @ each.coefficients / (NEAR * k)
+            parts[:, :, W + each.wire] += (longer - own) @ each.coefficients / (NEAR * l_0)
+        more.append(own)
     return np.concatenate([parts, *more], axis=2)
 
 

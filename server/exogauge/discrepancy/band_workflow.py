@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
@@ -31,11 +32,14 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
 from exogauge.support.evaluate import Gathered
 
+Array = NDArray[np.float64]
+
 MOST_EFFECTS = 4  # on one wear
 WORTH_JUDGING = 6.0  # evidence (BIC)
 JUDGED = 8  # candidates per round
 ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 SURE = 3.0  # standard errors above the floor
+REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
 CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
 UNCLEAR = (
     "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
@@ -102,15 +106,17 @@ def search_wear(
         note = f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
         return WearFindings((), (), (), (), {}, 0, (note,))
     first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
-    wears = [ground.fitted.wear]
+    wears, explained = [ground.fitted.wear], np.zeros(len(ground.joints))
     while True:
         ground, judged, count = _judged(ground, effects, folds)
+        judged = [each if each.objection else replace(each, objection=_remainder(each, explained)) for each in judged]
         tried = max(tried, count)
         rejected = [rejection(ground, each) for each in judged if each.objection]
         winner = next((each for each in judged if not each.objection), None)
         if winner is None or len(findings) >= MOST_EFFECTS:
             break
         findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
+        explained = np.maximum(explained, winner.gone)
         ground = weighed(ground, winner.fitted)
         wears.append(ground.fitted.wear)
         unclear = (
@@ -172,6 +178,14 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     judged = [judge(ground, each, folds) for each in worth]
     likely = [each for each in judged if each.evidence > WORTH_JUDGING]
     return ground, sorted(likely, key=lambda one: -one.evidence), tried
+
+
+def _remainder(judged: BandJudgement, explained: Array) -> str:
+    """Why it may be what an effect that was named leaves because real bands follow no formula, or "". explained: (D,)
+    [N·m] RMS that the largest of those explained."""
+    if judged.gone[judged.joint] < REMAINDER * explained[judged.joint]:
+        return "it is small beside what was named before, and may be what that one's formula does not hold"
+    return ""
 
 
 def _chain(

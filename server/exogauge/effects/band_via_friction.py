@@ -19,7 +19,7 @@ class BandViaFriction:
     some way after each turn, because both sides must first change by what friction held: y ← clip(y + Δu/d, ±φ). u is
     what would slide without friction, l_0 times the share of the length that lies before the point; the sides j and
     j+1, n_j and n_{j+1} of the unstretched band, change their tension by 1/d = (1/n_j + 1/n_{j+1}) l/(l - l_0) / μ per
-    metre that sticks.
+    metre that sticks. Every point is taken by itself.
     """
 
     name = "band_via_friction"

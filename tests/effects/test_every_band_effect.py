@@ -1,0 +1,234 @@
+"""The contract that every effect keeps which the model of a wear may miss."""
+
+import importlib
+import itertools
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from exogauge.effects.band import BandSignals
+from exogauge.effects.catalogue import all_effects, band_effects, shaped_effects
+from exogauge.effects.effect import Quantity
+
+UNITS = {"N/m", "N/m²", "N·s/m", "m", "1"}
+SHAPE_UNITS = {"s", "1", "share", "travel"}
+COORDINATES = {"stretch", "rate", "clock"}
+FITTED_ANYWAY = {"stiffness", "natural_length"}
+MOST_SHAPES = 300  # of one effect at one band
+DISSIPATIVE = ("band_viscous", "band_relaxation")
+K, L_0 = 300.0, 0.6
+EFFECTS = dict(band_effects())
+
+every_effect = pytest.mark.parametrize("effect", EFFECTS.values(), ids=list(EFFECTS))
+
+
+def signals(samples=4000, rate=100.0, seed=0, l_0=L_0):
+    """A band of four parts round three corners, in part of its motion slack, over a motion that ends where it began."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(samples) / rate
+    waves = [np.sin(2.0 * np.pi * k * t / t[-1] + rng.uniform(0.0, 6.0)) for k in (3, 7, 16)]
+    whole = 0.02 * np.sum(waves, axis=0) + 0.03
+    parts = np.column_stack([0.2 + 0.6 * whole, np.full_like(t, 0.1), 0.15 + 0.4 * whole, np.full_like(t, 0.15)])
+    length = parts.sum(axis=1)
+    return BandSignals(
+        time=t,
+        clock=t + 40.0,
+        start=40.0,
+        span=3.0 * t[-1],
+        length=length,
+        rate=np.gradient(length, t),
+        stretch=np.maximum(length - l_0, 0.0),
+        stiffness=K,
+        natural_length=l_0,
+        shortest=float(length.min()),
+        travel=float(np.ptp(length)),
+        segment_length=parts,
+        wrap=np.tile([0.4, 0.9, 0.3], (samples, 1)),
+    )
+
+
+def cut(whole, part):
+    return replace(
+        whole, **{f.name: getattr(whole, f.name)[part] for f in fields(whole) if np.ndim(getattr(whole, f.name))}
+    )
+
+
+def slack(samples=500):
+    t = np.arange(samples) / 100.0
+    still, parts = np.full(samples, 0.5), np.full((samples, 4), 0.125)
+    nothing = np.zeros(samples)
+    return BandSignals(t, t, 0.0, 5.0, still, nothing, nothing, K, L_0, 0.5, 0.0, parts, np.full((samples, 3), 0.5))
+
+
+def shapes_of(effect):
+    """Grid points, and both ends of every range; of a long grid every tenth."""
+    values = [(one.low, *one.grid[:: max(1, len(one.grid) // 10)], one.high) for one in effect.shapes]
+    yield from itertools.product(*values)
+
+
+def expected(effect, samples):
+    return (samples, 4, len(effect.coefficients)) if effect.per_segment else (samples, len(effect.coefficients))
+
+
+@every_effect
+def test_tension_is_finite_one_per_coefficient_at_every_shape(effect):
+    whole, seen = signals(), []
+    for shape in shapes_of(effect):
+        added = effect.added_tension(whole, shape)
+        assert added.shape == expected(effect, len(whole.time))
+        assert added.dtype == np.float64
+        assert np.isfinite(added).all()
+        seen.append(np.any(added != 0.0))
+    assert np.mean(seen) > 0.3  # a slip before or after this log shows nothing in it
+
+
+@every_effect
+@pytest.mark.parametrize("samples", [0, 1, 2, 3, 9])
+def test_a_log_of_a_few_samples_is_no_special_case(effect, samples):
+    short = cut(signals(), slice(1000, 1000 + samples))
+    assert effect.applies(short) in (True, False)
+    for shape in shapes_of(effect):
+        added = effect.added_tension(short, shape)
+        assert added.shape == expected(effect, samples)
+        assert np.isfinite(added).all()
+
+
+@every_effect
+def test_a_band_that_stays_slack_is_blamed_for_nothing(effect):
+    assert not effect.applies(slack())
+    for shape in shapes_of(effect):
+        added = effect.added_tension(slack(), shape)
+        assert np.isfinite(added).all()
+        assert effect.sort == "wire" or not added.any()
+
+
+@every_effect
+def test_where_a_declared_band_is_slack_nothing_is_added(effect):
+    whole = signals()
+    for shape in shapes_of(effect):
+        added = effect.added_tension(whole, shape)
+        assert effect.sort == "wire" or not added[whole.stretch == 0.0].any()
+
+
+@every_effect
+def test_it_applies_to_a_band_that_does_everything(effect):
+    assert effect.applies(signals())
+
+
+@every_effect
+def test_the_signals_stay_as_they_are_and_so_does_what_was_returned(effect):
+    whole, fresh = signals(), signals()
+    shape = tuple(one.grid[0] for one in effect.shapes)
+    added = effect.added_tension(whole, shape)
+    before = added.copy()
+    effect.added_tension(signals(seed=1), shape)
+    np.testing.assert_array_equal(added, before)
+    for field in fields(whole):
+        np.testing.assert_array_equal(getattr(whole, field.name), getattr(fresh, field.name))
+
+
+@every_effect
+def test_every_coefficient_has_a_name_a_unit_and_a_range_that_holds_zero(effect):
+    assert len(effect.coefficients) > 0
+    for quantity in effect.coefficients:
+        assert isinstance(quantity, Quantity)
+        assert quantity.name.isidentifier()
+        assert quantity.unit in UNITS
+        assert quantity.low <= 0.0 < quantity.high
+
+
+@every_effect
+def test_every_shape_has_a_grid_in_order_within_its_bounds(effect):
+    for one in effect.shapes:
+        assert one.name.isidentifier()
+        assert one.unit in SHAPE_UNITS
+        assert one.low <= one.grid[0]
+        assert one.grid[-1] <= one.high
+        assert all(before < after for before, after in itertools.pairwise(one.grid))
+    assert np.prod([len(one.grid) for one in effect.shapes]) <= MOST_SHAPES
+
+
+@every_effect
+def test_a_user_is_told_in_sentences(effect):
+    for text in (effect.sentence, effect.needs):
+        assert text[0].isupper()
+        assert text.endswith(".")
+        assert text.count(".") == 1
+        assert len(text.split()) >= 4
+
+
+@every_effect
+def test_what_it_is_confused_with_and_plotted_over_is_known(effect):
+    assert effect.confounds
+    assert set(effect.confounds) <= set(EFFECTS) | FITTED_ANYWAY
+    assert effect.coordinate in COORDINATES
+    assert effect.sort in ("law", "stated", "wire")
+
+
+@every_effect
+def test_the_effect_is_found_under_the_name_of_its_file_and_by_no_other_search(effect):
+    assert importlib.import_module(f"exogauge.effects.{effect.name}").EFFECT is effect
+    assert effect.name not in {**all_effects(), **shaped_effects()}
+
+
+def test_no_two_coefficients_bear_the_same_name():
+    names = [each.name for effect in EFFECTS.values() for each in effect.coefficients]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize("name", DISSIPATIVE)
+def test_what_lets_go_or_damps_takes_energy_out_of_a_closed_motion(name):
+    effect, whole = EFFECTS[name], signals(l_0=0.4)  # taut throughout
+    for shape in shapes_of(effect):
+        power = effect.added_tension(whole, shape)[:, 0] * whole.rate
+        assert np.trapezoid(power, whole.time) > 0.001 * np.trapezoid(np.abs(power), whole.time)
+
+
+def test_relaxation_is_exact_between_samples_however_few():
+    effect, fine = EFFECTS["band_relaxation"], signals(l_0=0.4)
+    ramp = replace(fine, length=0.5 + 0.01 * fine.time, stretch=0.1 + 0.01 * fine.time)
+    tau = 2.0
+    exact = 0.01 * tau * (1.0 - np.exp(-ramp.time / tau))
+    for every in (1, 50, 400):
+        few = cut(ramp, slice(None, None, every))
+        np.testing.assert_allclose(effect.added_tension(few, (tau,))[:, 0], exact[::every], atol=1e-12)
+
+
+@pytest.mark.parametrize("mu", [0.02, 0.1])
+def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(mu):
+    """Where it is clear which way the band slides at every corner: here all its stretch is in its first part."""
+    from exogauge.devices.laws.catalogue import all_laws
+    from exogauge.devices.laws.law import WireMotion
+
+    whole = signals(l_0=0.5)
+    stretching = whole.length[:, None] - 0.6
+    whole = replace(whole, segment_length=np.hstack([0.2 + stretching, np.tile([0.1, 0.15, 0.15], (4000, 1))]))
+    seen = WireMotion(whole.time, whole.length, whole.rate, whole.segment_length, whole.wrap)
+    law = all_laws()["via_friction"].tension(seen, K, 0.5, {"friction": mu}) - whole.tension[:, None]
+    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu,))[:, :, 0]
+    slides = np.abs(whole.rate) > 0.03  # after a turn the law lets go from point to point, the effect at each by itself
+    off = np.abs(law - effect)[slides].max(axis=1) / np.abs(law[slides]).max(axis=1)
+    assert np.median(off) < 0.03
+    assert np.mean(off < 0.1) > 0.6
+
+
+def test_a_slip_lasts_to_the_end_of_its_log_or_beyond_it():
+    effect, whole = EFFECTS["band_slip"], signals(l_0=0.4)
+    within = (whole.start + 10.0) / whole.span
+    slipped = effect.added_tension(whole, (within, 0.0))[:, 0] != 0.0
+    np.testing.assert_array_equal(slipped, whole.time >= 10.0 - 1e-9)
+    before = 0.5 * whole.start / whole.span
+    assert not effect.added_tension(whole, (before, 0.0)).any()
+    assert effect.added_tension(whole, (before, 1.0)).all()
+
+
+def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
+    _, rows = docs_table("What the model of a wear may miss")
+    documented = {row[0]: row[1:] for row in rows}
+    assert documented.keys() == EFFECTS.keys()
+    for name, effect in EFFECTS.items():
+        sentence, needs, confused = documented[name]
+        assert sentence == effect.sentence
+        assert needs == effect.needs
+        assert all(f"`{other}`" in confused for other in effect.confounds)
