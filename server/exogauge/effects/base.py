@@ -35,8 +35,10 @@ class BaseSignals:
 @final
 @dataclass(frozen=True)
 class BaseChange:
-    """(T, 3) each: how the base's motion differs per unit of a coefficient. first_torque: (T,) [N·m] what the first joint
-    has to give beside that."""
+    """(T, 3) each: how the base's motion differs per unit of a coefficient.
+
+    first_torque: (T,) [N·m] what the first joint has to give beside that.
+    """
 
     acc: Array
     gyro: Array

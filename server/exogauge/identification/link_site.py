@@ -80,8 +80,8 @@ class LinkSite:
         for index, sensor in enumerate(robot.cuts):
             first = equations.first_cut + 6 * index
             every[first : first + 6] = in_sensor(tree, sensor.frame, sweep, wrench)
-        own: Array = every[list(self.kinds(equations))]
-        return np.ascontiguousarray(own.transpose(2, 1, 0))
+        rows: Array = np.ascontiguousarray(every[list(self.kinds(equations))].transpose(2, 1, 0))
+        return rows
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
