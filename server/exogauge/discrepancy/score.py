@@ -23,7 +23,7 @@ NEARLY_ALL = 0.999  # of the square sum: no candidate is credited with more
 @final
 @dataclass(frozen=True)
 class Score:
-    """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that all rows gain, with
+    """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that rows gain, with
     coloured residuals, less what the prior loses and a price per value that was chosen (BIC). coefficients: (C,).
     step: (P,) what the baseline moves by. left: share that the baseline cannot take its place in, 0…1.
     """

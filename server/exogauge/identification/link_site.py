@@ -61,7 +61,7 @@ class LinkSite:
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             if not rows:
                 rows.append(self._rows(model.equations, prepared))
-            return -effect.present(signals, shape) * rows[0]
+            return np.asarray(-effect.present(signals, shape) * rows[0])
 
         return Seen(signals, columns)
 
