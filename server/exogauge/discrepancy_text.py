@@ -8,6 +8,8 @@ from typing import Any
 
 from exogauge.studies.discrepancy_sentences import (
     at,
+    chain_unit,
+    chain_words,
     channel,
     counted,
     figure,
@@ -53,10 +55,10 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
 def chain(links: Sequence[Mapping[str, Any]]) -> str:
     """RMSE of each model, and the channel furthest above its floor."""
     rows = [[each["step"], figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links]
-    columns = ("model", "RMSE N·m", "noise floor", "furthest above its floor", "RMSE", "floor")
-    return (
-        f"The joint torques in question, in steady motion on held-out logs:\n\n{text_table(columns, rows, widest=60)}"
-    )
+    unit = links[-1]["unit"]
+    columns = ("model", f"RMSE {chain_unit(unit)}", "noise floor", "furthest above its floor", "RMSE", "floor")
+    table = text_table(columns, rows, widest=60)
+    return f"{chain_words(unit)}, in steady motion on held-out logs:\n\n{table}"
 
 
 def furthest(link: Mapping[str, Any]) -> list[str]:

@@ -27,13 +27,17 @@ JOINT_WORDS = {
     "tau_o": "offset tau_o",
     "J_r": "rotor inertia J_r",
 }
-SORTS = {"single": "inertial parameters of single links", "base": "combinations of them"}
+SORTS = {
+    "single": "inertial parameters of single links",
+    "base": "combinations of them",
+    "zero": "zeros of force/torque sensors",
+}
 
 
 def result_text(result: Mapping[str, Any]) -> str:
     """The whole of it, in parts with a heading each."""
     found = result["identification"]
-    parts = [lead_text(result), errors(found), joints(found), unknown(found), discrepancy_text(result)]
+    parts = [lead_text(result), errors(found), joints(found), sensors(found), unknown(found), discrepancy_text(result)]
     parts += [support_text(result), stiffness_text(result)]
     if result["warnings"]:
         parts.append("\n".join(notes(result)))
@@ -100,6 +104,17 @@ def joints(found: Mapping[str, Any]) -> str:
     return f"{title}\n\n{text_table(columns, rows)}"
 
 
+def sensors(found: Mapping[str, Any]) -> str:
+    """The zero of every force/torque sensor inside the robot; empty where there is none."""
+    rows = [
+        [entry["sensor"], name, *quantity(value)]
+        for entry in found.get("sensors", ())
+        for name, value in entry["zero"].items()
+    ]
+    columns = ("sensor", "zero of", "maker's", "identified", "± std", "unit", "")
+    return f"SENSORS inside the robot\n\n{text_table(columns, rows)}" if rows else ""
+
+
 def quantity(value: Mapping[str, Any]) -> list[str]:
     """prior, value, std, unit, and a mark where the data do not decide."""
     number, std = with_std(value["value"], value["std"] or 0.0)
@@ -111,7 +126,8 @@ def unknown(found: Mapping[str, Any]) -> str:
     sorts: dict[str, list[str]] = defaultdict(list)
     for name in found["unidentifiable"]:
         kind = name.partition("[")[0]
-        sorts["base" if kind == "base" else JOINT_WORDS.get(kind, "single")].append(name)
+        sort = kind.partition(".")[0]
+        sorts[sort if sort in ("base", "zero") else JOINT_WORDS.get(kind, "single")].append(name)
     rows = [
         [len(names), SORTS.get(sort, sort), ", ".join(names[:SHOWN_NAMES]) + (" …" if len(names) > SHOWN_NAMES else "")]
         for sort, names in sorted(sorts.items(), key=lambda item: -len(item[1]))
@@ -128,7 +144,7 @@ def notes(result: Mapping[str, Any]) -> Iterator[str]:
 
 
 def is_headline(channel: str) -> bool:
-    return channel in MOMENTS or is_trunk(channel)
+    return channel in MOMENTS or channel.startswith("ft.") or is_trunk(channel)
 
 
 def is_trunk(channel: str) -> bool:

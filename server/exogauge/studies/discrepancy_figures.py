@@ -10,16 +10,18 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from exogauge.discrepancy.result import Evidence, Link
+from exogauge.identification.validate import unit_of
+from exogauge.studies.discrepancy_sentences import chain_unit, channel
 from exogauge.studies.figures import COLOURS, STYLE, Array, draw_line, sheet, svg_text
 from exogauge.studies.rounding import significant
 
 FLOOR = "noise floor"
-UNIT = "N·m"
 ROW = 0.5  # [inch] height of a bar with its label
 BAR = 0.36  # of a row
 CUT = 4.0  # a first bar longer than this times the next is cut, or nothing could be told of the others
 BREAK = (0.90, 0.915)  # where a cut bar has its gap
 ROOM = 1.25  # of the longest bar: for the number behind it
+MARGIN = 0.085  # of the width: room for numbers of six characters and their unit
 FAINT = 0.22  # opacity of the spread
 DOUBT = 2.0  # standard errors drawn
 MARKED = 40  # most points that are drawn as such
@@ -37,9 +39,9 @@ def draw_chain(chain: Sequence[Link], key: str) -> str:
         axis = figure.subplots()
         for row, link in enumerate(models):
             first = row == 0 and len(models) > 1
-            _bar(axis, row, link.rmse, link.noise_floor, "--prior" if first else "--identified", end)
+            _bar(axis, row, link.rmse, link.noise_floor, "--prior" if first else "--identified", end, link.unit)
             _words(axis, row, link.step, _worst(link))
-        _bar(axis, len(models), floor, floor, "--measured", end)
+        _bar(axis, len(models), floor, floor, "--measured", end, chain[-1].unit)
         _words(axis, len(models), FLOOR, "what the sensors’ own noise leaves of a perfect model")
         axis.set_xlim(0.0, ROOM * end)
         axis.set_ylim(len(models) + 0.5, -0.5)
@@ -59,7 +61,7 @@ def _end(lengths: Sequence[float]) -> float:
     return min(finite[0], CUT * others) if finite[0] > others > 0.0 else max(others, 1e-12)
 
 
-def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float) -> None:
+def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float, unit: str) -> None:
     """With a tick at its floor and the number behind it."""
     middle, noise, stop = row + 0.16, min(rmse, floor), min(rmse, end)
     parts = [(0.0, noise, "--measured"), (noise, stop, colour)]
@@ -70,7 +72,7 @@ def _bar(axis: Any, row: int, rmse: float, floor: float, colour: str, end: float
             axis.barh(middle, stop - start, BAR, start, color=COLOURS[shade], linewidth=0)
     axis.plot([floor, floor], [middle - 0.5 * BAR, middle + 0.75 * BAR], color=COLOURS["--ink"], linewidth=1.3)
     place = (max(min(rmse, end), floor), middle)
-    text = f"{significant(rmse)} {UNIT}"
+    text = f"{significant(rmse)} {chain_unit(unit)}"
     axis.annotate(text, place, (6, 0), textcoords="offset points", va="center", fontweight="bold")
 
 
@@ -84,18 +86,20 @@ def _worst(link: Link) -> str:
     if not link.worst:
         return ""
     if link.worst_rmse <= link.worst_floor:
-        return "every joint at its floor or below"
-    name = link.worst.removeprefix("tau.")
-    return f"furthest above its floor: {name}, {significant(link.worst_rmse)} over {significant(link.worst_floor)}"
+        return "every channel at its floor or below"
+    unit = unit_of(link.worst) if link.worst.startswith("ft.") else "N·m"
+    numbers = f"{significant(link.worst_rmse)} over {significant(link.worst_floor)}"
+    return f"furthest above its floor: {channel(link.worst)}, {numbers}{'' if unit == link.unit else f' {unit}'}"
 
 
-def draw_evidence(evidence: Evidence, words: Mapping[str, str], key: str) -> str:
-    """Mean residual before (thick, grey) and after (thin), the effect's own torque (dashed), two standard errors.
+def draw_evidence(evidence: Evidence, words: Mapping[str, str], key: str, unit: str = "N·m") -> str:
+    """Mean residual before (thick, grey) and after (thin), the effect's own part (dashed), two standard errors.
 
-    words: coordinate -> what the axis says of it.
+    words: coordinate -> what the axis says of it. unit: of the residual.
     """
     with matplotlib.rc_context({**STYLE, "text.parse_math": False}):
         figure = sheet(9.0, 2.3, 1, top=0.12)
+        figure.subplots_adjust(left=MARGIN)
         axis = figure.subplots()
         axis.grid(axis="y")
         axis.axhline(0.0, color=COLOURS["--muted"], linewidth=0.6)
@@ -108,10 +112,10 @@ def draw_evidence(evidence: Evidence, words: Mapping[str, str], key: str) -> str
                 size = 4.5 if colour == "--measured" else 2.6
                 axis.plot(evidence.at, values, "o", markersize=size, color=COLOURS[colour], markeredgewidth=0)
         axis.plot(evidence.at, evidence.model, color=COLOURS["--ink"], linewidth=1.6, linestyle=(0, (3.0, 1.6)))
-        unit = f" [{evidence.unit}]" if evidence.unit else ""
-        axis.set_xlabel(f"{words.get(evidence.coordinate, evidence.coordinate.replace('_', ' '))}{unit}")
+        over = f" [{evidence.unit}]" if evidence.unit else ""
+        axis.set_xlabel(f"{words.get(evidence.coordinate, evidence.coordinate.replace('_', ' '))}{over}")
         _stretch(axis, evidence.at)
-        axis.set_ylabel("[N·m]")
+        axis.set_ylabel(f"[{unit}]")
         axis.yaxis.set_major_locator(MaxNLocator(5))
         axis.margins(x=0.01)
         return svg_text(figure, key)

@@ -39,7 +39,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "rank": finding.rank,
         "effect": finding.effect,
         "where": where(finding.place),
-        "title": at_place(finding.effect, finding.place.kind, finding.place.name),
+        "title": at_place(finding.effect, finding.place.kind, finding.place.name, finding.place.part),
         "parameters": numbers(finding.parameters),
         "held_out": asdict(finding.held_out),
         "score": finding.score,
@@ -67,7 +67,7 @@ def _alternative(other: Alternative) -> dict[str, Any]:
     return {
         "effect": other.effect,
         "where": where(other.place),
-        "title": at_place(other.effect, other.place.kind, other.place.name),
+        "title": at_place(other.effect, other.place.kind, other.place.name, other.place.part),
         "score": other.score,
         "reason": other.reason,
     }

@@ -11,15 +11,30 @@ from typing import Any, final
 from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding
+from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding
 from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
-from exogauge.studies.discrepancy_sentences import has_held_out, left_sentence, looked_at, moves, verdict_sentence
+from exogauge.studies.discrepancy_sentences import (
+    chain_unit,
+    chain_words,
+    channel,
+    has_held_out,
+    kind_of_channels,
+    left_sentence,
+    looked_at,
+    moves,
+    verdict_sentence,
+)
 from exogauge.studies.effect_words import at_place, capital
 from exogauge.studies.rounding import significant, with_std
 from exogauge.studies.support_results import number
 from exogauge.studies.support_section import plus_minus
 
-COORDINATES = {"position": "angle", "drive": "torque of the motor", "load": "load on the joint"}
+COORDINATES = {
+    "position": "angle",
+    "drive": "torque of the motor",
+    "load": "load on the joint",
+    "reading": "expected reading",
+}
 _MINUS = re.compile(r"(?<![^\s(±])-(?=\d)")
 _UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
 MOST_LETTERS = 3  # of a symbol: longer ones are words
@@ -106,12 +121,13 @@ class ChangeRow:
 @final
 @dataclass(frozen=True)
 class DiscrepancyView:
-    """drawn: number of figures."""
+    """channels: `torques`, or `channels` where other readings were looked at too. drawn: number of figures."""
 
     verdict: str
     sentence: str
     left: str
     looked_at: str
+    channels: str
     chain: Picture | None
     findings: tuple[FindingView, ...]
     located: tuple[ExcessRow, ...]
@@ -137,6 +153,7 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         sentence=verdict_sentence(entry, has_held_out(content)),
         left=left_sentence(entry),
         looked_at=looked_at(content),
+        channels=kind_of_channels(content),
         chain=chain,
         findings=findings,
         located=_excesses(found.located),
@@ -153,10 +170,12 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
 def _chain(found: Discrepancy) -> Picture:
     steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in found.chain)
     floor = significant(found.chain[-1].noise_floor)
-    words = f"RMSE of the joint torques in question, steady motion, held-out logs, N·m: {steps}; noise floor {floor}."
+    unit = found.chain[-1].unit
+    told = chain_words(unit)
+    words = f"{told}, steady motion, held-out logs, {chain_unit(unit)}: {steps}; noise floor {floor}."
     caption = (
-        "From the first model to the noise floor: RMSE of the joint torques in question, in steady motion on held-out "
-        "logs. Grey: what noise explains; coloured: what is above it."
+        f"From the first model to the noise floor: {told}, in steady motion on held-out logs. "
+        "Grey: what noise explains; coloured: what is above it."
     )
     if is_cut(found.chain):
         caption += " The bar with a gap is longer than drawn."
@@ -165,21 +184,19 @@ def _chain(found: Discrepancy) -> Picture:
 
 def _finding(finding: Finding, key: str) -> FindingView:
     held = finding.held_out
-    title = at_place(finding.effect, finding.place.kind, finding.place.name)
+    title = at_place(finding.effect, finding.place.kind, finding.place.name, finding.place.part)
     own = CandidateRow(capital(title), finding.effect, *_share(finding.score), "the one named", chosen=True)
     others = sorted(finding.alternatives, key=_by_score)
     return FindingView(
         title=capital(title),
         effect=finding.effect,
         sentence=typeset(finding.sentence),
-        channel=held.channel.removeprefix("tau."),
+        channel=channel(held.channel),
         before=significant(held.rmse_before),
         after=significant(held.rmse_after),
         floor=significant(held.noise_floor),
         unit=held.unit,
-        picture=_evidence(finding.evidence, held.channel.removeprefix("tau."), title, key)
-        if len(finding.evidence.at)
-        else None,
+        picture=_evidence(finding, title, key) if len(finding.evidence.at) else None,
         parameters=tuple(_parameter(name, each) for name, each in finding.parameters.items()),
         beaten=(own, *(_candidate(each) for each in others)),
         alike=tuple(_candidate(each) for each in finding.also_possible),
@@ -187,16 +204,18 @@ def _finding(finding: Finding, key: str) -> FindingView:
     )
 
 
-def _evidence(evidence: Evidence, channel: str, title: str, key: str) -> Picture:
+def _evidence(finding: Finding, title: str, key: str) -> Picture:
+    evidence, held = finding.evidence, finding.held_out
+    name, unit = channel(held.channel), held.unit
+    reading = held.channel.startswith("ft.")
+    lacking = f"What {name} reads beyond the model" if reading else f"Torque that acts on {name} and the model lacks"
     over = COORDINATES.get(evidence.coordinate, evidence.coordinate.replace("_", " "))
     words = (
-        f"Torque that {channel} gets and the model lacks, over {over}, and the torque of {title}. Before, it reaches "
-        f"{_largest(evidence.before)} N·m, after {_largest(evidence.after)} N·m."
+        f"{lacking}, over {over}, and the part of {title}. Before, it reaches "
+        f"{_largest(evidence.before)} {unit}, after {_largest(evidence.after)} {unit}."
     )
-    caption = (
-        f"Torque that acts on {channel} and that the model lacks, over {over}: means of bins, without and with {title}."
-    )
-    return Picture(Markup(draw_evidence(evidence, COORDINATES, key)), words, caption)
+    caption = f"{lacking}, over {over}: means of bins, without and with {title}."
+    return Picture(Markup(draw_evidence(evidence, COORDINATES, key, unit)), words, caption)
 
 
 def _largest(values: Iterable[float]) -> str:
@@ -213,7 +232,7 @@ def _parameter(name: str, found: Estimate) -> ParameterRow:
 
 
 def _candidate(other: Alternative) -> CandidateRow:
-    title = at_place(other.effect, other.place.kind, other.place.name)
+    title = at_place(other.effect, other.place.kind, other.place.name, other.place.part)
     return CandidateRow(capital(title), other.effect, *_share(other.score), typeset(other.reason))
 
 
@@ -243,7 +262,7 @@ def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
     ordered = sorted(found, key=lambda each: -each.z if math.isfinite(each.z) else math.inf)
     return tuple(
         ExcessRow(
-            each.channel.removeprefix("tau."),
+            channel(each.channel),
             significant(each.rmse),
             significant(each.noise_floor),
             significant(each.rmse / each.noise_floor, 2) if each.noise_floor > 0.0 else "–",

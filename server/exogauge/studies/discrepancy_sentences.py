@@ -10,6 +10,8 @@ from exogauge.studies.effect_words import at_place, listed, place_words
 from exogauge.studies.rounding import significant
 
 CHANGED = 0.1  # share of a quantity's doubt, below which it counts as unchanged
+PART = "axis"  # key of a place's part
+FLOORS = "floors"  # unit of a chain over channels of several units
 NAMED = 3  # effects that the sentence names; it counts the others
 
 
@@ -94,13 +96,21 @@ def has_held_out(result: Mapping[str, Any]) -> bool:
 def looked_at(result: Mapping[str, Any]) -> str:
     """How many candidates, channels and logs, and in which regime. result: all of results.json."""
     fits = [each for each in result["identification"]["validation"] if each["held_out"]]
-    torques = dict.fromkeys(each["channel"] for each in fits if each["channel"].startswith("tau."))
+    channels = dict.fromkeys(each["channel"] for each in fits)
+    torques, readings = (sum(name.startswith(kind) for name in channels) for kind in ("tau.", "ft."))
+    seen = [counted(torques, "joint torque"), *([counted(readings, "sensor reading")] if readings else [])]
     logs = dict.fromkeys(each["log"] for each in fits)
     return (
-        f"Looked at: {counted(len(torques), 'joint torque')} in steady motion on {counted(len(logs), 'held-out log')}; "
+        f"Looked at: {listed(seen)} in steady motion on {counted(len(logs), 'held-out log')}; "
         f"{counted(result['discrepancy']['candidates'], 'candidate')}, each an effect at one place in one shape, "
         "fitted together with the whole model."
     )
+
+
+def kind_of_channels(result: Mapping[str, Any]) -> str:
+    """`torques`, or `channels` where sensors inside the robot were looked at too. result: all of results.json."""
+    fits = result["identification"]["validation"]
+    return "channels" if any(each["channel"].startswith("ft.") for each in fits) else "torques"
 
 
 def moves(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
@@ -124,20 +134,36 @@ def counted(number: int, noun: str) -> str:
 
 def at(found: Mapping[str, Any]) -> str:
     """`Stribeck friction at torso_pitch`, of a finding or an alternative."""
-    ((kind, name),) = found["where"].items()
-    return at_place(found["effect"], kind, str(name))
+    return at_place(found["effect"], *_place(found["where"]))
 
 
 def place(found: Mapping[str, Any]) -> str:
-    ((kind, name),) = found["where"].items()
-    return place_words(kind, str(name))
+    return place_words(*_place(found["where"]))
+
+
+def _place(where: Mapping[str, str | bool]) -> tuple[str, str, str]:
+    """Kind, name and part: `{"sensor": "wrist", "axis": "fx"}`, `{"base": true}`."""
+    kind, name = next((kind, name) for kind, name in where.items() if kind != PART)
+    return kind, kind if name is True else str(name), str(where.get(PART, ""))
 
 
 def channel(name: str) -> str:
-    """`tau.torso_pitch` -> `torso_pitch`; others as in the log."""
+    """`tau.torso_pitch` -> `torso_pitch`, `ft.wrist.fx` -> `wrist.fx`; others as they are."""
     if name.startswith("support."):
         return f"{name.removeprefix('support.')} (support)"
-    return name.removeprefix("tau.")
+    return name.removeprefix("tau.").removeprefix("ft.")
+
+
+def chain_unit(unit: str) -> str:
+    """What stands behind a number of the chain: channels of several units are told in multiples of their floors."""
+    return "× floor" if unit == FLOORS else unit
+
+
+def chain_words(unit: str) -> str:
+    """What the chain's numbers are. unit: of its links."""
+    if unit == FLOORS:
+        return "RMSE of the channels in question, each in multiples of its noise floor"
+    return "RMSE of the channels in question"
 
 
 def figure(value: float | None) -> str:

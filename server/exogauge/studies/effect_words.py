@@ -31,9 +31,9 @@ EFFECTS = {
     "link_mass": "a wrong link mass",
     "contact": "an unannounced contact",
     "base_tilt": "a tilted base",
-    "ft_gain": "a wrong gain of the force sensor",
-    "ft_crosstalk": "crosstalk of the force sensor",
-    "ft_drift": "a drifting force sensor",
+    "ft_gain": "a wrong gain of the force/torque sensor",
+    "ft_crosstalk": "crosstalk of the force/torque sensor",
+    "ft_drift": "a drifting zero of the force/torque sensor",
     "imu_delay": "a delay of the IMU",
     "band_stiffness": "a wrong band stiffness",
     "band_length": "a wrong natural length of a band",
@@ -52,8 +52,10 @@ def effect_words(effect: str) -> str:
     return EFFECTS.get(effect, effect.replace("_", " "))
 
 
-def place_words(kind: str, name: str) -> str:
-    """`torso_pitch`; with its kind where the name alone does not say what it is."""
+def place_words(kind: str, name: str, part: str = "") -> str:
+    """`torso_pitch`, `wrist.fx`; with its kind where the name alone does not say what it is."""
+    if part:
+        return f"{name}.{part}"
     if name in ("", kind, "true"):
         return f"the {kind}"
     if name == "all":
@@ -61,11 +63,11 @@ def place_words(kind: str, name: str) -> str:
     return name if kind in ("joint", "link") else f"{kind} {name}"
 
 
-def at_place(effect: str, kind: str, name: str) -> str:
+def at_place(effect: str, kind: str, name: str, part: str = "") -> str:
     """`Stribeck friction at torso_pitch`; of the base, of which there is one, the effect alone."""
     if kind == "base":
         return effect_words(effect)
-    return f"{effect_words(effect)} at {place_words(kind, name)}"
+    return f"{effect_words(effect)} at {place_words(kind, name, part)}"
 
 
 def listed(words: Sequence[str]) -> str:

@@ -132,11 +132,11 @@ def thin_out(time: Array, values: Array, buckets: int = BUCKETS) -> tuple[Array,
 
 
 def label(channel: str) -> str:
-    """`base.my` -> `base moment y`, `tau.torso_pitch` -> `torso_pitch`."""
+    """`base.my` -> `base moment y`, `tau.torso_pitch` -> `torso_pitch`, `ft.wrist.fx` -> `wrist.fx`."""
     kind, _, rest = channel.partition(".")
     if kind == "base":
         return f"base {'force' if rest[:1] == 'f' else 'moment'} {rest[1:]}"
-    return rest if kind == "tau" else channel
+    return rest if kind in ("tau", "ft") else channel
 
 
 def svg_text(figure: Figure, key: str) -> str:

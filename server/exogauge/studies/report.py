@@ -20,6 +20,7 @@ from exogauge.studies.report_tables import (
     fit_tables,
     joint_table,
     link_table,
+    sensor_table,
     unknowns,
 )
 from exogauge.studies.results import Evaluation, Summary, results, summaries
@@ -78,6 +79,7 @@ def render_report(evaluation: Evaluation) -> str:
         drawn_logs=MAX_DRAWN_LOGS,
         joint_columns=columns,
         joint_rows=rows,
+        sensors=sensor_table(found, evaluation.robot),
         link_rows=link_table(found, evaluation.robot),
         base_rows=base_table(found),
         unknowns=unknowns(found),
@@ -97,7 +99,7 @@ def _drawings(found: Identification, pooled: Sequence[Summary], held_out: bool) 
             fit.channel: f"RMSE {significant(fit.rmse_prior)} → {significant(fit.rmse_identified)} {fit.unit}"
             for fit in fits
         }
-        for part, channels in zip("ab", figure_channels(fits, trunk), strict=True):
+        for part, channels in zip("abc", figure_channels(fits, trunk), strict=True):
             present = [channel for channel in channels if channel in prediction.measured]
             if present:
                 drawings.append(_drawing(prediction, present, notes, f"f{k}{part}"))

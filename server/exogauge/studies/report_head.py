@@ -18,7 +18,13 @@ from exogauge.studies.support_results import devices
 from exogauge.studies.support_section import strongest, support_sentence
 from exogauge.support.result import JointSupport
 
-_KIND_WORDS = {"base_moment": "Base moment", "trunk_torque": "Trunk torque", "joint_torque": "Joint torque"}
+_KIND_WORDS = {
+    "base_moment": "Base moment",
+    "trunk_torque": "Trunk torque",
+    "joint_torque": "Joint torque",
+    "sensor_force": "Sensor force",
+    "sensor_moment": "Sensor moment",
+}
 
 
 @final
@@ -66,7 +72,8 @@ def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
         f"{_count(fitted, 'log')}: {significant(seconds)} s, {_count(found.samples, 'sample')} kept after filtering. "
     )
     sentences = []
-    for each in (item for item in pooled if item.kind != "joint_torque" or len(pooled) == 1):
+    closer = any(item.kind in ("base_moment", "trunk_torque") for item in pooled)
+    for each in (item for item in pooled if item.kind != "joint_torque" or not closer):
         words = "falls" if each.rmse_identified < each.rmse_prior else "rises"
         sentences.append(
             f"the {_KIND_WORDS[each.kind].lower()} error {words} from {significant(each.rmse_prior)} to "

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import final
 
 from exogauge.identification.result import Array, ChannelFit, Identification, Parameter
+from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.figures import label
 from exogauge.studies.rounding import rounded, significant, with_std
@@ -28,6 +29,7 @@ ADVICE = {
     "Predictions need only their combinations.",
     "link": "Turn the joints around these links through larger angles and faster, in several directions at once; "
     "with a floating base also tilt and sway the base.",
+    "zero": "Turn what the sensor carries, so that gravity pulls along each of its axes both ways.",
     "k_T": "Move these joints with a load that changes: larger accelerations, or against gravity.",
     "k_d": "Move these joints at more than one speed, slow and fast.",
     "tau_c": "Let these joints move steadily in both directions.",
@@ -73,6 +75,16 @@ class FitRow:
     steady: str
     rest: str
     rest_share: str
+
+
+@final
+@dataclass(frozen=True)
+class SensorColumn:
+    """A force/torque sensor inside the robot: the bodies beyond it, and its zero by component."""
+
+    name: str
+    carries: str
+    zero: Mapping[str, Cell | None]
 
 
 @final
@@ -145,6 +157,18 @@ def joint_table(
     return columns, rows
 
 
+def sensor_table(found: Identification, robot: Robot) -> list[SensorColumn]:
+    known = {parameter.name: parameter for parameter in found.parameters}
+    return [
+        SensorColumn(
+            sensor.name,
+            ", ".join(robot.tree.bodies[body] for body in robot.tree.cuts[sensor.frame]),
+            {component: _cell(known.get(f"zero.{component}[{sensor.name}]")) for component in COMPONENTS},
+        )
+        for sensor in robot.cuts
+    ]
+
+
 def link_table(found: Identification, robot: Robot) -> list[LinkRow]:
     """Mass and centre of mass of every moving link; a centre of mass has no std here, its parts are in parameters."""
     known = {parameter.name: parameter for parameter in found.parameters}
@@ -190,7 +214,7 @@ def combination(parts: Mapping[str, float], shown: int = 5) -> str:
 def unknowns(found: Identification) -> list[Unknown]:
     """Unidentifiable parameters, by link and by sort of joint parameter, each with advice; not those that are known."""
     links: dict[str, list[str]] = defaultdict(list)
-    combinations: list[str] = []
+    combinations, zeros = list[str](), list[str]()
     certain = {parameter.name for parameter in found.parameters if parameter.std == 0.0}
     joints: dict[str, list[str]] = defaultdict(list)
     for name in (each for each in found.unidentifiable if each not in certain):
@@ -198,6 +222,8 @@ def unknowns(found: Identification) -> list[Unknown]:
         kind, where = (match["kind"], match["where"]) if match else (name, "")
         if kind == "base":
             combinations.append(where)
+        elif kind.startswith("zero."):
+            zeros.append(f"{where}.{kind.removeprefix('zero.')}")
         elif kind in JOINT_WORDS or kind in found.joint_values:
             joints[kind].append(where)
         else:
@@ -210,21 +236,33 @@ def unknowns(found: Identification) -> list[Unknown]:
         result.append(Unknown("Inertial parameters of single links", places, ADVICE["single"]))
     if combinations:
         result.append(Unknown("Combinations of them, by the leading one", tuple(combinations), ADVICE["link"]))
+    if zeros:
+        result.append(Unknown("Zeros of force/torque sensors", tuple(zeros), ADVICE["zero"]))
     for kind, places_of in joints.items():
         title = f"{JOINT_WORDS[kind]} {kind}" if kind in JOINT_WORDS else kind
         result.append(Unknown(title[0].upper() + title[1:], tuple(places_of), ADVICE.get(kind, "")))
     return result
 
 
-def figure_channels(fits: Sequence[ChannelFit], trunk: Sequence[str], most: int = 4) -> tuple[list[str], list[str]]:
-    """(base moments, joint torques) worth drawing for one log: the trunk's, then those that improved most."""
+def figure_channels(
+    fits: Sequence[ChannelFit], trunk: Sequence[str], most: int = 4
+) -> tuple[list[str], list[str], list[str]]:
+    """(base moments, joint torques, sensors' readings) worth drawing for one log: the trunk's, then those that improved
+    most."""
     channels = [fit.channel for fit in fits]
     moments: list[str] = [channel for channel in ("base.mx", "base.my", "base.mz") if channel in channels]
     torques = [fit for fit in fits if fit.channel.startswith("tau.")]
     gained = sorted(torques, key=lambda fit: fit.rmse_identified - fit.rmse_prior)
     chosen = [channel for channel in trunk if channel in channels][:most]
     chosen += [fit.channel for fit in gained if fit.channel not in chosen][: most - len(chosen)]
-    return moments, chosen
+    return moments, chosen, _most_improved_readings(fits)
+
+
+def _most_improved_readings(fits: Sequence[ChannelFit], most: int = 6) -> list[str]:
+    """All of one sensor; of several, by the share of the error that went. In the order of the fits."""
+    readings = [fit for fit in fits if fit.channel.startswith("ft.")]
+    best = sorted(readings, key=lambda fit: fit.rmse_identified / max(fit.rmse_prior, 1e-300))[:most]
+    return [fit.channel for fit in readings if fit in best]
 
 
 def _cell(parameter: Parameter | None) -> Cell | None:

@@ -13,6 +13,7 @@ from typing import Any, final
 from exogauge.devices.result import StiffnessResult
 from exogauge.discrepancy.result import Discrepancy
 from exogauge.identification.result import ChannelFit, Identification, Parameter
+from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.identification.settings import Settings
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.bundle import Input
@@ -25,6 +26,7 @@ from exogauge.support.result import SupportResult
 
 VERSION = 1
 PACKAGES = ("exogauge", "numpy", "scipy", "pin", "pyarrow")
+SENSORS = {"sensor_force": "f", "sensor_moment": "m"}
 BASE_MOMENT = ("base.mx", "base.my", "base.mz")
 TRUNK_WORDS = ("torso", "waist", "chest", "lumbar", "trunk", "spine")
 
@@ -56,7 +58,10 @@ class Evaluation:
 @final
 @dataclass(frozen=True)
 class Summary:
-    """RMSE over several channels and logs, pooled over samples. kind: `base_moment`, `trunk_torque`, `joint_torque`."""
+    """RMSE over several channels and logs, pooled over samples.
+
+    kind: `base_moment`, `trunk_torque`, `joint_torque`, `sensor_force`, `sensor_moment`.
+    """
 
     kind: str
     channels: tuple[str, ...]
@@ -92,6 +97,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             "validation": [asdict(fit) for fit in found.validation],
             "parameters": [parameter_entry(each) for each in found.parameters],
             "joints": joint_entries(found, joints),
+            "sensors": sensor_entries(found, evaluation.robot),
             "unidentifiable": list(found.unidentifiable),
             "consistent_links": dict(zip(evaluation.robot.tree.bodies, map(bool, found.consistent_links), strict=True)),
             "prior_strength": found.prior_strength,
@@ -141,21 +147,42 @@ def joint_entries(found: Identification, joints: Sequence[str]) -> list[dict[str
         for name in names:
             parameter = known.get(f"{name}[{joint}]")
             if parameter is not None:
-                entry[name] = {
-                    key: getattr(parameter, key) for key in ("value", "std", "unit", "prior", "identifiable")
-                }
+                entry[name] = _told(parameter)
         entries.append(entry)
     return entries
 
 
+def sensor_entries(found: Identification, robot: Robot) -> list[dict[str, Any]]:
+    """{sensor, bodies beyond it, zero: {fx: {value, std, unit, …}, …}} of every sensor inside the robot."""
+    known = {parameter.name: parameter for parameter in found.parameters}
+    entries = []
+    for sensor in robot.cuts:
+        zero = {component: known.get(f"zero.{component}[{sensor.name}]") for component in COMPONENTS}
+        entries.append({
+            "sensor": sensor.name,
+            "carries": [robot.tree.bodies[body] for body in robot.tree.cuts[sensor.frame]],
+            "zero": {name: _told(each) for name, each in zero.items() if each is not None},
+        })  # fmt: skip
+    return entries
+
+
+def _told(parameter: Parameter) -> dict[str, Any]:
+    return {key: getattr(parameter, key) for key in ("value", "std", "unit", "prior", "identifiable")}
+
+
 def summaries(found: Identification, joints: Sequence[str]) -> list[Summary]:
-    """Base moment, trunk torque and all joint torques, on held-out logs (on fitted ones where none is held out)."""
+    """Base moment, trunk torque, all joint torques, and what sensors inside the robot read, on held-out logs (on fitted
+    ones where none is held out)."""
     held_out = any(fit.held_out for fit in found.validation)
     trunk = tuple(f"tau.{name}" for name in joints if any(word in name.lower() for word in TRUNK_WORDS))
     kinds = {
         "base_moment": BASE_MOMENT,
         "trunk_torque": trunk,
         "joint_torque": tuple(f"tau.{name}" for name in joints),
+        **{
+            kind: tuple(dict.fromkeys(fit.channel for fit in found.validation if _is_reading(fit.channel, letter)))
+            for kind, letter in SENSORS.items()
+        },
     }
     samples = {prediction.log: prediction.time.size for prediction in found.predictions}
     pooled = []
@@ -164,6 +191,10 @@ def summaries(found: Identification, joints: Sequence[str]) -> list[Summary]:
         if fits:
             pooled.append(_pool(kind, fits, samples, held_out))
     return pooled
+
+
+def _is_reading(channel: str, letter: str) -> bool:
+    return channel.startswith("ft.") and channel.rsplit(".", 1)[1].startswith(letter)
 
 
 def _pool(kind: str, fits: Sequence[ChannelFit], samples: Mapping[str, int], held_out: bool) -> Summary:
