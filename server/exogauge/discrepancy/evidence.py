@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from exogauge.discrepancy.result import Evidence
 from exogauge.discrepancy.score import Score
 from exogauge.discrepancy.site_rows import SiteRows
+from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -27,7 +28,7 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     """Rows of one kind, held-out ones where there are any. Signs: torque that the joint gets and the model lacks; what
     a sensor reads too much."""
     candidate, effect = found.candidate, found.candidate.effect
-    own, sign = model.equations.columns(), -candidate.site.sign(model.equations)
+    own, sign = model.equations.columns(), _sign(model.equations, kind)
     known = [each for each in rows if kind in each.rows]
     shown = [each for each in known if each.held_out] or known
     edge = model.solution.solved.x - model.solution.unbounded.x  # the model that is added to keeps to physical ranges
@@ -52,6 +53,12 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     spread = np.sqrt(np.maximum(mean(before**2) - mean(before) ** 2, 0.0) / count[full])
     unit = UNITS.get(effect.coordinate) or candidate.site.in_si(model, effect.coordinate, candidate.shape)[1]
     return Evidence(effect.coordinate, unit, mean(at), mean(before), mean(after), spread, mean(torque))
+
+
+def _sign(equations: Equations, kind: int) -> float:
+    """Of what is shown against what a row holds: torque beyond the motor's; a reading, with the log's sign."""
+    cut = (kind - equations.first_cut) // 6
+    return -equations.robot.cuts[cut].sign if cut >= 0 else -1.0
 
 
 def strongest(shown: Evidence, unit: str) -> str:

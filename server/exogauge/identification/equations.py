@@ -2,7 +2,7 @@
 
     Y_o φ         = F_o
     Y_j φ - Z ξ   = F_j          Z: one column per effect and axis
-    Y_c φ + z     = F_c          what a sensor inside the robot carries; z: its zero
+    Y_c φ - s z   = F_c          what a sensor inside the robot carries; F_c = -s times its reading, z: its zero
 
 expressed in the base link, so that neither its pose nor its velocity is needed.
 """

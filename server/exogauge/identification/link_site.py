@@ -86,9 +86,6 @@ class LinkSite:
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
 
-    def sign(self, equations: Equations) -> float:
-        return 1.0
-
 
 def carries_nothing(equations: Equations, body: int) -> bool:
     """Whether no more than fingers' worth of mass hangs on it."""

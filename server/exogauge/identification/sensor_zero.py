@@ -15,7 +15,7 @@ COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def zero_columns(robot: Robot) -> tuple[AddedColumn, ...]:
-    """Six for each sensor, in rows of its own. Differs from [Payload] in the sign: Y φ + z = wrench that holds."""
+    """Six for each sensor, in rows of its own: what it reads with nothing beyond it, in the log's own sign."""
     first = (6 if robot.floating else 0) + 2 * len(robot.joints)
     return tuple(
         AddedColumn(f"zero.{component}", sensor.name, (first + 6 * index + row,), Quantity(f"zero.{component}", unit))
@@ -25,5 +25,5 @@ def zero_columns(robot: Robot) -> tuple[AddedColumn, ...]:
 
 
 def zeros(robot: Robot, samples: int) -> Array:
-    """(T, 6 C) what the columns take off their rows per unit."""
-    return np.full((samples, 6 * len(robot.cuts)), -1.0)
+    """(T, 6 C) what the columns take off their rows per unit: a row holds -s times the reading (`WrenchSensor`)."""
+    return np.tile(np.repeat([sensor.sign for sensor in robot.cuts], 6).astype(np.float64), (samples, 1))

@@ -68,7 +68,7 @@ class Seen:
 
 
 class Site(Protocol):
-    """label: (`joint` | `sensor` | `base`, name, part of it or ""). sign: of what is shown against what a row holds."""
+    """label: (`joint` | `sensor` | `base`, name, part of it or "")."""
 
     def label(self, equations: Equations) -> tuple[str, str, str]: ...
 
@@ -77,8 +77,6 @@ class Site(Protocol):
     def see(self, model: RobotModel, prepared: Prepared) -> Seen: ...
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]: ...
-
-    def sign(self, equations: Equations) -> float: ...
 
 
 @final
@@ -101,9 +99,6 @@ class AxisSite:
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
         return in_si(unit, *(float(each[self.axis]) for each in sizes))
-
-    def sign(self, equations: Equations) -> float:
-        return 1.0
 
 
 def seen_of_axis(signals: AxisSignals) -> Seen:
@@ -145,9 +140,6 @@ class SensorSite:
             return 1.0, {("N", "N"): "1", ("N·m", "N·m"): "1", ("N·m", "N"): "m", ("N", "N·m"): "1/m"}[own, other]
         return 1.0, unit.replace("reading", own)
 
-    def sign(self, equations: Equations) -> float:
-        return equations.robot.cuts[self.sensor].sign
-
 
 @final
 @dataclass(frozen=True)
@@ -185,9 +177,6 @@ class BaseSite:
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
-
-    def sign(self, equations: Equations) -> float:
-        return 1.0
 
 
 def carried(model: RobotModel, prepared: Prepared) -> Array:
