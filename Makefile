@@ -44,8 +44,8 @@ web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `m
 openapi: $(READY)  ## write web/openapi.json, which the web app's types are made of
 	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
 
-test: web  ## all tests; those that drive a browser where Chromium is installed
-	$(BIN)/python -m pytest -n 2
+test: web  ## all tests but those that drive a browser, which `make e2e` runs
+	$(BIN)/python -m pytest -n 2 -m "not e2e"
 
 e2e: web  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
 	@$(CHROMIUM)
