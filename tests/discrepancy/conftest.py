@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -78,6 +78,26 @@ def inverse_dynamics(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         )
     data = model.createData()
     return np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)])
+
+
+@pytest.fixture(scope="session")
+def weighed(robot):
+    """(actuation of each joint) -> the arm of `inverse_dynamics`, whose maker weighed it and measured its gains."""
+    model = pin.buildModelFromXML(urdf().decode())
+    phi = []
+    for own in list(model.inertias)[1:]:
+        true = pin.Inertia(1.15 * own.mass, own.lever + np.array([0.01, 0.01, -0.01]), 1.2 * own.inertia)
+        phi.append(true.toDynamicParameters())
+
+    def make(actuation: tuple[str, str, str] = ("torque",) * 3) -> Robot:
+        joints = tuple(
+            Joint(name, how, prior={"k_T": k}, prior_std={"k_T": 0.02 * k}) if how == "current" else Joint(name, how)
+            for name, how, k in zip(JOINTS, actuation, (6.0, 5.0, 3.0), strict=True)
+        )
+        tree = replace(robot.tree, phi=np.array(phi))
+        return replace(robot, tree=tree, joints=joints, inertial_std={"": 0.03})
+
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -12,9 +12,9 @@ from typing import final
 
 from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.chain import lineage, link
+from exogauge.discrepancy.contradicted import contradicted
+from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
-from exogauge.discrepancy.link_finding import name_link
-from exogauge.discrepancy.links import odd_links
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
 from exogauge.discrepancy.search import Search
@@ -60,8 +60,8 @@ def find_missing_effects(
     chain = tuple(link(each, findings[:k], channels) for k, each in enumerate(models))
     family = lineage(findings)
     fitted = [each.log for each in recordings if not each.held_out]
-    for odd in odd_links(current.model, fitted):
-        findings.append(name_link(len(findings) + 1, current.model, odd, current))
+    for odd in contradicted(current.model, fitted):
+        findings.append(name_contradiction(len(findings) + 1, current, odd))
     verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
     notes = () if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
     progress(1.0, "compared")

@@ -1,0 +1,77 @@
+"""A motor gain that differs from the stated one is absorbed; what gives it away is what the maker says of the rest."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.contradicted import contradicted
+from exogauge.discrepancy.contradiction_finding import name_contradiction
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+
+JOINTS, K_T = ("j1", "j2", "j3"), (6.0, 5.0, 3.0)  # `weighed` states these, within
+DOUBT, MASS_DOUBT = 0.02, 0.03
+SETTINGS = Settings(cutoff_hz=8.0)
+
+
+@pytest.fixture(scope="module")
+def findings(weighed, record):
+    """(actuation, what every motor truly gives over what is stated or logged, noise seed) -> (findings, named)."""
+
+    def run(actuation, ratio, seed=0, phi=None):
+        robot = weighed(actuation)
+        if phi is not None:
+            robot = replace(robot, tree=replace(robot.tree, phi=robot.tree.phi * phi))
+        recordings = []
+        for number in (1, 2, 9):
+            log = record(number, noise_seed=100 * seed + number)
+            channels = dict(log.channels)
+            for joint, how, k, more in zip(JOINTS, actuation, K_T, ratio, strict=True):
+                tau = channels.pop(f"tau.{joint}") / more
+                channels[f"tau.{joint}" if how == "torque" else f"i.{joint}"] = tau if how == "torque" else tau / k
+            recordings.append(Recording(replace(log, channels=channels), number == 9))
+        found = identify(robot, recordings, SETTINGS)
+        odd = contradicted(found.model, [each.log for each in recordings if not each.held_out])
+        return [name_contradiction(rank, found, each) for rank, each in enumerate(odd, 1)]
+
+    return run
+
+
+@pytest.mark.parametrize("share", [-0.15, 0.12])
+def test_a_gain_off_by_more_than_its_doubt_is_named_with_its_size(findings, share):
+    (finding,) = findings(("torque", "current", "current"), (1.0, 1.0 + share, 1.0))
+    assert (finding.effect, finding.place.kind, finding.place.name) == ("kt_gain", "joint", "j2")
+    ratio, gain = finding.parameters["ratio"], finding.parameters["gain"]
+    assert abs(ratio.value - (1.0 + share)) < 3.0 * ratio.std
+    assert abs(gain.value - 5.0 * (1.0 + share)) < 3.0 * gain.std
+    assert (finding.parameters["stated"].value, gain.unit) == (5.0, "N·m/A")
+    assert finding.held_out.channel == "tau.j2"
+    assert finding.held_out.rmse_after < 0.5 * finding.held_out.rmse_before
+
+
+def test_a_logged_torque_that_is_not_what_the_motor_gives_is_named(findings):
+    (finding,) = findings(("torque",) * 3, (1.0, 1.15, 1.0))
+    assert (finding.effect, finding.place.name) == ("kt_gain", "j2")
+    ratio = finding.parameters["ratio"]
+    assert abs(ratio.value - 1.15) < 3.0 * ratio.std
+    assert finding.parameters["gain"].unit == "1"
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("actuation", [("torque", "current", "current"), ("torque",) * 3])
+def test_gains_and_links_within_their_doubts_are_no_finding(findings, actuation, seed):
+    rng = np.random.default_rng(seed)
+    ratio = 1.0 + DOUBT * rng.standard_normal(3) * (np.array(actuation) == "current")
+    assert findings(actuation, ratio, seed, 1.0 + MASS_DOUBT * rng.standard_normal((3, 1))) == []
+
+
+def test_without_a_known_scale_no_gain_is_named(findings):
+    named = findings(("current",) * 3, (1.0, 1.3, 1.0))
+    assert [each for each in named if each.effect == "kt_gain"] == []
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.3])
+def test_a_common_factor_is_never_named_at_one_joint(findings, factor):
+    named = findings(("torque",) * 3, (factor,) * 3)
+    assert [each for each in named if each.effect == "kt_gain"] == []
