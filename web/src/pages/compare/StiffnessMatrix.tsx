@@ -3,7 +3,7 @@ import { Stack, Table, Text, Title } from "@mantine/core";
 import type { Comparison } from "../../api/compare";
 import { fixed, NO_VALUE, withStd } from "../../parts/number";
 import { WideTable } from "../../parts/WideTable";
-import { approachesOf, approachWords, differs, jobNames } from "./heads";
+import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
 import styles from "./Matrix.module.css";
 
 /** Stiffness of the bands, by device and band down, jobs and approaches across. */
@@ -28,7 +28,7 @@ export function StiffnessMatrix({ comparison, differing }: { comparison: Compari
         <Table.Thead>
           {several && (
             <Table.Tr>
-              <Table.Th colSpan={3} />
+              <Table.Td colSpan={3} />
               {names.map((name) => (
                 <Table.Th key={name} colSpan={approaches.length} className={styles.job}>
                   {name}
@@ -43,7 +43,7 @@ export function StiffnessMatrix({ comparison, differing }: { comparison: Compari
             {names.map((name) =>
               approaches.map((approach, k) => (
                 <Table.Th key={`${name} ${approach}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                  {approachWords(approach)}
+                  {several ? approachShort(approach) : approachWords(approach)}
                 </Table.Th>
               )),
             )}
@@ -53,7 +53,7 @@ export function StiffnessMatrix({ comparison, differing }: { comparison: Compari
           {kept.map(({ device, band, shown, truth }) => (
             <Table.Tr key={`${device}|${band}`}>
               <Table.Th scope="row">{band}</Table.Th>
-              <Table.Td>{device}</Table.Td>
+              <Table.Td className={styles.device}>{device}</Table.Td>
               <Table.Td data-number>{fixed(truth, 1)}</Table.Td>
               {shown.map((cells, job) =>
                 cells.map((cell, k) => (

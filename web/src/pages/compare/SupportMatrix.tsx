@@ -3,7 +3,7 @@ import { Group, NativeSelect, Stack, Switch, Table, Text, Title } from "@mantine
 import type { Comparison, SupportRow } from "../../api/compare";
 import { figure, fixed, NO_VALUE, withStd } from "../../parts/number";
 import { WideTable } from "../../parts/WideTable";
-import { approachesOf, approachWords, differs, jobNames } from "./heads";
+import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
 import type { Quantity, Selection } from "./selection";
 import styles from "./Matrix.module.css";
 
@@ -55,7 +55,7 @@ export function SupportMatrix({ comparison, selection, select }: Props) {
           <Table.Thead>
             {several && (
               <Table.Tr>
-                <Table.Th colSpan={3} />
+                <Table.Td colSpan={3} />
                 {names.map((name) => (
                   <Table.Th key={name} colSpan={approaches.length} className={styles.job}>
                     {name}
@@ -70,7 +70,7 @@ export function SupportMatrix({ comparison, selection, select }: Props) {
               {names.map((name) =>
                 approaches.map((approach, k) => (
                   <Table.Th key={`${name} ${approach}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                    {approachWords(approach)}
+                    {several ? approachShort(approach) : approachWords(approach)}
                   </Table.Th>
                 )),
               )}
@@ -81,7 +81,7 @@ export function SupportMatrix({ comparison, selection, select }: Props) {
               <Table.Tr key={[device, motion, joint].join("|")}>
                 <Table.Th scope="row">{joint}</Table.Th>
                 <Table.Td>{motion}</Table.Td>
-                <Table.Td>{device}</Table.Td>
+                <Table.Td className={styles.device}>{device}</Table.Td>
                 {shown.map((cells, job) =>
                   cells.map((cell, k) => (
                     <Table.Td key={`${job} ${k}`} data-number className={several && k === 0 ? styles.job : undefined}>

@@ -14,6 +14,11 @@ export function approachWords(approach: string): string {
   return APPROACHES[approach] ?? approach;
 }
 
+/** Where several jobs stand side by side. */
+export function approachShort(approach: string): string {
+  return { A: "A", B: "B", prior: "B, maker’s", band_model: "Model" }[approach] ?? approach;
+}
+
 /** The study's name, numbered where two jobs share it. */
 export function jobNames(comparison: Comparison): string[] {
   const names = comparison.jobs.map((job) => job.name);

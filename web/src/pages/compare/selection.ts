@@ -1,5 +1,6 @@
 /** What is compared and how it is shown, kept in the page's address, so that a link brings it back. */
 
+import { useEffect, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
 
 export type Quantity = "peak" | "mean" | "integral" | "rmse";
@@ -16,8 +17,14 @@ const QUANTITIES: Quantity[] = ["peak", "mean", "integral", "rmse"];
 
 export function useSelection(): [Selection, (change: Partial<Selection>) => void] {
   const [search, setSearch] = useSearchParams();
-  const now = read(search);
-  const change = (next: Partial<Selection>) => setSearch(written({ ...now, ...next }), { replace: true, preventScrollReset: true });
+  const [ahead, setAhead] = useState<Selection | null>(null); // what was just chosen, until the address has it
+  useEffect(() => setAhead(null), [search]);
+  const now = useMemo(() => ahead ?? read(search), [ahead, search]);
+  const change = (part: Partial<Selection>) => {
+    const next = { ...now, ...part };
+    setAhead(next);
+    setSearch(written(next), { replace: true, preventScrollReset: true });
+  };
   return [now, change];
 }
 
