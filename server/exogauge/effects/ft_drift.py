@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
+from exogauge.effects.order import one_log
 from exogauge.effects.sensor import Array, SensorSignals
 from exogauge.effects.shaped import Shape
 
@@ -15,23 +16,25 @@ LEAST_DURATION = 5.0  # [s]
 
 @final
 class FtDrift:
-    """z(t) = r (t - t̄) + a (e^{-t/t_d} - mean), t from each log's start; what does not move is the sensor's zero.
+    """z(t) = r t + a (1 - e^{-t/t_d}), t from a log's start, where the zero is what it is elsewhere.
 
-    A strain gauge that warms up after it was zeroed.
+    A strain gauge that warms up after it was zeroed: in every log (`log` -1), or in one, by its number in the order of
+    the study.
     """
 
     name = "ft_drift"
     place = "sensor"
     sentence = "The zero of one axis of the force/torque sensor moves while the robot runs."
     coefficients = (Quantity("ramp", "reading/s"), Quantity("settling", "reading"))
-    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)),)
+    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)), one_log())
     confounds = ("zero",)
     needs = "The same posture at the start and at the end of a log, and after minutes."
     coordinate = "time"
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
-        both = np.stack([signals.time, np.exp(-signals.time / shape[0])], axis=1)
-        return np.asarray(both - both.mean(axis=0))
+        t_d, log = shape
+        here = float(log < 0.0 or signals.number in (-1, int(log)))
+        return here * np.stack([signals.time, 1.0 - np.exp(-signals.time / t_d)], axis=1)
 
     def applies(self, signals: SensorSignals) -> bool:
         return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION
