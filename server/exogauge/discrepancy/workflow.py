@@ -12,6 +12,7 @@ from typing import final
 
 from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.chain import lineage, link
+from exogauge.discrepancy.contact import contacts
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
@@ -47,6 +48,7 @@ def find_missing_effects(
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing."""
     recordings, models, findings = _filtered_alike(found, recordings, settings, progress)
+    recordings, models, findings = _untouched(models, findings, recordings, settings, progress)
     search = Search(models[-1], recordings, effects, settings, progress)
     search.run()
     assert search.first is not None
@@ -90,3 +92,19 @@ def _filtered_alike(
     if limited is None:
         return recordings, [found], []
     return limited.recordings, [limited.before, limited.identification], [limited.finding]
+
+
+def _untouched(
+    models: list[Identification],
+    findings: list[Finding],
+    recordings: Sequence[Recording],
+    settings: Settings,
+    progress: Progress,
+) -> tuple[Sequence[Recording], list[Identification], list[Finding]]:
+    """What happened once, such as a push, is left out before effects that are always there are sought."""
+    robot = models[-1].model.robot
+    touched = contacts(models[-1], recordings, lambda anew: identify(robot, anew, settings), progress)
+    if touched is None:
+        return recordings, models, findings
+    named = [replace(each, rank=len(findings) + n) for n, each in enumerate(touched.findings, 1)]
+    return touched.recordings, [*models, *([touched.identification] * len(named))], [*findings, *named]

@@ -54,7 +54,8 @@ class Prepared:
     raw_drive, raw_direction, raw_wrenches, raw_carried: not filtered.
     stored_direction, stored_rest: (T, A) raw_direction and 1 - |raw_direction|, through what the drive had passed
     before it was stored.
-    kept: samples that enter a fit (settled ends left out, decimated).
+    kept: samples that enter a fit (settled ends and `Log.left_out` left out, decimated).
+    left_out: (T,) bool, samples that feel what happened in `Log.left_out`; no axis is steady there.
     added, raw_added: (T, entries) what each added coefficient takes off a row per unit (`Equations.entries`), filtered
     and not.
     """
@@ -77,6 +78,7 @@ class Prepared:
     carried: Array
     raw_carried: Array
     kept: NDArray[np.intp]
+    left_out: NDArray[np.bool_]
     added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -189,6 +191,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     smooth_direction = alike.apply(direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(low_pass.settle_samples, log.samples // 10)
+    kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
+    turning = binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool))
     return Prepared(
         log=log,
         low_pass=alike,
@@ -198,7 +202,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         axis_acceleration=ddq @ C.T,
         direction=smooth_direction,
         rest=alike.apply(rest),
-        steady=~binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool)),
+        steady=~(turning | left_out[:, None]),
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
         raw_direction=direction,
@@ -207,10 +211,21 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         raw_wrenches=raw_wrenches,
         carried=low_pass.apply(raw_carried.reshape(log.samples, -1)).reshape(raw_carried.shape),
         raw_carried=raw_carried,
-        kept=np.arange(settle, log.samples - settle, low_pass.decimation()),
+        kept=kept[~left_out[kept]],
+        left_out=left_out,
         added=zeros(robot, log.samples),
         raw_added=zeros(robot, log.samples),
     )
+
+
+def left_out_samples(log: Log, low_pass: LowPass) -> NDArray[np.bool_]:
+    """(T,) within `Log.left_out`, or so near that the low-pass carries it there."""
+    settle = max(each.settle_samples for each in (low_pass, low_pass.before) if each)
+    near = settle / log.rate_hz
+    found = np.zeros(log.samples, dtype=bool)
+    for start, stop in log.left_out:
+        found |= (log.time > start - near) & (log.time < stop + near)
+    return found
 
 
 def directions(velocity: Array, threshold: Array, shortest: int) -> Array:

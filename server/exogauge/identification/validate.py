@@ -93,8 +93,9 @@ def noise_floors(
 
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
-    """Channel -> (T,) samples in steady motion; all of them where there is no friction: base wrench, sensors."""
-    steady = {channel: np.ones(prepared.log.samples, dtype=bool) for channel in BASE_CHANNELS}
+    """Channel -> (T,) samples in steady motion; where there is no friction (base wrench, sensors), all that are not
+    left out."""
+    steady = {channel: ~prepared.left_out for channel in BASE_CHANNELS}
     steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
     steady |= {name: steady[BASE_CHANNELS[0]] for cut in equations.robot.cuts for name in wrench_channels(cut.name)}
     return steady

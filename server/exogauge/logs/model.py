@@ -20,12 +20,15 @@ class Log:
     time: (T,) [s] strictly increasing. channels: name -> (T,) in the channel's SI unit.
     band_hz: cut-off [Hz] of the `LowPass` that all channels have passed before they were stored, None where nothing
     is known of one. What is computed from such a log has to pass it as well.
+    left_out: spans (from, to) [s] of its time in which something happened that is not the robot's own, such as a push:
+    nothing is fitted there, and no error counted.
     """
 
     name: str
     time: Array
     channels: Mapping[str, Array]
     band_hz: float | None = None
+    left_out: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         if self.time.ndim != 1:
