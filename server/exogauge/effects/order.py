@@ -1,4 +1,4 @@
-"""Effects that begin with one of the logs: the shape that says with which."""
+"""Effects that begin with one of the logs, or sit in one of them: the shape that says which."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from exogauge.effects.shaped import Shape
 
-SINCE = "since"
+SINCE, LOG = "since", "log"
 LATEST = 8  # log that is tried
 
 
@@ -15,8 +15,15 @@ def since_log() -> Shape:
     return Shape(SINCE, "1", 1.0, float(LATEST), tuple(float(k) for k in range(1, LATEST + 1)), choice=True)
 
 
+def one_log() -> Shape:
+    """Number of the only log with the effect, from 0 in the order of the study; -1: every log has it."""
+    return Shape(LOG, "1", -1.0, float(LATEST), tuple(float(k) for k in range(-1, LATEST + 1)), choice=True)
+
+
 def begins_among(shapes: Sequence[Shape], values: Sequence[float], numbers: Sequence[int]) -> bool:
     """Whether an effect with these values of its shapes begins after the first and not after the last of the logs with
-    these numbers; true of one that does not begin anywhere."""
-    since = [value for shape, value in zip(shapes, values, strict=True) if shape.name == SINCE]
-    return all(min(numbers, default=0) < value <= max(numbers, default=0) for value in since)
+    these numbers, or sits in one of them; true of one that no log bounds."""
+    named = dict(zip((shape.name for shape in shapes), values, strict=True))
+    first, last = min(numbers, default=0), max(numbers, default=0)
+    begins = SINCE not in named or first < named[SINCE] <= last
+    return begins and (LOG not in named or named[LOG] < 0.0 or named[LOG] in numbers)

@@ -20,12 +20,14 @@ class SensorSignals:
     """T samples of one component (0..5, forces before moments) of one sensor.
 
     time: (T,) [s] from the log's start. expected: (T, 6) what the model's bodies make it read [N, N·m], in the log's
-    sign, without its zero; not the measured reading, whose noise would explain itself.
+    sign, without its zero; not the measured reading, whose noise would explain itself. number: of the log in the order
+    of the study, from 0; -1 where it is not known.
     """
 
     time: Array
     expected: Array
     component: int
+    number: int = -1
 
     @property
     def reading(self) -> Array:

@@ -123,7 +123,8 @@ class SensorSite:
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         sign = model.robot.cuts[self.sensor].sign
         expected = -sign * carried(model, prepared)[:, 6 * self.sensor : 6 * self.sensor + 6]
-        signals = SensorSignals(prepared.log.time - prepared.log.time[0], expected, self.component)
+        number = model.order.get(prepared.log.name, -1)
+        signals = SensorSignals(prepared.log.time - prepared.log.time[0], expected, self.component, number)
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             own = sign * effect.columns(signals, shape)
