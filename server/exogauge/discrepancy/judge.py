@@ -22,6 +22,7 @@ BLOCK_S = 1.0  # length of the parts that count as independent
 FEWEST_BLOCKS = 5
 SURE = 3.0  # standard errors by which held-out error must fall
 SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
+ONCE = 6.0  # standard errors asked of what sits in one fitted log and so cannot be held out
 LEAST = 0.05  # of the held-out square error
 WORSE = 3.0  # standard errors by which a regime may not get worse
 FEWEST_IN_REGIME = 30
@@ -34,7 +35,8 @@ class Judgement:
 
     kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
     [N·m or N]. blocks: by how much the weighted square error falls in each held-out block, for comparing candidates
-    with each other. objection: why it may not be claimed, or "".
+    with each other. objection: why it may not be claimed, or "". What sits in one fitted log cannot be held out: then
+    all of this is about that log, and more is asked.
     """
 
     score: Score
@@ -55,12 +57,13 @@ class Judgement:
 @final
 @dataclass(frozen=True)
 class _Change:
-    """One kind of row in one log. before, after: (n,) residuals."""
+    """One kind of row in one log. before, after: (n,) residuals. acts: whether the effect does anything in the log."""
 
     rows: SiteRows
     kind: int
     before: Array
     after: Array
+    acts: bool
 
     @property
     def gain(self) -> Array:
@@ -83,8 +86,14 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgemen
     changes = []
     for each in rows:
         left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
-        changes += [_Change(each, kind, each.rows[kind].e, after) for kind, after in left.items() if weights[kind] > 0]
+        acts = any(bool(c.any()) for c in each.columns(candidate.effect, candidate.shape).values())
+        changes += [
+            _Change(each, kind, each.rows[kind].e, after, acts) for kind, after in left.items() if weights[kind] > 0
+        ]
     out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))
+    once = bool(out) and not any(each.acts for each in out) and any(each.acts for each in fitted)
+    if once:
+        out = [each for each in fitted if each.acts]
     blocks, blocks_fitted = _summed(out, weights), _summed(fitted, weights)
     z, z_fitted = (_z(np.array(list(each.values()))) for each in (blocks, blocks_fitted))
     by_kind = {kind: weights[kind] * sum(float(each.gain.sum()) for each in out or fitted if each.kind == kind)
@@ -96,7 +105,7 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgemen
         for values in ([each.before for each in shown], [each.after for each in shown])
     )
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
-    objection = _objection(z, z_fitted, explained, len(blocks), out, weights)
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else SURE)
     return Judgement(score, kind, z, z_fitted, before, after, blocks, objection)
 
 
@@ -114,15 +123,18 @@ def _summed(changes: Sequence[_Change], weights: Array) -> dict[tuple[str, int],
     return total
 
 
-def _objection(z: float, z_fitted: float, explained: float, blocks: int, out: Sequence[_Change], weights: Array) -> str:
+def _objection(
+    z: float, z_fitted: float, explained: float, blocks: int, out: Sequence[_Change], weights: Array, sure: float
+) -> str:
     if blocks < FEWEST_BLOCKS:
         return "too little steady motion in logs that were not fitted to judge it"
     if z_fitted < SURE_FITTED:
         return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
     if explained < LEAST:
         return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
-    if z < SURE:
-        return f"on held-out logs the error does not fall surely ({z:.1f} standard errors, {SURE:.0f} are asked for)"
+    if z < sure:
+        where = "on held-out logs" if sure == SURE else "in the one log that has it"
+        return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.0f} are asked for)"
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
         inside = [chosen(each) for each in moving]

@@ -23,24 +23,27 @@ def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: M
     """The candidate with its shapes searched from the grid's best, within their bounds."""
     candidate = first.candidate
     shapes = candidate.effect.shapes
-    if not shapes or any(one.choice for one in shapes):
+    free = [k for k, one in enumerate(shapes) if not one.choice]
+    if not free:
         return first
 
     def at(values: Array) -> Score | None:
-        shape = tuple(_value(u, one) for u, one in zip(values, shapes, strict=True))
-        moved = replace(candidate, shape=shape)
-        return score(model, moved, sums_of(rows, candidate.effect, shape), memory)
+        shape = list(candidate.shape)
+        for k, u in zip(free, values, strict=True):
+            shape[k] = _value(u, shapes[k])
+        sums = sums_of(rows, candidate.effect, tuple(shape))
+        return score(model, replace(candidate, shape=tuple(shape)), sums, memory)
 
     def cost(values: Array) -> float:
         found = at(np.clip(values, 0.0, 1.0))
         return 0.0 if found is None else -found.gain
 
-    start = np.array([_unit(value, one) for value, one in zip(candidate.shape, shapes, strict=True)])
+    start = np.array([_unit(candidate.shape[k], shapes[k]) for k in free])
     simplex = np.vstack(
         [start, *(start + (0.08 if u < 0.9 else -0.08) * np.eye(len(start))[k] for k, u in enumerate(start))]
     )
     best = minimize(
-        cost, start, method="Nelder-Mead", options={"maxfev": TRIALS * len(shapes), "initial_simplex": simplex,
+        cost, start, method="Nelder-Mead", options={"maxfev": TRIALS * len(free), "initial_simplex": simplex,
                                                     "xatol": 0.01, "fatol": 1e-3 * first.gain},
     )  # fmt: skip
     found = at(np.clip(best.x, 0.0, 1.0))
