@@ -79,6 +79,15 @@ def test_every_change_is_undone_and_redone_by_keys(page: Page, sample_service: S
     expect(page.get_by_label("x of point 1 [m]")).to_have_value("-0.115")
 
 
+def test_the_device_is_shown_in_3d_where_it_is_asked_for(page: Page, sample_service: Service) -> None:
+    open_device(page)
+    page.get_by_text("3D", exact=True).click()
+    frame = page.frame_locator("iframe")
+    expect(frame.locator("canvas").first).to_be_visible(timeout=120_000)
+    page.get_by_text("Drawing", exact=True).click()
+    expect(page.get_by_role("img", name=re.compile("all joints at zero"))).to_be_visible()
+
+
 def test_a_point_keeps_its_place_on_another_link_and_a_new_one_changes_nothing_yet(
     page: Page, sample_service: Service
 ) -> None:

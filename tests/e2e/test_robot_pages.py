@@ -42,7 +42,9 @@ def test_a_robot_of_a_study_is_taken_over_and_shows_what_was_identified(
     page: Page, sample_service: Service, screenshot: Callable[[str], None]
 ) -> None:
     page.goto("/robots")
-    page.get_by_role("button", name="Add it to the list").click()
+    listed = page.get_by_role("link", name="hrp4_like")  # where another test has taken over what wears its device
+    take = page.get_by_role("button", name="Add it to the list")
+    listed.or_(take).click()
     expect(page.get_by_role("heading", name="hrp4_like", level=1)).to_be_visible()
     expect(page.get_by_text("which has these very files")).to_be_visible()
     waist = (

@@ -1,15 +1,15 @@
-import { ActionIcon, Button, Group, Paper, SimpleGrid, Stack, Text, Title, Tooltip } from "@mantine/core";
+import { ActionIcon, Button, Group, SimpleGrid, Stack, Text, Title, Tooltip } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { IconArrowBackUp, IconArrowForwardUp } from "@tabler/icons-react";
-import { useMemo, useState } from "react";
+import { lazy, useMemo, useState } from "react";
 
 import type { Device } from "../../api/devices";
-import type { Robot } from "../../api/robots";
+import type { Robot, RobotModel } from "../../api/robots";
 import { linkNamed, placeOn } from "../../parts/place";
 import { count } from "../../parts/size";
 import { BAND_COLOURS, StickFigure, type DrawnBand } from "../../parts/StickFigure";
+import { DrawnOr3D } from "../../parts/DrawnOr3D";
 import { Empty } from "../../parts/Empty";
-import type { RobotModel } from "../../api/robots";
 import { BandTable } from "./BandTable";
 import { BandValues } from "./BandValues";
 import { readDevice, type DeviceContent } from "./deviceFile";
@@ -19,6 +19,8 @@ import { SaveDevice } from "./SaveDevice";
 import { useHistory } from "./useHistory";
 import { ViaPointTable } from "./ViaPointTable";
 import { WhatIf } from "./WhatIf";
+
+const DeviceIn3D = lazy(() => import("./DeviceIn3D").then((module) => ({ default: module.DeviceIn3D })));
 
 type Props = { device: Device; robot: Robot; text: string };
 
@@ -62,15 +64,20 @@ export function DeviceEditor({ device, robot, text }: Props) {
           <BandTable device={now} model={model} chosen={band} choose={(name) => mark(name, 0)} />
           <PullTable device={device} band={band} />
         </Stack>
-        <Paper withBorder p="sm">
-          <StickFigure
-            model={model}
-            label={`${device.name} on ${robot.name}, all joints at zero`}
-            bands={[...(changed.length > 0 ? drawn(saved, model, true) : []), ...onTop(drawn(now, model, false), band)]}
-            marked={{ band, point }}
-            pick={mark}
-          />
-        </Paper>
+        <DrawnOr3D
+          drawing={
+            <StickFigure
+              model={model}
+              label={`${device.name} on ${robot.name}, all joints at zero`}
+              bands={[...(changed.length > 0 ? drawn(saved, model, true) : []), ...onTop(drawn(now, model, false), band)]}
+              marked={{ band, point }}
+              pick={mark}
+            />
+          }
+          solid={() => (
+            <DeviceIn3D stored={device} saved={saved} device={now} band={band} point={point} choose={mark} set={history.set} />
+          )}
+        />
       </SimpleGrid>
       <section aria-labelledby="edit">
         <Group justify="space-between" mb="sm">

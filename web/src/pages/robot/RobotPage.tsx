@@ -1,9 +1,10 @@
-import { Anchor, Group, Paper, SimpleGrid, Stack, Text, Title } from "@mantine/core";
-import { useState } from "react";
+import { Anchor, Group, SimpleGrid, Stack, Text, Title } from "@mantine/core";
+import { lazy, useState } from "react";
 import { Link, useParams } from "react-router";
 
 import { useDevices } from "../../api/devices";
 import { fileAddress, useRobot, useRobots, type Robot } from "../../api/robots";
+import { DrawnOr3D } from "../../parts/DrawnOr3D";
 import { Empty } from "../../parts/Empty";
 import { FactList } from "../../parts/FactList";
 import { FileTable } from "../../parts/FileTable";
@@ -18,6 +19,8 @@ import { Drives } from "./Drives";
 import { JointTable } from "./JointTable";
 import { LinkTable } from "./LinkTable";
 import { SensorTable } from "./SensorTable";
+
+const RestingRobot = lazy(() => import("../../view3d/RestingRobot").then((module) => ({ default: module.RestingRobot })));
 
 export function Component() {
   const { robotId = "" } = useParams();
@@ -37,9 +40,12 @@ export function Component() {
         <SimpleGrid cols={{ base: 1, md: 2 }} spacing="xl">
           <Overview robot={robot} />
           {model && (
-            <Paper withBorder p="sm">
-              <StickFigure model={model} label={`${robot.name} as a stick figure, all joints at zero`} named={marked ? [marked] : []} />
-            </Paper>
+            <DrawnOr3D
+              drawing={
+                <StickFigure model={model} label={`${robot.name} as a stick figure, all joints at zero`} named={marked ? [marked] : []} />
+              }
+              solid={() => <RestingRobot robotId={robot.id} name={robot.name} />}
+            />
           )}
         </SimpleGrid>
         {model ? (
