@@ -20,6 +20,8 @@ from exogauge.discrepancy.block_gains import summed, sureness
 
 Array = NDArray[np.float64]
 
+BEYOND = 1.3  # stated doubts within which a value is no news: a maker's catalogue is no better
+
 
 @final
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     setting = replace(ground.setting, belief=believed(bands, wear, travel, free | {place}))
     let_go = fit(setting, wear)
     value = float(let_go.wear.theta[place])
-    if abs(value - stated) <= doubt:
+    if abs(value - stated) <= BEYOND * doubt:
         return None
     std = float(deviations(replace(ground, setting=setting), let_go)[place])
     if abs(value - stated) <= SURE * std:
