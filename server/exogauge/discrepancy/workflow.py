@@ -16,6 +16,7 @@ from exogauge.discrepancy.contact import contacts
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
+from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
 from exogauge.discrepancy.search import Search
@@ -70,7 +71,7 @@ def find_missing_effects(
     return Found(
         Discrepancy(
             verdict=verdict,
-            findings=merged(findings, len(current.model.robot.joints)),
+            findings=by_importance(merged(findings, len(current.model.robot.joints))),
             chain=chain,
             located=before,
             unexplained=unexplained,

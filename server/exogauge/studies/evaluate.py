@@ -14,6 +14,7 @@ from typing import Any
 from exogauge.devices.result import StiffnessResult
 from exogauge.discrepancy.band_beyond import look_beyond
 from exogauge.discrepancy.band_workflow import find_band_effects
+from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
@@ -127,7 +128,8 @@ def _with_wear(
     """What the model of the wear lacks, behind what that of the robot lacked."""
     progress(0.99, "looking for effects of the bands")
     beyond = look_beyond(found.model, gathered, plain, study.support_settings)
-    return find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
+    complete = find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
+    return replace(complete, findings=by_importance(complete.findings))
 
 
 def _require_same_motions(study: Study, worn: Sequence[WornLog], plain: Sequence[PlainLog]) -> None:

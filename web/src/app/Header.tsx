@@ -8,6 +8,7 @@ const PLACES = [
   ["/studies", "Studies"],
   ["/robots", "Robots"],
   ["/devices", "Devices"],
+  ["/import", "Import"],
   ["/compare", "Compare"],
 ] as const;
 

@@ -1,0 +1,27 @@
+"""What closes the widest gap is told first."""
+
+import numpy as np
+
+from exogauge.devices.result import Estimate
+from exogauge.discrepancy.importance import by_importance
+from exogauge.discrepancy.result import Evidence, Finding, HeldOut, Place
+
+NOTHING = Evidence("", "", *([np.zeros(0)] * 5))
+
+
+def finding(rank, effect, before, after, **parameters):
+    known = {name: Estimate(value, 0.0, "1") for name, value in parameters.items()}
+    held_out = HeldOut("tau.j1", "N·m", before, after, 0.1)
+    return Finding(rank, effect, Place("joint", "j1"), known, held_out, 0.5, "", (), (), "", NOTHING)
+
+
+def test_effects_stand_by_the_gap_they_close_behind_the_logs_and_before_the_makers_numbers():
+    told = by_importance([
+        finding(1, "kt_gain", 9.0, 0.1), finding(2, "joint_spring", 0.13, 0.11), finding(3, "band_viscous", 0.3, 0.1),
+        finding(4, "contact", 1.0, 1.0), finding(5, "payload", 5.0, 0.1), finding(6, "payload", 0.5, 0.1, since=2.0),
+        finding(7, "stribeck", float("nan"), float("nan")),
+    ])  # fmt: skip
+    assert [each.effect for each in told] == [
+        "contact", "payload", "band_viscous", "joint_spring", "stribeck", "kt_gain", "payload",
+    ]  # fmt: skip
+    assert [each.rank for each in told] == list(range(1, 8))
