@@ -40,7 +40,7 @@ class LettingGo:
     def let(self, which: IntArray) -> Let:
         """which: (k,) columns that are let go together, and nothing else."""
         g, inner = self.g[which], np.eye(len(which)) + self.S[np.ix_(which, which)]
-        change = np.linalg.solve(inner, g)
+        change: Array = np.asarray(np.linalg.solve(inner, g), dtype=np.float64)
         evidence = float(g @ change - np.linalg.slogdet(inner)[1])
         return Let(evidence, change, np.asarray(np.sqrt(np.diag(np.linalg.inv(inner)))))
 
