@@ -31,7 +31,8 @@ def fitted_to(identified):
         model = identified(recordings).model
         rows = collect_rows(model, recordings, [SITE])[SITE]
         (kind,) = SITE.kinds(model.equations)
-        memory = {kind: float(np.median([residual_memory(each.rows[kind].e) for each in rows]))}
+        samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
+        memory = dict.fromkeys(range(model.equations.kinds), samples)
         tried = [Candidate(shaped_effects()[effect], SITE, shape) for shape in grid(shaped_effects()[effect])]
         scores = [score(model, each, sums_of(rows, each.effect, each.shape), memory) for each in tried]
         best = max((each for each in scores if each is not None), key=lambda each: each.gain)
