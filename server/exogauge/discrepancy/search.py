@@ -37,7 +37,7 @@ RELINEARISED = (
 )
 NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
 
-MATTERS = 0.35  # of the noise floor: what takes less off the held-out error is no name worth
+MATTERS = 0.5  # of the noise floor: what takes less off the held-out error is no name worth
 
 Key = tuple[str, Site]
 
