@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exogauge.effects.catalogue import all_effects, shaped_effects
+from exogauge.effects.catalogue import all_effects, base_effects, sensor_effects, shaped_effects
 
 
 def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
@@ -15,6 +15,24 @@ def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
         assert sentence == effect.sentence
         assert needs == effect.needs
         assert all(f"`{other}`" in confused for other in effect.confounds)
+
+
+@pytest.mark.parametrize(
+    ("heading", "effects"),
+    [
+        ("What a sensor inside the robot may do", sensor_effects()),
+        ("What the base and its IMU may do", base_effects()),
+    ],
+)
+def test_every_effect_of_sensors_and_the_base_is_in_the_docs_with_its_own_words(docs_table, heading, effects):
+    _, rows = docs_table(heading)
+    documented = {row[0]: row[1:] for row in rows}
+    assert documented.keys() == effects.keys()
+    for name, effect in effects.items():
+        sentence, needs, confused = documented[name]
+        assert sentence == effect.sentence
+        assert needs == effect.needs
+        assert [each.strip().strip("`") for each in confused.split(",")] == list(effect.confounds)
 
 
 def test_every_effect_that_a_model_has_is_in_the_docs(docs_table):
