@@ -34,6 +34,7 @@ ALIKE = 1.25  # ratio of speeds
 FEWEST = 20  # samples as slow, elsewhere
 LARGER = 3.0  # than 95 % of what is unexplained at such speeds
 TELL_APART = 15.0  # of evidence (twice the log likelihood), between links
+SCALE = 0.03  # to which the torque of a joint is known: what it takes of the gain tells no links apart
 MARGIN_S = 0.05, 0.3  # at least and at most, for the doubt of when it began and ended
 ROUNDS = 3
 SAME_S = 0.5  # between the begins of a push that was found twice
@@ -108,7 +109,7 @@ def pushes(model: RobotModel, recordings: Sequence[Recording], known: Sequence[P
         for each in plausible
         if _again(each, known) or each.alone < ONE_AXIS or np.sqrt(each.best.gain) > FAR_ABOVE * bar
     ]
-    return [each for each in plausible if any(each is other or _common(each, other) for other in sure)]
+    return [each for each in plausible if any(each is other or _common(model, each, other) for other in sure)]
 
 
 def _one_force(push: Push) -> bool:
@@ -147,7 +148,7 @@ def by_link(model: RobotModel, found: Sequence[Push]) -> tuple[Contact, ...]:
     """Pushes that one link explains are one contact."""
     groups: list[list[Push]] = []
     for push in sorted(found, key=lambda each: -each.best.gain):
-        fitting = next((group for group in groups if _common(push, *group)), None)
+        fitting = next((group for group in groups if _common(model, push, *group)), None)
         if fitting is None:
             groups.append([push])
         else:
@@ -158,9 +159,9 @@ def by_link(model: RobotModel, found: Sequence[Push]) -> tuple[Contact, ...]:
 def _contact(model: RobotModel, group: Sequence[Push]) -> Contact:
     bodies = [each.body for each in group[0].links]
     total = {body: sum(_evidence(push)[body] for push in group) for body in bodies}
-    best = max(_common(*group), key=lambda body: total[body])
+    best = max(_common(model, *group), key=lambda body: total[body])
     lacks = sorted(((body, total[best] - total[body]) for body in bodies if body != best), key=lambda each: each[1])
-    alike = tuple(each for each in lacks if each[1] < TELL_APART)
+    alike = tuple(each for each in lacks if each[1] < _told_from(model, *group))
     reach = reaches(model.robot.tree)
     again = [
         push
@@ -173,11 +174,20 @@ def _contact(model: RobotModel, group: Sequence[Push]) -> Contact:
     return Contact(best, tuple(again), alike, tuple(lacks[len(alike) : len(alike) + 3]))
 
 
-def _common(*found: Push) -> list[int]:
+def _common(model: RobotModel, *found: Push) -> list[int]:
     """Bodies that explain each of them nearly as well as its best."""
-    sets = [{body for body, value in _evidence(push).items()
-             if push.links[0].evidence - value < TELL_APART} for push in found]  # fmt: skip
+    sets = []
+    for push in found:
+        least = push.links[0].evidence - _told_from(model, push)
+        sets.append({body for body, value in _evidence(push).items() if value > least})
     return sorted(set.intersection(*sets))
+
+
+def _told_from(model: RobotModel, *found: Push) -> float:
+    """Evidence by which one link has to explain them better than another one."""
+    first = model.equations.first_axis
+    on_axes = sum(float(each.by_kind[first : first + len(model.robot.joints)].sum()) for each in found)
+    return TELL_APART + SCALE**2 * max(on_axes, 0.0)
 
 
 def _evidence(push: Push) -> dict[int, float]:
