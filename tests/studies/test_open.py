@@ -80,7 +80,8 @@ def test_a_fixed_base_finds_its_root(rewrite: Rewrite) -> None:
     robot = load_robot(rewrite("robot.yaml", "role: contact", "role: cut"))
     assert not robot.floating
     assert robot.T_base_imu is None
-    assert robot.tree.bodies == ("chest_0", "chest_1", "r_arm")
+    assert robot.tree.bodies == ("chest_0", "chest_1", "r_arm", "BODY")  # which the sensor under it carries too
+    assert set(robot.tree.cuts.values()) == {(0, 1, 2, 3)}
     assert not any(name.startswith(("acc", "gyro")) for name in needed_channels(robot))
 
 
