@@ -49,14 +49,18 @@ class Contradicted:
 
 
 def contradicted(ground: Ground, wear: Wear, folds: Folds) -> list[Contradicted]:
-    """The widest first; each is let go before the next is looked for."""
+    """The widest first; each is let go before the next is looked for. Of a band with another law than a spring nothing
+    is said: its values are then that formula's."""
     found: list[Contradicted] = []
     free: frozenset[int] = frozenset()
+    other_law = {each.wire for each in wear.added}
     while folds.left_out:
         tried = [
             one
             for place in range(2 * len(ground.device.bands))
-            if place not in free and (one := _tried(ground, wear, place, free, folds)) is not None
+            if place not in free
+            and place % len(ground.device.bands) not in other_law
+            and (one := _tried(ground, wear, place, free, folds)) is not None
         ]
         best = max(tried, key=lambda each: each.gain, default=None)
         if best is None:

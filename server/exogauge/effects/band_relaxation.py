@@ -16,6 +16,7 @@ from exogauge.effects.shaped import Shape
 class BandRelaxation:
     """T = k_M s where taut, on top of k x (Maxwell): ṡ = ẋ - s/τ_r, x the stretch, s from 0 at the log's start.
 
+    τ_r is not below 0.15 s: what lets go faster than people move is a damper, k_M τ_r.
     The step is exact for a stretch that changes evenly between samples: s ← E s + τ_r (1 - E) Δx/h, E = e^{-h/τ_r}.
     """
 
@@ -23,7 +24,7 @@ class BandRelaxation:
     place = "band"
     sentence = "Held at one stretch, the band's pull falls off with time; stretched fast, it is stiffer."
     coefficients = (Quantity("branch_stiffness", "N/m", low=0.0),)
-    shapes = (Shape("relaxation_time", "s", 0.05, 60.0, (0.2, 0.6, 2.0, 6.0, 20.0)),)
+    shapes = (Shape("relaxation_time", "s", 0.15, 60.0, (0.3, 0.8, 2.0, 6.0, 20.0)),)
     confounds = ("band_viscous", "stiffness")
     needs = "Quick stretches that are then held for several times as long as the pull takes to settle."
     coordinate = "rate"
