@@ -11,7 +11,7 @@ from typing import Any, final
 from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding
+from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Link
 from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence, is_cut
 from exogauge.studies.discrepancy_sentences import (
     chain_unit,
@@ -37,6 +37,8 @@ COORDINATES = {
 }
 _MINUS = re.compile(r"(?<![^\s(±])-(?=\d)")
 _UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
+CHAIN = "From the first model to the noise floor"
+WEAR_CHAIN = "The model of the wear, from bands as described to the noise floor of the supporting torque"
 MOST_LETTERS = 3  # of a symbol: longer ones are words
 GREEK = {"beta": "β", "delta": "δ", "mu": "μ", "theta": "θ"}
 
@@ -129,6 +131,7 @@ class DiscrepancyView:
     looked_at: str
     channels: str
     chain: Picture | None
+    wear_chain: Picture | None
     findings: tuple[FindingView, ...]
     located: tuple[ExcessRow, ...]
     unexplained: tuple[ExcessRow, ...]
@@ -146,7 +149,8 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         return None
     entry = content["discrepancy"]
     findings = tuple(_finding(each, f"d{each.rank}") for each in found.findings)
-    chain = _chain(found) if found.chain else None
+    chain = _chain(found.chain, "dc", CHAIN) if found.chain else None
+    wear_chain = _chain(found.wear_chain, "dw", WEAR_CHAIN) if found.wear_chain else None
     pairs = found.before_after.items()
     return DiscrepancyView(
         verdict=found.verdict,
@@ -155,6 +159,7 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         looked_at=looked_at(content),
         channels=kind_of_channels(content),
         chain=chain,
+        wear_chain=wear_chain,
         findings=findings,
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
@@ -163,23 +168,21 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         unchanged=tuple(_change(quantity, *pair) for quantity, pair in pairs if not moves(*map(number, pair))),
         lineage=tuple((each.version, each.parent or "–", each.added or "–") for each in found.lineage),
         notes=tuple(dict.fromkeys(found.notes)),
-        drawn=len(findings) + (chain is not None),
+        drawn=len(findings) + (chain is not None) + (wear_chain is not None),
     )
 
 
-def _chain(found: Discrepancy) -> Picture:
-    steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in found.chain)
-    floor = significant(found.chain[-1].noise_floor)
-    unit = found.chain[-1].unit
+def _chain(links: Sequence[Link], key: str, of: str) -> Picture:
+    """of: what the bars are, before the quantity that they show."""
+    steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in links)
+    floor = significant(links[-1].noise_floor)
+    unit = links[-1].unit
     told = chain_words(unit)
-    words = f"{told}, steady motion, held-out logs, {chain_unit(unit)}: {steps}; noise floor {floor}."
-    caption = (
-        f"From the first model to the noise floor: {told}, in steady motion on held-out logs. "
-        "Grey: what noise explains; coloured: what is above it."
-    )
-    if is_cut(found.chain):
+    words = f"{of}: {told}, steady motion, held-out logs, {chain_unit(unit)}: {steps}; noise floor {floor}."
+    caption = f"{of}: {told}, in steady motion on held-out logs. Grey: what noise explains; coloured: what is above it."
+    if is_cut(links):
         caption += " The bar with a gap is longer than drawn."
-    return Picture(Markup(draw_chain(found.chain, "dc")), words, caption)
+    return Picture(Markup(draw_chain(links, key)), words, caption)
 
 
 def _finding(finding: Finding, key: str) -> FindingView:
