@@ -21,6 +21,7 @@ from exogauge.identification.site import AxisSite, Effect, Seen, Site
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
 
+SLOW = 3  # order of the polynomial that a drift over a log is taken for
 FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
 
 
@@ -107,8 +108,18 @@ def _applies(effect: Effect, seen: Seen) -> bool:
     return bool(effect.applies(seen.signals))
 
 
+def _without_trend(log: LogResiduals, kind: int) -> Array:
+    """What is left once a slow drift is taken off: that is what is sought, and no memory of the noise."""
+    e = log.residual[kind].copy()
+    used = np.isfinite(e)
+    if used.sum() >= FEWEST:
+        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, SLOW)
+        e[used] -= slow[used] @ np.linalg.lstsq(slow[used], e[used], rcond=None)[0]
+    return e
+
+
 def _memory(residuals: Sequence[LogResiduals], kind: int) -> float:
     """Median of the fitted logs in which there are such rows; a log in which an axis rests knows nothing of it."""
-    fitted = [each.residual[kind] for each in residuals if not each.held_out and kind in each.residual]
+    fitted = [_without_trend(each, kind) for each in residuals if not each.held_out and kind in each.residual]
     known = [residual_memory(e) for e in fitted if np.isfinite(e).sum() >= FEWEST]
     return float(np.median(known)) if known else 1.0
