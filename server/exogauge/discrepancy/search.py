@@ -103,7 +103,7 @@ class Search:
             added = as_added(candidate)
             found = self._identified([*(step.added for step in self.steps), added])
             finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows)
-            refused = objection(finding)
+            refused = objection(finding, winner)
             if not refused:
                 self.steps.append(Step(added, finding, found))
                 return True
