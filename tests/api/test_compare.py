@@ -77,6 +77,18 @@ def study(client: TestClient) -> str:
     return key
 
 
+@pytest.mark.parametrize("where", [{"joint": "waist"}, {"sensor": "wrist", "axis": "fx"}, {"base": True}])
+def test_the_place_of_an_effect_comes_as_the_results_say_it(
+    client: TestClient, study: str, where: dict[str, str | bool]
+) -> None:
+    results = content(3.0, 8.0, "effects")
+    results["discrepancy"]["findings"][0] |= {"where": where, "title": "in words"}
+    answer = client.get(f"{V1}/compare", params={"jobs": [finished(client, study, results)]})
+    assert answer.status_code == 200, answer.text
+    (effect,) = answer.json()["jobs"][0]["effects"]
+    assert (effect["where"], effect["title"]) == (where, "in words")
+
+
 def test_two_jobs_stand_side_by_side(client: TestClient, study: str) -> None:
     jobs = [finished(client, study, content(3.0, 8.0, "effects")), finished(client, study, content(4.0, 9.0, None))]
     answer = client.get(f"{V1}/compare", params={"jobs": [*jobs, jobs[0]]})

@@ -25,8 +25,11 @@ TABLES: dict[int | str, dict[str, Any]] = {
 
 @final
 class EffectOut(BaseModel):
+    """where: `{"joint": "torso_pitch"}`, `{"sensor": "wrist", "axis": "fx"}`, `{"base": true}`. title: in words."""
+
     effect: str
-    where: dict[str, str]
+    where: dict[str, str | bool]
+    title: str | None
     score: float | None
 
 

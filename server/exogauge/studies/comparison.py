@@ -30,7 +30,7 @@ def verdict(content: Content) -> dict[str, Any]:
     return {
         "verdict": found.get("verdict"),
         "effects": [
-            {"effect": each["effect"], "where": each["where"], "score": each["score"]}
+            {"effect": each["effect"], "where": each["where"], "title": each.get("title"), "score": each["score"]}
             for each in found.get("findings", ())
         ],
     }

@@ -74,7 +74,7 @@ def test_a_search_that_was_not_made_has_no_verdict() -> None:
         "findings": [{"effect": "stribeck", "where": {"joint": "hip"}, "score": 0.9, "rank": 1}],
     }
     assert verdict({"discrepancy": found})["effects"] == [
-        {"effect": "stribeck", "where": {"joint": "hip"}, "score": 0.9}
+        {"effect": "stribeck", "where": {"joint": "hip"}, "title": None, "score": 0.9}
     ]
 
 

@@ -3,12 +3,15 @@ import { Stack, Table, Text, Title } from "@mantine/core";
 import type { Comparison } from "../../api/compare";
 import { figure, fixed } from "../../parts/number";
 import { WideTable } from "../../parts/WideTable";
+import { titleOf } from "../study/words";
 import { jobNames } from "./heads";
 
 const KINDS: Record<string, string> = {
   base_moment: "Moments of the base",
   trunk_torque: "Torque of the trunk",
   joint_torque: "Torque of all joints",
+  sensor_force: "Forces of the sensors",
+  sensor_moment: "Moments of the sensors",
 };
 const VERDICTS: Record<string, string> = {
   effects: "something is missing",
@@ -53,7 +56,7 @@ export function IdentificationMatrix({ comparison }: { comparison: Comparison })
             <Table.Th scope="row">What it lacks</Table.Th>
             {comparison.jobs.map((job) => (
               <Table.Td key={job.id} data-number>
-                {job.verdict === null ? "not searched" : job.effects.map(({ effect, where }) => `${effect} at ${Object.values(where).join(", ")}`).join("; ") || VERDICTS[job.verdict]}
+                {job.verdict === null ? "not searched" : job.effects.map(titleOf).join("; ") || VERDICTS[job.verdict]}
               </Table.Td>
             ))}
           </Table.Tr>

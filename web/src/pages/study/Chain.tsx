@@ -3,8 +3,9 @@ import { Text, Title } from "@mantine/core";
 import { isNumber, significant } from "../../parts/digits";
 import styles from "./Chain.module.css";
 import type { Finding, Link } from "./results";
-import { channelWords, titleOf } from "./words";
+import { channelWords, pointOf, titleOf } from "./words";
 
+const FLOORS = "floors";
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
 
 /** One bar per model: grey what noise explains, coloured what is above it. */
@@ -19,8 +20,8 @@ export function Chain({ chain, findings }: { chain: Link[]; findings: Finding[] 
         From the first gap to the noise floor
       </Title>
       <Text size="sm" c="dimmed" mb="xs">
-        RMSE of the joint torques in question, in steady motion on held-out logs. Grey: what noise explains; coloured: what is above
-        it.{lengths.some((each) => each > end) && " The bar with a gap is longer than drawn."}
+        RMSE of the channels in question{chain[0]?.unit === FLOORS && ", each in multiples of its noise floor"}, in steady motion on
+        held-out logs. Grey: what noise explains; coloured: what is above it.{lengths.some((each) => each > end) && " The bar with a gap is longer than drawn."}
       </Text>
       <ol className={styles.chain}>
         {chain.map((each, k) => (
@@ -54,14 +55,14 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
   const noise = Math.min(floor ?? 0, whole);
   const share = (value: number) => `${(100 * value) / end}%`;
   return (
-    <div className={styles.line}>
+    <div className={styles.line} data-wide={unit === FLOORS || undefined}>
       <div className={styles.track}>
         <div className={styles.noise} style={{ width: share(noise) }} />
         <div className={styles.excess} data-first={first || undefined} data-cut={(length ?? 0) > end || undefined} style={{ left: share(noise), width: share(whole - noise) }} />
         {isNumber(floor) && <div className={styles.floor} style={{ left: share(Math.min(floor, end)) }} />}
       </div>
       <span className={styles.number}>
-        {significant(length)}&nbsp;{unit}
+        {significant(length)}&nbsp;{unit === FLOORS ? "× noise floor" : unit}
       </span>
     </div>
   );
@@ -70,13 +71,15 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
 /** `+ stribeck at torso_pitch` in the words of the finding that it added. */
 function stepName(step: string, findings: Finding[]): string {
   const match = /^\+ (\S+) at (.+)$/.exec(step);
-  const finding = match && findings.find((each) => each.effect === match[1] && Object.values(each.where).includes(match[2]!));
+  const finding = match && findings.find((each) => each.effect === match[1] && pointOf(each.where) === match[2]);
   if (finding) return `with ${titleOf(finding)}`;
   return step.slice(0, 1).toUpperCase() + step.slice(1);
 }
 
-function worst({ worst: channel, worst_rmse, worst_floor }: Link): string {
+function worst({ worst: channel, worst_rmse, worst_floor, unit }: Link): string {
   if (!channel) return "";
-  if ((worst_rmse ?? 0) <= (worst_floor ?? 0)) return "every joint at its floor or below";
+  if ((worst_rmse ?? 0) <= (worst_floor ?? 0)) return "every channel at its floor or below";
+  if (unit === FLOORS && isNumber(worst_rmse) && isNumber(worst_floor) && worst_floor > 0)
+    return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse / worst_floor)} ×`;
   return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse)} over ${significant(worst_floor)}`;
 }

@@ -7,7 +7,7 @@ import type { Fit } from "./results";
 import { channelWords } from "./words";
 
 const FIRST = 10;
-const KINDS = { all: "All", tau: "Joint torque", base: "Base" } as const;
+const KINDS = { all: "All", tau: "Joint torque", base: "Base", ft: "Sensors" } as const;
 
 /** samples: how long each log is, its weight where errors are pooled. */
 type Props = { fits: Fit[]; heldOut: boolean; samples: ReadonlyMap<string, number> };
@@ -17,6 +17,7 @@ export function ChannelErrors({ fits, heldOut, samples }: Props) {
   const [kind, setKind] = useState<keyof typeof KINDS>("all");
   const [all, setAll] = useState(false);
   const rows = useMemo(() => pooled(fits.filter((fit) => fit.held_out === heldOut), samples), [fits, heldOut, samples]);
+  const kinds = Object.entries(KINDS).filter(([value]) => value === "all" || rows.some(({ channel }) => channel.startsWith(`${value}.`)));
   const wanted = rows.filter(({ channel }) => kind === "all" || channel.startsWith(`${kind}.`));
   return (
     <section aria-labelledby="channels">
@@ -30,7 +31,7 @@ export function ChannelErrors({ fits, heldOut, samples }: Props) {
         <SegmentedControl
           size="xs"
           aria-label="Channels"
-          data={Object.entries(KINDS).map(([value, label]) => ({ value, label }))}
+          data={kinds.map(([value, label]) => ({ value, label }))}
           value={kind}
           onChange={(value) => setKind(value as keyof typeof KINDS)}
         />

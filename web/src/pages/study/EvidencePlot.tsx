@@ -7,6 +7,7 @@ import styles from "./EvidencePlot.module.css";
 import type { Curve, Num } from "./results";
 import { spread } from "./stretch";
 import { tickWords, ticks } from "../../plots/ticks";
+import { capital, channelWords } from "./words";
 
 const HEIGHT = 280;
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 46 };
@@ -15,29 +16,32 @@ const WORDS: Record<string, string> = { position: "angle", drive: "torque of the
 
 type Props = { curve: Curve; channel: string; title: string };
 
-/** Torque that the model lacks over what the effect depends on: means of bins with two standard errors. */
+/** What the model lacks, of a joint's torque or a sensor's reading, over what the effect depends on: means of bins with two standard errors. */
 export function EvidencePlot({ curve, channel, title }: Props) {
   const { ref, width } = useElementSize<HTMLDivElement>();
   const { name, unit } = curve.coordinate;
   const over = `${WORDS[name] ?? name.replaceAll("_", " ")}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
+  const torque = /^(tau|support)\./.test(channel);
+  const lack = torque ? `Torque that acts on ${channelWords(channel)} and that the model lacks` : `What the model lacks of the ${channelWords(channel)}`;
+  const own = torque ? "torque of the effect" : "the effect’s own part";
   return (
     <figure className={styles.figure}>
       <p className={styles.key} aria-hidden>
         <Key look="before">without it, ± 2 standard errors</Key>
         <Key look="after">with it, ± 2 standard errors</Key>
-        <Key look="model">torque of the effect</Key>
+        <Key look="model">{own}</Key>
       </p>
       <div ref={ref} className={styles.room}>
-        {width > 0 && <Picture curve={curve} width={width} over={over} words={`Torque that ${channel} gets and the model lacks, over ${over}; the table below holds the numbers`} />}
+        {width > 0 && <Picture curve={curve} width={width} over={over} words={`${lack}, over ${over}; the table below holds the numbers`} />}
       </div>
       <figcaption>
         <Text size="xs" c="dimmed">
-          Torque that acts on {channel} and that the model lacks, over {over}: means of bins, without and with {title}.
+          {lack}, over {over}: means of bins, without and with {title}.
         </Text>
       </figcaption>
       <details className={styles.numbers}>
         <summary>The same as a table</summary>
-        <Numbers curve={curve} over={over} title={title} />
+        <Numbers curve={curve} over={over} own={capital(own)} title={title} />
       </details>
     </figure>
   );
@@ -135,12 +139,12 @@ function path(at: Num[], values: Num[], x: Scale, y: Scale): string {
   return text;
 }
 
-function Numbers({ curve, over, title }: { curve: Curve; over: string; title: string }) {
+function Numbers({ curve, over, own, title }: { curve: Curve; over: string; own: string; title: string }) {
   return (
     <WideTable label={`Evidence for ${title}`}>
       <Table.Thead>
         <Table.Tr>
-          {[over, "Without it", "With it", "Standard error", "Torque of the effect"].map((head) => (
+          {[over, "Without it", "With it", "Standard error", own].map((head) => (
             <Table.Th key={head} scope="col" data-number>
               {head}
             </Table.Th>

@@ -1,12 +1,13 @@
 import { Alert, Paper, Stack, Table, Text, Title } from "@mantine/core";
 import { IconBulb } from "@tabler/icons-react";
 
-import { percent, significant } from "../../parts/digits";
+import { percent, significant, unitOf } from "../../parts/digits";
+import { figure } from "../../parts/number";
 import { Uncertain } from "../../parts/Uncertain";
 import { WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { EvidencePlot } from "./EvidencePlot";
-import type { Finding } from "./results";
+import type { Finding, Measured } from "./results";
 import { channelWords, titleOf, typeset } from "./words";
 
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
@@ -30,7 +31,7 @@ export function FindingStory({ finding }: { finding: Finding }) {
       </Text>
       <Stack gap="lg">
         {finding.curve.coordinate.values.length > 1 && (
-          <EvidencePlot curve={finding.curve} channel={channelWords(held.channel)} title={title} />
+          <EvidencePlot curve={finding.curve} channel={held.channel} title={title} />
         )}
         <div style={{ maxWidth: "30rem" }}>
           <WideTable label={`Parameters of ${title}`}>
@@ -49,7 +50,7 @@ export function FindingStory({ finding }: { finding: Finding }) {
                   <Letter name={name} />
                 </Table.Th>
                 <Table.Td data-number>
-                  <Uncertain {...value} />
+                  {value.std === 0 ? <Chosen {...value} /> : <Uncertain {...value} />}
                 </Table.Td>
               </Table.Tr>
             ))}
@@ -80,6 +81,16 @@ export function FindingStory({ finding }: { finding: Finding }) {
         )}
       </Stack>
     </Paper>
+  );
+}
+
+/** A number that was tried among others, and not fitted. */
+function Chosen({ value, unit }: Measured) {
+  return (
+    <>
+      {figure(value)}
+      {unitOf(unit) && `\u00a0${unitOf(unit)}`}
+    </>
   );
 }
 

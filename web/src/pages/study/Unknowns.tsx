@@ -23,7 +23,7 @@ export function Unknowns({ found }: { found: Identification }) {
   for (const name of found.unidentifiable) {
     const [, head = name, place = ""] = /^(.+?)\[(.+)\]$/.exec(name) ?? [];
     if (head === "base") continue; // sums of those that are named here
-    const kind = /^I?[xyz]{2}$/.test(head) || head.startsWith("I") ? "moments of inertia" : (WORDS[head] ?? head);
+    const kind = /^I?[xyz]{2}$/.test(head) || head.startsWith("I") ? "moments of inertia" : (WORDS[head] ?? head.replace(/^zero\.(.+)$/, "zero of the sensor, $1"));
     kinds.set(kind, [...new Set([...(kinds.get(kind) ?? []), place || name])]);
   }
   const sums = found.parameters.filter((each) => each.combination);

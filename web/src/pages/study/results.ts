@@ -6,7 +6,7 @@ import { answer, api } from "../../api/client";
 
 export type Num = number | null;
 export type Measured = { value: Num; std: Num; unit: string };
-export type Place = Record<string, string>;
+export type Place = Record<string, string | boolean>;
 
 export type Pooled = {
   kind: string;
@@ -126,6 +126,7 @@ export type Finding = {
   curve: Curve;
 };
 
+/** unit: `floors` where channels of several units are told in multiples of their noise floors. */
 export type Link = {
   step: string;
   rmse: Num;

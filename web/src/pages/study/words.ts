@@ -1,6 +1,6 @@
 /** Names of the service's identifiers, in a person's words. */
 
-import type { Candidate, Finding } from "./results";
+import type { Place } from "./results";
 
 export const STEPS: Record<string, [string, string]> = {
   identify: ["Identification", "masses, motors, friction of the robot"],
@@ -20,20 +20,41 @@ export const POOLED: Record<string, string> = {
   base_moment: "Base moment",
   trunk_torque: "Torque of the trunk’s joints",
   joint_torque: "Torque of all joints",
+  sensor_force: "Forces of the sensors",
+  sensor_moment: "Moments of the sensors",
 };
 
-/** `tau.torso_pitch` -> `torso_pitch`, `base.my` -> `base moment y`. */
+/** `tau.torso_pitch` -> `torso_pitch`, `base.my` -> `base moment y`, `ft.wrist.fx` -> `wrist force x`. */
 export function channelWords(channel: string): string {
+  const sensor = /^ft\.(.+)\.([fm])([xyz])$/.exec(channel);
+  if (sensor) return `${sensor[1]} ${sensor[2] === "f" ? "force" : "moment"} ${sensor[3]}`;
   const base = /^base\.([fm])([xyz])$/.exec(channel);
   if (base) return `base ${base[1] === "f" ? "force" : "moment"} ${base[2]}`;
+  const support = /^support\.(.+)$/.exec(channel);
+  if (support) return `${support[1]} (support)`;
   return channel.replace(/^tau\./, "");
 }
 
-/** `Stribeck friction at torso_pitch`, as the service says it, else from the identifiers. */
-export function titleOf({ title, effect, where }: Pick<Candidate | Finding, "title" | "effect" | "where">): string {
-  const [kind = "", name = ""] = Object.entries(where)[0] ?? [];
-  const place = name === "all" ? `every ${kind}` : kind === "joint" || kind === "link" ? name : `${kind} ${name}`.trim();
-  return capital(title ?? `${effect.replaceAll("_", " ")} at ${place}`);
+/** Kind, name and part: `{sensor: "wrist", axis: "fx"}`, `{base: true}`. */
+function placeOf(where: Place): { kind: string; name: string; part: string } {
+  const [kind, name] = Object.entries(where).find(([key]) => key !== "axis") ?? ["", ""];
+  return { kind, name: name === true ? kind : String(name), part: String(where.axis ?? "") };
+}
+
+/** As the steps of a chain name a place: `torso_pitch`, `wrist.fx`, `base`. */
+export function pointOf(where: Place): string {
+  const { name, part } = placeOf(where);
+  return part ? `${name}.${part}` : name;
+}
+
+/** `Stribeck friction at torso_pitch`, of the base the effect alone; as the service says it, else from the identifiers. */
+export function titleOf({ title, effect, where }: { title?: string | null; effect: string; where: Place }): string {
+  if (title) return capital(title);
+  const words = effect.replaceAll("_", " ");
+  const { kind, name, part } = placeOf(where);
+  if (!kind || kind === "base") return capital(words);
+  const place = part ? pointOf(where) : name === "all" ? `every ${kind}` : kind === "joint" || kind === "link" ? name : `${kind} ${name}`;
+  return capital(`${words} at ${place}`);
 }
 
 export function capital(text: string): string {
