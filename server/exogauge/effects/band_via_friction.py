@@ -13,7 +13,7 @@ from exogauge.effects.shaped import Shape
 
 @final
 class BandViaFriction:
-    """T_{j+1} = T_j e^{-μ y_j} at via point j (capstan), the mean along the band k x; linear in μ about one that is tried.
+    """T_{j+1} = T_j e^{-μ y_j} at via point j (capstan), the mean along the band k x; linear in μ about one tried.
 
     y_j runs between -φ_j and φ_j: +φ_j where the band slides at point j towards the side it comes from, which takes it
     some way after each turn, because both sides must first change by what friction held: y ← clip(y + Δu/d, ±φ). u is

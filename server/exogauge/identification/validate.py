@@ -95,7 +95,7 @@ def noise_floors(
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
     """Channel -> (T,) samples in steady motion; where there is no friction (base wrench, sensors), all that are not
     left out."""
-    steady = {channel: ~prepared.left_out for channel in BASE_CHANNELS}
+    steady = dict.fromkeys(BASE_CHANNELS, ~prepared.left_out)
     steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
     steady |= {name: steady[BASE_CHANNELS[0]] for cut in equations.robot.cuts for name in wrench_channels(cut.name)}
     return steady

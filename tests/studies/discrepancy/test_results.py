@@ -23,8 +23,8 @@ def entry(discrepancy: Discrepancy) -> dict[str, Any]:
 
 def test_the_keys_are_those_of_the_contract(entry: dict[str, Any]) -> None:
     assert entry.keys() >= {
-        "verdict", "findings", "chain", "wear_chain", "located", "unexplained", "rejected", "lineage", "candidates", "notes",
-        "before_after",
+        "verdict", "findings", "chain", "wear_chain", "located", "unexplained", "rejected", "lineage", "candidates",
+        "notes", "before_after",
     }  # fmt: skip
     found = entry["findings"][0]
     assert found.keys() >= {

@@ -33,7 +33,8 @@ const APPROACHES: [string, string, Look][] = [
   ["support_band_model", "Band model", "band_model"],
 ];
 const BAND = /^band\.(.+)\.(tension|length)$/;
-export const GROUPS = ["Supporting torque", "Joint torque", "Base", "Bands", "Other"] as const;
+const SENSOR = /^(.+)\.([fm])([xyz])$/;
+export const GROUPS = ["Supporting torque", "Joint torque", "Base", "Sensors", "Bands", "Other"] as const;
 
 /** Every plot that a series has channels for. */
 export function panelsOf(series: SeriesFacts): Panel[] {
@@ -73,6 +74,8 @@ function bodyPanel(name: string): Omit<Panel, "unit" | "lines"> {
     const what = rest.startsWith("f") ? "force" : "moment";
     return { key: name, title: `Base ${what} ${rest.slice(1)}`, group: "Base" };
   }
+  const sensor = kind === "ft" ? SENSOR.exec(rest) : null;
+  if (sensor) return { key: name, title: `${sensor[2] === "f" ? "Force" : "Moment"} ${sensor[3]} of ${sensor[1]}`, group: "Sensors" };
   return { key: name, title: name, group: "Other" };
 }
 

@@ -2,14 +2,15 @@ import { significant, isNumber } from "../../parts/digits";
 import styles from "./BeforeAfter.module.css";
 import type { Num } from "./results";
 
-export type ErrorRow = { name: string; before: Num; after: Num; floor: Num; unit: string };
+/** sort: rows of one unit and sort share a scale. */
+export type ErrorRow = { name: string; before: Num; after: Num; floor: Num; unit: string; sort?: string };
 
-/** Two bars per row with a tick where the noise is. Rows of one unit share a scale. */
+/** Two bars per row with a tick where the noise is. */
 export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) {
   const longest = new Map<string, number>();
   for (const row of rows) {
     const values = [row.before, row.after, row.floor].filter(isNumber);
-    longest.set(row.unit, Math.max(longest.get(row.unit) ?? 0, ...values));
+    longest.set(scaleOf(row), Math.max(longest.get(scaleOf(row)) ?? 0, ...values));
   }
   return (
     <>
@@ -33,8 +34,8 @@ export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) 
                 {row.name}
               </th>
               <td className={styles.cell}>
-                <Bar part="before" words="before" row={row} value={row.before} end={longest.get(row.unit) ?? 1} />
-                <Bar part="after" words="after" row={row} value={row.after} end={longest.get(row.unit) ?? 1} />
+                <Bar part="before" words="before" row={row} value={row.before} end={longest.get(scaleOf(row)) ?? 1} />
+                <Bar part="after" words="after" row={row} value={row.after} end={longest.get(scaleOf(row)) ?? 1} />
               </td>
             </tr>
           ))}
@@ -42,6 +43,10 @@ export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) 
       </table>
     </>
   );
+}
+
+function scaleOf({ unit, sort = "" }: ErrorRow): string {
+  return `${unit} ${sort}`;
 }
 
 type BarProps = { part: string; words: string; row: ErrorRow; value: Num; end: number };

@@ -3,7 +3,7 @@ import { Text, Title } from "@mantine/core";
 import { isNumber, significant } from "../../parts/digits";
 import styles from "./Chain.module.css";
 import type { Finding, Link } from "./results";
-import { channelWords, pointOf, titleOf } from "./words";
+import { channelWords, lower, pointOf, titleOf } from "./words";
 
 const FLOORS = "floors";
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
@@ -72,7 +72,7 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
 function stepName(step: string, findings: Finding[]): string {
   const match = /^\+ (\S+) at (.+)$/.exec(step);
   const finding = match && findings.find((each) => each.effect === match[1] && pointOf(each.where) === match[2]);
-  if (finding) return `with ${titleOf(finding)}`;
+  if (finding) return `with ${lower(titleOf(finding))}`;
   return step.slice(0, 1).toUpperCase() + step.slice(1);
 }
 

@@ -64,6 +64,7 @@ function pooled(fits: Fit[], samples: ReadonlyMap<string, number>): (ErrorRow & 
     after: rms(found, "rmse_identified"),
     floor: rms(found, "noise_floor"),
     unit: found[0]!.unit,
+    sort: channel.startsWith("ft.") ? "sensor" : "", // its moments would drown among joint torques
   }));
   return rows.sort((one, two) => above(two) - above(one));
 }

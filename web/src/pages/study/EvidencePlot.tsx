@@ -7,7 +7,7 @@ import styles from "./EvidencePlot.module.css";
 import type { Curve, Num } from "./results";
 import { spread } from "./stretch";
 import { tickWords, ticks } from "../../plots/ticks";
-import { capital, channelWords } from "./words";
+import { capital, channelWords, lower } from "./words";
 
 const HEIGHT = 280;
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 46 };
@@ -22,7 +22,7 @@ export function EvidencePlot({ curve, channel, title }: Props) {
   const { name, unit } = curve.coordinate;
   const over = `${WORDS[name] ?? name.replaceAll("_", " ")}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
   const torque = /^(tau|support)\./.test(channel);
-  const lack = torque ? `Torque that acts on ${channelWords(channel)} and that the model lacks` : `What the model lacks of the ${channelWords(channel)}`;
+  const lack = torque ? `Torque that acts on ${channelWords(channel)} and that the model lacks` : `What the model lacks of ${channelWords(channel)}`;
   const own = torque ? "torque of the effect" : "the effect’s own part";
   return (
     <figure className={styles.figure}>
@@ -36,7 +36,7 @@ export function EvidencePlot({ curve, channel, title }: Props) {
       </div>
       <figcaption>
         <Text size="xs" c="dimmed">
-          {lack}, over {over}: means of bins, without and with {title}.
+          {lack}, over {over}: means of bins, without and with {lower(title)}.
         </Text>
       </figcaption>
       <details className={styles.numbers}>

@@ -33,6 +33,7 @@ export function IdentificationSection({ found, logs }: { found: Identification; 
             after: each.rmse_identified,
             floor: each.noise_floor,
             unit: each.unit,
+            sort: each.kind.startsWith("sensor_") ? "sensor" : "",
           }))}
         />
       </section>

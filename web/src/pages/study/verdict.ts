@@ -2,7 +2,7 @@
 
 import { significant } from "../../parts/digits";
 import type { Discrepancy, Excess, Results } from "./results";
-import { channelWords, titleOf } from "./words";
+import { channelWords, lower, titleOf } from "./words";
 
 export function verdictOf({ discrepancy, identification }: Results): string {
   if (!discrepancy) return "";
@@ -47,9 +47,4 @@ function excess({ rmse, unit, noise_floor }: Excess): string {
 
 export function counted(number: number): string {
   return number.toLocaleString("en").replaceAll(",", "\u202f");
-}
-
-/** Names keep their capital: Stribeck, Coulomb. */
-function lower(title: string): string {
-  return /^(Stribeck|Coulomb)/.test(title) ? title : title.slice(0, 1).toLowerCase() + title.slice(1);
 }

@@ -24,15 +24,13 @@ export const POOLED: Record<string, string> = {
   sensor_moment: "Moments of the sensors",
 };
 
-/** `tau.torso_pitch` -> `torso_pitch`, `base.my` -> `base moment y`, `ft.wrist.fx` -> `wrist force x`. */
+/** `tau.torso_pitch` -> `torso_pitch`, `base.my` -> `base moment y`, `ft.wrist.fx` -> `wrist.fx`. */
 export function channelWords(channel: string): string {
-  const sensor = /^ft\.(.+)\.([fm])([xyz])$/.exec(channel);
-  if (sensor) return `${sensor[1]} ${sensor[2] === "f" ? "force" : "moment"} ${sensor[3]}`;
   const base = /^base\.([fm])([xyz])$/.exec(channel);
   if (base) return `base ${base[1] === "f" ? "force" : "moment"} ${base[2]}`;
   const support = /^support\.(.+)$/.exec(channel);
   if (support) return `${support[1]} (support)`;
-  return channel.replace(/^tau\./, "");
+  return channel.replace(/^(tau|ft)\./, "");
 }
 
 /** Kind, name and part: `{sensor: "wrist", axis: "fx"}`, `{base: true}`. */
@@ -59,6 +57,11 @@ export function titleOf({ title, effect, where }: { title?: string | null; effec
 
 export function capital(text: string): string {
   return text.slice(0, 1).toUpperCase() + text.slice(1);
+}
+
+/** Within a sentence. Names keep their capital: Stribeck, Coulomb. */
+export function lower(title: string): string {
+  return /^(Stribeck|Coulomb)/.test(title) ? title : title.slice(0, 1).toLowerCase() + title.slice(1);
 }
 
 /** True arrows and minus signs, and no line break between a number and its unit. */
