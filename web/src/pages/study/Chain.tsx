@@ -9,15 +9,15 @@ const FLOORS = "floors";
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
 
 /** One bar per model: grey what noise explains, coloured what is above it. */
-export function Chain({ chain, findings }: { chain: Link[]; findings: Finding[] }) {
+export function Chain({ id, title, chain, findings }: { id: string; title: string; chain: Link[]; findings: Finding[] }) {
   const floor = chain.at(-1)?.noise_floor ?? null;
   const lengths = [...chain.map((each) => each.rmse), floor].filter(isNumber);
   const others = Math.max(...lengths.slice(1), 1e-12);
   const end = Math.min(Math.max(...lengths), CUT * others);
   return (
-    <section aria-labelledby="chain">
-      <Title order={2} size="h3" id="chain" mb={4}>
-        From the first gap to the noise floor
+    <section aria-labelledby={id}>
+      <Title order={2} size="h3" id={id} mb={4}>
+        {title}
       </Title>
       <Text size="sm" c="dimmed" mb="xs">
         RMSE of the channels in question{chain[0]?.unit === FLOORS && ", each in multiples of its noise floor"}, in steady motion on
@@ -80,6 +80,6 @@ function worst({ worst: channel, worst_rmse, worst_floor, unit }: Link): string 
   if (!channel) return "";
   if ((worst_rmse ?? 0) <= (worst_floor ?? 0)) return "every channel at its floor or below";
   if (unit === FLOORS && isNumber(worst_rmse) && isNumber(worst_floor) && worst_floor > 0)
-    return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse / worst_floor)} ×`;
+    return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse / worst_floor)} times`;
   return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse)} over ${significant(worst_floor)}`;
 }

@@ -33,7 +33,12 @@ export function DisagreementSection({ results }: { results: Results }) {
           model and judged on held-out logs in steady motion.
         </Text>
       </div>
-      {found.chain.length > 0 && <Chain chain={found.chain} findings={found.findings} />}
+      {found.chain.length > 0 && (
+        <Chain id="chain" title="From the first gap to the noise floor" chain={found.chain} findings={found.findings} />
+      )}
+      {found.wear_chain && found.wear_chain.length > 0 && (
+        <Chain id="wear-chain" title="The model of the wear, down to the noise floor" chain={found.wear_chain} findings={found.findings} />
+      )}
       {found.findings.map((each) => (
         <FindingStory key={each.rank} finding={each} />
       ))}

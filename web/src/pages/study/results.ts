@@ -143,6 +143,7 @@ export type Discrepancy = {
   verdict: "effects" | "unexplained" | "none";
   findings: Finding[];
   chain: Link[];
+  wear_chain?: Link[];
   located: Excess[];
   unexplained: Excess[];
   rejected: Candidate[];

@@ -1,8 +1,10 @@
 /** The verdict of the search for missing effects in plain sentences, as the report says it. */
 
 import { significant } from "../../parts/digits";
-import type { Discrepancy, Excess, Results } from "./results";
-import { channelWords, lower, titleOf } from "./words";
+import type { Discrepancy, Excess, Finding, Results } from "./results";
+import { channelWords, lower, pointOf, titleOf } from "./words";
+
+const NAMED = 3; // effects that the sentence names; it counts the others
 
 export function verdictOf({ discrepancy, identification }: Results): string {
   if (!discrepancy) return "";
@@ -19,14 +21,25 @@ export function verdictOf({ discrepancy, identification }: Results): string {
 }
 
 function effects({ findings }: Discrepancy): string {
-  const names = findings.map((each) => lower(titleOf(each)));
-  const changes = findings.map(({ held_out: held }) => {
-    const verb = (held.rmse_after ?? 0) > (held.rmse_before ?? 0) ? "rises" : "falls";
-    const change = `${verb} from ${significant(held.rmse_before)} to ${significant(held.rmse_after)} ${held.unit} RMSE`;
-    return `the error of ${channelWords(held.channel)} on held-out logs ${change} (noise floor ${significant(held.noise_floor)})`;
-  });
-  if (names.length === 1) return `The identified model lacks ${names[0]}. With it ${changes[0]}.`;
-  return `The identified model lacks ${names.length} effects: ${names.join("; ")}. With them, ${changes.join("; ")}.`;
+  const [first] = findings;
+  if (first && findings.length === 1) {
+    const { channel, unit, rmse_before, rmse_after, noise_floor } = first.held_out;
+    const verb = (rmse_after ?? 0) > (rmse_before ?? 0) ? "rises" : "falls";
+    const change = `${verb} from ${significant(rmse_before)} to ${significant(rmse_after)} ${unit} RMSE`;
+    return `The identified model lacks ${lower(titleOf(first))}. With it the error of ${channelWords(channel)} on held-out logs ${change} (noise floor ${significant(noise_floor)}).`;
+  }
+  const named = findings.slice(0, NAMED).map((each) => `${lower(titleOf(each))} (${changeOf(each)})`);
+  const more = findings.length - named.length;
+  const words = more ? [...named, `${more} more`] : named;
+  const list = `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
+  return `The identified model lacks ${findings.length} effects: ${list}. The errors are those on held-out logs, without and with the effect.`;
+}
+
+/** `2.25 → 1.08 N·m, noise floor 1.02`; with the channel where it is not named like the place. */
+function changeOf({ held_out: held, where }: Finding): string {
+  const name = channelWords(held.channel);
+  const change = `${significant(held.rmse_before)} → ${significant(held.rmse_after)} ${held.unit}, noise floor ${significant(held.noise_floor)}`;
+  return name === pointOf(where) ? change : `${name}: ${change}`;
 }
 
 /** What is above the noise after all that was named. */
