@@ -98,7 +98,7 @@ function Chosen({ value, unit }: Measured) {
 function Letter({ name }: { name: string }) {
   const [, head = name, index = ""] = /^([^_]+)_?(.*)$/.exec(name) ?? [];
   const letter = GREEK[head] ?? head;
-  if (letter.length > 3) return <>{name.replaceAll("_", " ")}</>;
+  if (letter.length > 2) return <>{name.replaceAll("_", " ")}</>;
   return (
     <>
       <i>{letter}</i>
