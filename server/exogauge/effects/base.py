@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.effect import Quantity
-from exogauge.effects.shaped import Shape
+from exogauge.effects.shaped import MissingEffect
 
 Array = NDArray[np.float64]
 
@@ -46,17 +45,8 @@ class BaseChange:
     first_torque: Array | None = None
 
 
-class BaseEffect(Protocol):
-    """As `ShapedEffect`, for the base. place is `base`. coordinate: `time`."""
-
-    name: ClassVar[str]
-    place: ClassVar[str]
-    sentence: ClassVar[str]
-    coefficients: ClassVar[tuple[Quantity, ...]]
-    shapes: ClassVar[tuple[Shape, ...]]
-    confounds: ClassVar[tuple[str, ...]]
-    needs: ClassVar[str]
-    coordinate: ClassVar[str]
+class BaseEffect(MissingEffect, Protocol):
+    """Of the base. place is `base`; coordinate: `time`."""
 
     def changes(self, signals: BaseSignals, shape: tuple[float, ...]) -> list[BaseChange]:
         """One for each coefficient: the true motion is the stated one plus these."""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.effect import Quantity
-from exogauge.effects.shaped import Shape
+from exogauge.effects.shaped import MissingEffect
 
 Array = NDArray[np.float64]
 
@@ -25,17 +24,8 @@ class LinkSignals:
     carries_nothing: bool
 
 
-class LinkEffect(Protocol):
-    """As `ShapedEffect`, for the mass and the first moments of a link. place is `link`. coordinate: `time`."""
-
-    name: ClassVar[str]
-    place: ClassVar[str]
-    sentence: ClassVar[str]
-    coefficients: ClassVar[tuple[Quantity, ...]]
-    shapes: ClassVar[tuple[Shape, ...]]
-    confounds: ClassVar[tuple[str, ...]]
-    needs: ClassVar[str]
-    coordinate: ClassVar[str]
+class LinkEffect(MissingEffect, Protocol):
+    """Of the mass and the first moments of a link. place is `link`; coordinate: `time`."""
 
     def present(self, signals: LinkSignals, shape: tuple[float, ...]) -> float:
         """1 in a log that has it, else 0. Coefficients: mass [kg], then first moments [kg·m] in the link's frame."""

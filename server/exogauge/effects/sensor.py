@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.effect import Quantity
-from exogauge.effects.shaped import Shape
+from exogauge.effects.shaped import MissingEffect
 
 Array = NDArray[np.float64]
 
@@ -35,20 +34,8 @@ class SensorSignals:
         return np.asarray(self.expected[:, self.component])
 
 
-class SensorEffect(Protocol):
-    """As `ShapedEffect`, for one component of one sensor. place is `sensor`.
-
-    coordinate: of the evidence plot, `time` or `reading`.
-    """
-
-    name: ClassVar[str]
-    place: ClassVar[str]
-    sentence: ClassVar[str]
-    coefficients: ClassVar[tuple[Quantity, ...]]
-    shapes: ClassVar[tuple[Shape, ...]]
-    confounds: ClassVar[tuple[str, ...]]
-    needs: ClassVar[str]
-    coordinate: ClassVar[str]
+class SensorEffect(MissingEffect, Protocol):
+    """Of one component of a sensor that carries bodies. place is `sensor`; coordinate: `time` or `reading`."""
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
         """(T, C) what the component reads too much per unit of each coefficient."""

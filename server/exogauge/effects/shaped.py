@@ -54,14 +54,12 @@ class AxisSignals:
     number: int = -1
 
 
-class ShapedEffect(Protocol):
-    """A reason why a joint's torque is not what the model says. One file each; `EFFECT` is what the catalogue finds.
+class MissingEffect(Protocol):
+    """A reason why a measurement is not what the model says. One file each; `EFFECT` is what the catalogue finds.
 
-    name: identifier, a contract with results.json. place: where it can sit, `joint`.
-    sentence: for the user. coefficients: what is estimated linearly.
-    shapes: what is searched. confounds: baseline effects that can stand in for it. needs: in words, the motion that
-    shows it. coordinate: of the evidence plot, one of `velocity`, `position`, `load`, `time`, `acceleration`, `drive`,
-    `temperature`.
+    name: identifier, a contract with results.json. place: where it can sit: `joint`, `sensor`, `link` or `base`.
+    sentence: for the user. coefficients: what is estimated linearly. shapes: what is searched. confounds: what of the
+    baseline can stand in for it. needs: in words, the motion that shows it. coordinate: of the evidence plot.
     """
 
     name: ClassVar[str]
@@ -72,6 +70,10 @@ class ShapedEffect(Protocol):
     confounds: ClassVar[tuple[str, ...]]
     needs: ClassVar[str]
     coordinate: ClassVar[str]
+
+
+class ShapedEffect(MissingEffect, Protocol):
+    """Of a joint. coordinate: one of `velocity`, `position`, `load`, `time`, `acceleration`, `drive`, `temperature`."""
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         """(T, C) torque delivered to the joint per unit of each coefficient, friction negative. Not low-passed: who

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.base import BaseChange, BaseSignals
-from exogauge.effects.effect import Quantity
 from exogauge.effects.scales import in_si
 from exogauge.effects.sensor import SensorSignals
-from exogauge.effects.shaped import AxisSignals, Shape
+from exogauge.effects.shaped import AxisSignals, MissingEffect
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import CHUNK, Equations
 from exogauge.identification.preparation import Prepared
@@ -29,23 +28,9 @@ Array = NDArray[np.float64]
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
 
 
-class Effect(Protocol):
-    """What the effects of all places share."""
+class Effect(MissingEffect, Protocol):
+    """Of any place: `columns`, `changes` or `present` is for its site to call."""
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def place(self) -> str: ...
-    @property
-    def sentence(self) -> str: ...
-    @property
-    def coefficients(self) -> tuple[Quantity, ...]: ...
-    @property
-    def shapes(self) -> tuple[Shape, ...]: ...
-    @property
-    def needs(self) -> str: ...
-    @property
-    def coordinate(self) -> str: ...
     def applies(self, signals: Any) -> bool: ...
 
 
