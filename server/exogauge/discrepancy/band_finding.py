@@ -22,6 +22,7 @@ from exogauge.effects.catalogue import band_effects
 Array = NDArray[np.float64]
 
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect
+NEARLY_SURE = 2.0  # standard errors, from which a rival is no worse an answer, though it could not be claimed alone
 SHIFT = 0.02  # of a shape's range: how far it is moved to see how sharply it is known
 CHANNEL = "support."  # of a joint's supporting torque
 
@@ -42,7 +43,7 @@ def name_effect(
     effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
     held_out = held(ground, winner.joint, winner.before, winner.after)
     rivals = [each for each in judged if each is not winner]
-    alike = [each for each in rivals if not each.objection and abs(apart(winner, each)) < TELL_APART]
+    alike = [each for each in rivals if each.z > NEARLY_SURE and abs(apart(winner, each)) < TELL_APART]
     others = [_alternative(ground, each, alike) for each in rivals]
     shown = band_evidence(ground, wire, effect.coordinate, winner.joint, winner.before, winner.after)
     words = "all logs" if winner.once else folds.words
@@ -170,8 +171,8 @@ def _of(effect: BandEffect, confounded: str) -> tuple[str, ...]:
 
 
 def _alternative(ground: Ground, judged: BandJudgement, alike: Sequence[BandJudgement]) -> Alternative:
-    told = "these data cannot tell it from what was named" if judged in alike else "explains less"
-    return replace(rejection(ground, judged), reason=judged.objection or told)
+    told = "these data cannot tell it from what was named" if judged in alike else judged.objection or "explains less"
+    return replace(rejection(ground, judged), reason=told)
 
 
 def _falls(held_out: HeldOut, where: str) -> str:
