@@ -1,4 +1,4 @@
-"""One cause on every joint is one finding: a delay of the whole drive, not six."""
+"""One cause on every joint, or on every axis of a sensor, is one finding: a delay of the whole drive, not six."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ ALL = "all"
 FEWEST = 3  # joints
 SHARED = ("torque_delay",)  # effects that the drives have in common: one bus, one filter
 MOST = 0.5  # of the joints
+OF_A_SENSOR = ("ft_drift",)  # effects that all axes of a sensor have in common: one amplifier that warms up
+AXES = 4  # of its six
 
 
 def merged(findings: Sequence[Finding], joints: int) -> tuple[Finding, ...]:
@@ -24,5 +26,21 @@ def merged(findings: Sequence[Finding], joints: int) -> tuple[Finding, ...]:
             result.append(replace(same[0], place=Place("joint", ALL), sentence=sentence))
         else:
             result += same
+    result = _of_sensors(result)
     ordered = sorted(result, key=lambda each: each.rank)
     return tuple(replace(each, rank=number) for number, each in enumerate(ordered, 1))
+
+
+def _of_sensors(findings: Sequence[Finding]) -> list[Finding]:
+    """The same on most axes of one sensor is one finding, at the place of the first."""
+    result = list(findings)
+    for name, sensor in dict.fromkeys(
+        (each.effect, each.place.name) for each in findings if each.place.kind == "sensor"
+    ):
+        same = [each for each in result if (each.effect, each.place.name) == (name, sensor)]
+        if name in OF_A_SENSOR and len(same) >= AXES:
+            axes = ", ".join(each.place.part for each in same)
+            one = replace(same[0], place=Place("sensor", sensor, ALL), also_possible=(), motion="",
+                          sentence=f"All axes alike ({axes}): {same[0].sentence}")  # fmt: skip
+            result = [one if each is same[0] else each for each in result if each is same[0] or each not in same]
+    return result

@@ -51,7 +51,11 @@ def name_effect(
     kinds = set(candidate.site.kinds(model.equations))
     rivals = [each for each in judged if each is not winner
               and kinds & set(each.score.candidate.site.kinds(model.equations))]  # fmt: skip
-    alike = [each for each in rivals if not each.objection and abs(apart(winner, each)) < TELL_APART]
+    alike = [
+        each
+        for each in rivals
+        if not each.objection and each.kind == winner.kind and abs(apart(winner, each)) < TELL_APART
+    ]
     shown = evidence(model, winner.score, winner.kind, rows)
     others = [_alternative(model, each, alike) for each in rivals]
     return Finding(
