@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 EXPLAINED = 0.8  # of a burst, by one force
 LARGEST_N = 200.0
-BRIEFEST_S = 0.15  # gears jolt for as long as they swing; a hand, a cable or a table takes longer
-FORCE_KNOWN = 2.0  # standard deviations
+BRIEFEST_S = 0.11  # gears jolt for as long as they swing; a hand, a cable or a table takes longer
+FORCE_KNOWN = 1.5  # standard deviations
 ONE_AXIS = 0.95  # of the gain: seen by one joint alone, where friction and gears make bursts too
 WHOLLY_SEEN = 0.8  # of the burst's time: these come where the joint starts, stops or turns
 FAR_ABOVE = 1.5  # times the level
