@@ -1,4 +1,8 @@
-"""Shapes between the values of a grid: those with which the candidate explains most of the fitted logs."""
+"""Shapes between the values of a grid: those with which the candidate explains most of the fitted logs.
+
+Near a shape that the baseline swallows the predicted gain is all rounding; the evidence, which counts what the rows
+really gain, falls there, and the search turns back.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +40,7 @@ def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: M
 
     def cost(values: Array) -> float:
         found = at(np.clip(values, 0.0, 1.0))
-        return 0.0 if found is None else -found.gain
+        return 0.0 if found is None or found.evidence < first.evidence else -found.gain
 
     start = np.array([_unit(candidate.shape[k], shapes[k]) for k in free])
     simplex = np.vstack(
@@ -47,7 +51,8 @@ def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: M
                                                     "xatol": 0.01, "fatol": 1e-3 * first.gain},
     )  # fmt: skip
     found = at(np.clip(best.x, 0.0, 1.0))
-    return found if found is not None and found.gain > first.gain else first
+    better = found is not None and found.evidence >= first.evidence and found.gain > first.gain
+    return found if found is not None and better else first
 
 
 def _unit(value: float, shape: Shape) -> float:
