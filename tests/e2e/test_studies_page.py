@@ -68,7 +68,7 @@ def test_a_folder_is_handed_in_with_its_paths(page: Page, tmp_path: Path) -> Non
     chooser.value.set_files(tmp_path / "my study")
     page.wait_for_url(A_STUDY)
     expect(page.get_by_role("heading", name="From a folder", level=1)).to_be_visible()
-    expect(page.get_by_text("Not run yet")).to_be_visible()
+    expect(page.get_by_text("Not evaluated yet")).to_be_visible()
 
 
 def test_what_is_wrong_with_a_study_is_a_list_with_file_row_and_advice(
