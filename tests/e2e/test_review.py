@@ -146,7 +146,9 @@ def test_dragging_zooms_every_plot_and_a_double_click_shows_the_whole(page: Page
     page.goto(f"{study['path']}/plots?log={LOG}&show=support.torso_pitch&show=tension")
     axes = [time_axis(page, "Supporting torque at torso_pitch"), time_axis(page, "Tension of the bands")]
     whole = [(axis.get_attribute("aria-valuemin"), axis.get_attribute("aria-valuemax")) for axis in axes]
-    box = page.locator(".u-over").first.bounding_box()
+    over = page.locator(".u-over").first
+    expect(over).to_be_visible()
+    box = over.bounding_box()
     assert box is not None
     page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + 40)
     page.mouse.down()
