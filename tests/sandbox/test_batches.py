@@ -21,6 +21,8 @@ from exogauge.logs.reading import read_log
 from exogauge.sandbox import LogRequest, batches, parse_log, parse_logs, read_each
 from exogauge.sandbox.limits import Limits
 
+pytestmark = pytest.mark.slow
+
 Children = Callable[[], list[int]]
 
 

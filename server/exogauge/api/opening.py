@@ -6,7 +6,6 @@ Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder o
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -177,4 +176,4 @@ def span(read: Any) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"study": study, "robot": robot, "device": device, "log": log}))
+    serve({"study": study, "robot": robot, "device": device, "log": log})

@@ -5,7 +5,6 @@ Run by `imports` as `python -I -m exogauge.api.opening_log` in a temporary folde
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -83,4 +82,4 @@ def mapping(folder: str, file: str, joints: list[str] | None) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"look": look, "mapping": mapping}))
+    serve({"look": look, "mapping": mapping})

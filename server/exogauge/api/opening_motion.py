@@ -6,7 +6,6 @@ positions as bare numbers; the rest is its answer.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -39,4 +38,4 @@ def motion(folder: str, log: str, device: str | None, most: int) -> dict[str, An
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"motion": motion}))
+    serve({"motion": motion})

@@ -6,7 +6,6 @@ task alone, after its limits are set (`answering`).
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -78,4 +77,4 @@ def _robot(
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"log": _log, "logs": _logs, "robot": _robot}))
+    serve({"log": _log, "logs": _logs, "robot": _robot})

@@ -6,7 +6,6 @@ Run by `drawing` as `python -I -m exogauge.scene.opening` in a temporary folder 
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -47,4 +46,4 @@ def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(serve({"recording": recording, "still": still}))
+    serve({"recording": recording, "still": still})

@@ -1,0 +1,30 @@
+"""The child process that reads one log of a stored study as it is, and leaves it as a series file.
+
+Run by `raw_series` as `python -I -m exogauge.api.opening_raw` in a temporary folder of its own.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from exogauge.sandbox.answering import serve
+
+RAW = "raw.parquet"
+
+
+def raw(folder: str, log: str) -> dict[str, Any]:
+    """folder: the study's files. log: its name in study.yaml."""
+    import pyarrow as pa
+
+    from exogauge.studies.bundle import Bundle
+    from exogauge.studies.recorded_motion import read_raw
+    from exogauge.studies.series import raw_table, write_table
+
+    pa.set_cpu_count(1)
+    write_table(raw_table(*read_raw(Bundle(Path(folder), "study.yaml"), log)), Path(RAW))
+    return {}
+
+
+if __name__ == "__main__":
+    serve({"raw": raw})
