@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exogauge.effects.catalogue import all_effects, base_effects, sensor_effects, shaped_effects
+from exogauge.effects.catalogue import all_effects, base_effects, pair_effects, sensor_effects, shaped_effects
 
 
 def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
@@ -20,11 +20,12 @@ def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
 @pytest.mark.parametrize(
     ("heading", "effects"),
     [
+        ("What two joints may do together", pair_effects()),
         ("What a sensor inside the robot may do", sensor_effects()),
         ("What the base and its IMU may do", base_effects()),
     ],
 )
-def test_every_effect_of_sensors_and_the_base_is_in_the_docs_with_its_own_words(docs_table, heading, effects):
+def test_every_effect_of_pairs_sensors_and_the_base_is_in_the_docs_with_its_own_words(docs_table, heading, effects):
     _, rows = docs_table(heading)
     documented = {row[0]: row[1:] for row in rows}
     assert documented.keys() == effects.keys()

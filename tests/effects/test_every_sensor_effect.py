@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import all_effects, sensor_effects, shaped_effects
-from exogauge.effects.effect import Quantity
 from exogauge.effects.sensor import SensorSignals
 
-UNITS = {"1", "reading", "reading/s", "reading/reading"}  # of the component that it sits on
-SHAPE_UNITS = {"1", "s"}
 COORDINATES = {"time", "reading"}
 WORDS = {
     "mass",
@@ -115,37 +112,6 @@ def test_what_never_changes_is_the_sensors_zero_and_no_effect(effect):
     for shape in itertools.product(*(one.grid for one in effect.shapes)):
         for column in effect.columns(signals(), shape).T:
             assert np.ptp(column) > 1e-3 * np.abs(column).max() or is_itself(effect, shape, 0)
-
-
-@every_effect
-def test_every_coefficient_has_a_name_a_unit_and_a_range_that_holds_zero(effect):
-    assert len(effect.coefficients) > 0
-    for quantity in effect.coefficients:
-        assert isinstance(quantity, Quantity)
-        assert quantity.name.isidentifier()
-        assert quantity.unit in UNITS
-        assert quantity.low < 0.0 < quantity.high  # a sensor errs both ways
-
-
-@every_effect
-def test_every_shape_has_a_grid_in_order_within_its_bounds(effect):
-    for one in effect.shapes:
-        assert one.name.isidentifier()
-        assert one.unit in SHAPE_UNITS
-        assert one.low <= one.grid[0]
-        assert one.grid[-1] <= one.high
-        assert all(before < after for before, after in itertools.pairwise(one.grid))
-        assert one.low > 0.0 or one.choice
-        assert not one.choice or all(value == round(value) for value in one.grid)
-
-
-@every_effect
-def test_a_user_is_told_in_sentences(effect):
-    for text in (effect.sentence, effect.needs):
-        assert text[0].isupper()
-        assert text.endswith(".")
-        assert text.count(".") == 1
-        assert len(text.split()) >= 4
 
 
 @every_effect

@@ -9,12 +9,9 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from exogauge.effects.catalogue import all_effects, shaped_effects
-from exogauge.effects.effect import Quantity
-from exogauge.effects.scales import OWN_SIZES, in_si
+from exogauge.effects.scales import in_si
 from exogauge.effects.shaped import AxisSignals
 
-UNITS = {"N·m", "N·m/s", "N·m/rad", "N·m/rad³", "N·m·s/rad", "rad", "s", "s²", "1"}
-SHAPE_UNITS = {"1", "s", "rad", "1/rev", *OWN_SIZES}
 COORDINATES = {"velocity", "position", "load", "time", "acceleration", "drive", "temperature"}
 MOST_COLUMNS = 140  # on one axis, over all effects and shapes: what a search can afford per joint
 DISSIPATIVE = ("stribeck", "load_coulomb", "nonlinear_viscous", "presliding", "thermal_viscous")
@@ -133,36 +130,6 @@ def test_a_small_change_of_a_shape_is_a_small_change_of_the_torque(effect):
             moved = (*shape[:k], shape[k] + step, *shape[k + 1 :])
             change = sosfiltfilt(smooth, effect.columns(whole, moved), axis=0) - first
             assert np.linalg.norm(change) <= 0.02 * np.linalg.norm(first)
-
-
-@every_effect
-def test_every_coefficient_has_a_name_a_unit_and_a_range_that_holds_zero(effect):
-    assert len(effect.coefficients) > 0
-    for quantity in effect.coefficients:
-        assert isinstance(quantity, Quantity)
-        assert quantity.name.isidentifier()
-        assert quantity.unit in UNITS
-        assert quantity.low <= 0.0 < quantity.high
-
-
-@every_effect
-def test_every_shape_has_a_grid_in_order_within_its_bounds(effect):
-    for one in effect.shapes:
-        assert one.name.isidentifier()
-        assert one.unit in SHAPE_UNITS
-        assert one.low <= one.grid[0]
-        assert one.grid[-1] <= one.high
-        assert all(before < after for before, after in itertools.pairwise(one.grid))
-        assert len(one.grid) <= 8 or effect.name == "torque_ripple"  # orders are told apart one by one, not by trend
-
-
-@every_effect
-def test_a_user_is_told_in_sentences(effect):
-    for text in (effect.sentence, effect.needs):
-        assert text[0].isupper()
-        assert text.endswith(".")
-        assert text.count(".") == 1
-        assert len(text.split()) >= 4
 
 
 @every_effect

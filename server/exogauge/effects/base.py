@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, final
 
 import numpy as np
@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 class BaseSignals:
     """T samples of the base link, in its frame: (T, 3) proper acceleration [m/s²], angular velocity [rad/s] and
     acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still.
-    first_angle: (T,) [rad] of the first joint."""
+    first_angle: (T,) [rad] of the first joint. imu_at: (3,) [m] where the IMU is. feet_feel: every contact sensor
+    measures forces and moments along all axes (what nobody measured is logged as a constant)."""
 
     time: Array
     acc: Array
@@ -29,6 +30,8 @@ class BaseSignals:
     gyro_dot_rate: Array
     floating: bool
     first_angle: Array
+    imu_at: Array = field(default_factory=lambda: np.zeros(3))
+    feet_feel: bool = False
 
 
 @final

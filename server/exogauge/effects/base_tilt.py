@@ -15,7 +15,8 @@ MOST = 0.2  # [rad]
 
 @final
 class BaseTilt:
-    """Gravity turned by a small rotation δ about the base's x and y: a_true = a + δ × a. Fixed bases only.
+    """Gravity turned by a small rotation δ about the base's x and y: a_true = a + δ × a. Fixed bases only: `ImuTilt` is
+    what a floating one has.
 
     Where the first joint turns about the vertical, gravity never shows where the mass beyond it lies across the axis.
     On a tilted base it does: first_sin and first_cos are that.
@@ -37,6 +38,8 @@ class BaseTilt:
 
     def changes(self, signals: BaseSignals, shape: tuple[float, ...]) -> list[BaseChange]:
         still = np.zeros_like(signals.acc)
+        if signals.floating:
+            return [BaseChange(still, still, still) for _ in self.coefficients]
         turned = [BaseChange(np.cross(axis, signals.acc), still, still) for axis in np.eye(3)[:2]]
         torques = (np.sin(signals.first_angle), np.cos(signals.first_angle))
         return [*turned, *(BaseChange(still, still, still, torque) for torque in torques)]

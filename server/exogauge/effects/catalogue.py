@@ -14,6 +14,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.base import BaseEffect
 from exogauge.effects.effect import JointEffect
 from exogauge.effects.link import LinkEffect
+from exogauge.effects.pair import PairEffect
 from exogauge.effects.sensor import SensorEffect
 from exogauge.effects.shaped import ShapedEffect
 from exogauge.errors import BadInput, Fault
@@ -34,6 +35,13 @@ def shaped_effects() -> Mapping[str, ShapedEffect]:
 
 
 @cache
+def pair_effects() -> Mapping[str, PairEffect]:
+    """Identifier -> effect of two neighbouring joints."""
+    found: list[PairEffect] = _placed("pair")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
 def sensor_effects() -> Mapping[str, SensorEffect]:
     """Identifier -> effect of a force/torque sensor."""
     found: list[SensorEffect] = _placed("sensor")
@@ -42,9 +50,10 @@ def sensor_effects() -> Mapping[str, SensorEffect]:
 
 @cache
 def base_effects() -> Mapping[str, BaseEffect]:
-    """Identifier -> effect of the base and its IMU."""
+    """File -> effect of the base and its IMU. Two may have one identifier: a base leans if it is fixed, its IMU if it
+    floats; the robot decides which one applies."""
     found: list[BaseEffect] = _placed("base")
-    return MappingProxyType({effect.name: effect for effect in found})
+    return MappingProxyType({type(effect).__module__.rpartition(".")[2]: effect for effect in found})
 
 
 @cache
@@ -61,9 +70,9 @@ def link_effects() -> Mapping[str, LinkEffect]:
     return MappingProxyType({effect.name: effect for effect in found})
 
 
-def missing_effects() -> tuple[ShapedEffect | SensorEffect | BaseEffect | LinkEffect, ...]:
+def missing_effects() -> tuple[ShapedEffect | PairEffect | SensorEffect | BaseEffect | LinkEffect, ...]:
     """Every effect of joints, sensors, links and the base that a model may miss."""
-    every = (shaped_effects(), sensor_effects(), link_effects(), base_effects())
+    every = (shaped_effects(), pair_effects(), sensor_effects(), link_effects(), base_effects())
     return tuple(effect for placed in every for effect in placed.values())
 
 

@@ -20,6 +20,21 @@ def one_log() -> Shape:
     return Shape(LOG, "1", -1.0, float(LATEST), tuple(float(k) for k in range(-1, LATEST + 1)), choice=True)
 
 
+def bounded(shapes: Sequence[Shape]) -> bool:
+    """Whether an effect begins with a log or sits in one."""
+    return any(each.name in (SINCE, LOG) for each in shapes)
+
+
+def about(shapes: Sequence[Shape], values: Sequence[float], number: int) -> bool:
+    """Whether an effect with these values of its shapes begins with the log of this number, or sits in it alone."""
+    return any(each.name in (SINCE, LOG) and value == number for each, value in zip(shapes, values, strict=True))
+
+
+def whatever_log(shapes: Sequence[Shape], values: Sequence[float]) -> tuple[float, ...]:
+    """The other shapes' values: in one log, effects that differ in nothing else are there alike, or not at all."""
+    return tuple(value for each, value in zip(shapes, values, strict=True) if each.name not in (SINCE, LOG))
+
+
 def begins_among(shapes: Sequence[Shape], values: Sequence[float], numbers: Sequence[int]) -> bool:
     """Whether an effect with these values of its shapes begins after the first and not after the last of the logs with
     these numbers, or sits in one of them; true of one that no log bounds."""

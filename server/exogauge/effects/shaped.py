@@ -57,9 +57,10 @@ class AxisSignals:
 class MissingEffect(Protocol):
     """A reason why a measurement is not what the model says. One file each; `EFFECT` is what the catalogue finds.
 
-    name: identifier, a contract with results.json. place: where it can sit: `joint`, `sensor`, `link` or `base`.
-    sentence: for the user. coefficients: what is estimated linearly. shapes: what is searched. confounds: what of the
-    baseline can stand in for it. needs: in words, the motion that shows it. coordinate: of the evidence plot.
+    name: identifier, a contract with results.json. place: where it can sit: `joint`, `pair` (of joints), `sensor`,
+    `link` or `base`. sentence: for the user. coefficients: what is estimated linearly. shapes: what is searched.
+    confounds: what of the baseline can stand in for it. needs: in words, the motion that shows it. coordinate: of the
+    evidence plot.
     """
 
     name: ClassVar[str]

@@ -15,7 +15,7 @@ from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import AxisSizes, RobotModel
-from exogauge.identification.noise_bias import noise_bias
+from exogauge.identification.noise_bias import known_noise, noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
@@ -191,6 +191,7 @@ def _validate(
     """Predictions and fits of every recording, those that were fitted included and marked."""
     ready = {id(prepared.log): prepared for prepared in fitted}
     k_T = motor_gain(equations, parameters[0])
+    known = known_noise(equations.robot, [each.log for each in recordings], fitted[0].low_pass.cutoff_hz)
     predictions: list[Prediction] = []
     validation: list[ChannelFit] = []
     for index, recording in enumerate(recordings):
@@ -199,6 +200,6 @@ def _validate(
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
         predictions.append(prediction)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
-        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction))
+        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
         validation += fits(prediction, prepared, equations, floors)
     return tuple(predictions), tuple(validation)

@@ -13,15 +13,15 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Seen
 from exogauge.robots.cut_rows import in_sensor
+from exogauge.robots.ends import carries_nothing
 from exogauge.robots.kinematics import Kinematics, subtree
 from exogauge.robots.row_blocks import mass_columns
+from exogauge.robots.tree import RigidTree
 
 if TYPE_CHECKING:
     from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
-
-NOTHING = 0.05  # of the robot's mass: fingers' worth
 
 
 @final
@@ -55,7 +55,7 @@ class LinkSite:
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         number = model.order.get(prepared.log.name, -1)
         time = prepared.log.time - prepared.log.time[0]
-        signals = LinkSignals(time, number, carries_nothing(model.equations, self.body))
+        signals = LinkSignals(time, number, carries_nothing(model.robot.tree, self.body))
         rows: list[Array] = []
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
@@ -87,14 +87,6 @@ class LinkSite:
         return 1.0, unit
 
 
-def carries_nothing(equations: Equations, body: int) -> bool:
-    """Whether no more than fingers' worth of mass hangs on it."""
-    tree = equations.robot.tree
-    carried = subtree(tree)[body].copy()
-    carried[body] = False
-    return float(tree.phi[carried, 0].sum()) < NOTHING * tree.mass
-
-
 def end_links(equations: Equations) -> list[LinkSite]:
     """Bodies that carry nothing and move, or hang behind a sensor."""
     tree = equations.robot.tree
@@ -102,12 +94,11 @@ def end_links(equations: Equations) -> list[LinkSite]:
     return [
         LinkSite(body)
         for body in range(len(tree.bodies))
-        if carries_nothing(equations, body) and (tree.dof[body] >= 0 or body in behind) and not _finger(equations, body)
+        if carries_nothing(tree, body) and (tree.dof[body] >= 0 or body in behind) and not _finger(tree, body)
     ]
 
 
-def _finger(equations: Equations, body: int) -> bool:
+def _finger(tree: RigidTree, body: int) -> bool:
     """Whether it is what hardly weighs on a link that carries nothing else."""
-    tree = equations.robot.tree
     parent = int(tree.parent[body])
-    return parent >= 0 and carries_nothing(equations, parent) and tree.bodies[body] not in tree.parts
+    return parent >= 0 and carries_nothing(tree, parent)

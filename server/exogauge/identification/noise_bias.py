@@ -19,6 +19,7 @@ from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
 from exogauge.identification.solution import Solution
+from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 from exogauge.robots.description import Robot
 
@@ -30,9 +31,10 @@ NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for
 def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution) -> Array:
     """(P,) estimate of what noise in the regressor added to x."""
     rng = np.random.default_rng(0)
+    known = known_noise(equations.robot, [each.log for each in fitted], fitted[0].low_pass.cutoff_hz)
     parts: dict[float, list[Statistics]] = {1.0: [], -1.0: []}
     for prepared in fitted:
-        noise = draw_noise(equations.robot, prepared, rng)
+        noise = draw_noise(equations.robot, prepared, rng, known)
         for sign in parts:
             noisy = with_noise(equations.robot, prepared, noise, sign, at_rest)
             parts[sign] += equations.collect(noisy, solution.x_before, 1)
@@ -44,18 +46,40 @@ def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDe
     return np.asarray(np.mean(noisier, axis=0) - estimate(solution.statistics))
 
 
-def draw_noise(robot: Robot, prepared: Prepared, rng: np.random.Generator) -> Mapping[str, Array]:
+def draw_noise(
+    robot: Robot, prepared: Prepared, rng: np.random.Generator, known: Mapping[str, float]
+) -> Mapping[str, Array]:
     """Channel -> (T,) white noise as large as the channel's own.
 
-    Its std is seen in the channel's part above twice the cut-off, or is what the maker states, if that is more.
+    Its std is seen in the channel's part above twice the cut-off, or is what the maker states, if that is more. A log
+    that was low-passed before it was stored shows none: there it is `known`, and passes that low-pass too.
     """
-    log, rate = prepared.log, prepared.log.rate_hz
-    above = min(NOISE_ABOVE * prepared.low_pass.cutoff_hz, 0.4 * rate)
+    log, before = prepared.log, prepared.low_pass.before
     noise = {}
-    for name in needed_channels(robot):
-        std = max(white_noise_std(log.channels[name], rate, above), robot.noise.get(noise_kind(name), 0.0))
-        noise[name] = std * rng.normal(size=log.samples)
+    for name, seen in _seen_noise(robot, log, prepared.low_pass.cutoff_hz).items():
+        std = max(seen, known.get(name, 0.0)) if before else seen
+        drawn = std * rng.normal(size=log.samples)
+        noise[name] = before.apply(drawn) if before else drawn
     return noise
+
+
+def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[str, float]:
+    """Channel -> std of its white noise, for logs that were low-passed before they were stored: the median of the other
+    logs. Empty where there are no such logs, or no others."""
+    others = [log for log in logs if log.band_hz is None]
+    if not others or len(others) == len(logs):
+        return {}
+    seen = [_seen_noise(robot, log, cutoff_hz) for log in others]
+    return {name: float(np.median([each[name] for each in seen])) for name in seen[0]}
+
+
+def _seen_noise(robot: Robot, log: Log, cutoff_hz: float) -> Mapping[str, float]:
+    """Channel -> std."""
+    above = min(NOISE_ABOVE * cutoff_hz, 0.4 * log.rate_hz)
+    return {
+        name: max(white_noise_std(log.channels[name], log.rate_hz, above), robot.noise.get(noise_kind(name), 0.0))
+        for name in needed_channels(robot)
+    }
 
 
 def with_noise(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from exogauge.effects.base import BaseChange, BaseSignals
 from exogauge.effects.scales import in_si
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
+PER_PERIOD = 6  # samples in a period of the cut-off frequency, at which a response is computed
 
 
 class Effect(MissingEffect, Protocol):
@@ -46,9 +48,10 @@ class Seen:
     signals: Any
     columns: Callable[[Any, tuple[float, ...]], Array]
 
-    def coordinate(self, name: str) -> Array:
-        """(T,) of the evidence plot; time where the log does not hold it."""
+    def coordinate(self, name: str, shape: tuple[float, ...] = ()) -> Array:
+        """(T,) of the evidence plot, which may depend on the shape; time where the log does not hold it."""
         values = getattr(self.signals, name, None)
+        values = values(shape) if callable(values) else values
         return np.asarray(values if values is not None else self.signals.time)
 
 
@@ -148,7 +151,11 @@ class BaseSite:
         acc, gyro, gyro_dot = (differentiate(each, rate) for each in (motion.acc, motion.gyro, motion.gyro_dot))
         time = prepared.log.time - prepared.log.time[0]
         still = (motion.acc, motion.gyro, motion.gyro_dot)
-        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, model.robot.floating, motion.q[:, 0])
+        imu, feet = model.robot.T_base_imu, prepared.raw_wrenches
+        place = np.zeros(3) if imu is None else imu.translation
+        feel = bool(feet.size) and bool(np.all(np.ptp(feet, axis=0) > 0.0))
+        floating = model.robot.floating
+        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel)
         kinds = self.kinds(model.equations)
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
@@ -175,19 +182,28 @@ def carried(model: RobotModel, prepared: Prepared) -> Array:
 
 
 def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
-    """(T, kinds) what the change takes off each row per unit: - d(Y φ)/dθ."""
-    m = prepared.motion
+    """(T, kinds) what the change takes off each row per unit: - d(Y φ)/dθ.
+
+    Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
+    """
+    samples = prepared.motion.samples
     if not change.acc.any() and change.first_torque is not None:
-        return np.zeros((m.samples, model.equations.kinds))
-    if not change.gyro.any() and not change.gyro_dot.any():  # then the rows are linear in it
-        still = np.zeros_like(m.q)
-        return -_rows(model, Motion(m.q, still, still, change.acc, change.gyro, change.gyro_dot))
+        return np.zeros((samples, model.equations.kinds))
+    stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * model.cutoff_hz)))
+    at = np.unique(np.append(np.arange(0, samples, stride), samples - 1))
+    m = prepared.motion.rows(at)
+    acc, gyro, gyro_dot = (each[at] for each in (change.acc, change.gyro, change.gyro_dot))
 
     def moved(step: float) -> Array:
-        base = (m.acc + step * change.acc, m.gyro + step * change.gyro, m.gyro_dot + step * change.gyro_dot)
+        base = m.acc + step * acc, m.gyro + step * gyro, m.gyro_dot + step * gyro_dot
         return _rows(model, Motion(m.q, m.dq, m.ddq, *base))
 
-    return (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
+    if not gyro.any() and not gyro_dot.any():  # then the rows are linear in it
+        still = np.zeros_like(m.q)
+        response = -_rows(model, Motion(m.q, still, still, acc, gyro, gyro_dot))
+    else:
+        response = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
+    return response if stride == 1 else np.asarray(CubicSpline(at, response)(np.arange(samples)))
 
 
 def _rows(model: RobotModel, motion: Motion) -> Array:

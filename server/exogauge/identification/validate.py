@@ -74,13 +74,15 @@ def noise_floors(
     k_T: Array,
     at_rest: RestDetection,
     prediction: Prediction,
+    known: Mapping[str, float],
 ) -> Mapping[str, float]:
     """Channel -> the RMSE that the sensors' noise alone would leave under a perfect model.
 
     The noise of every logged channel is drawn once more, added, and the log predicted again: what that changes in
-    the residual is as large as what the noise already in it did. Signs of velocities are left as they were.
+    the residual is as large as what the noise already in it did. Signs of velocities are left as they were. known: of
+    channels that were low-passed before they were stored, from logs that were not (`known_noise`).
     """
-    noise = draw_noise(equations.robot, prepared, np.random.default_rng(0))
+    noise = draw_noise(equations.robot, prepared, np.random.default_rng(0), known)
     again = with_noise(equations.robot, prepared, noise, 1.0, at_rest)
     measured = measured_channels(equations, again, k_T)
     predicted = predicted_channels(equations, again, identified)

@@ -7,6 +7,7 @@ answer. So no reply is ever taken for the reply to another request.
 from __future__ import annotations
 
 import json
+import os
 import select
 import socket
 import subprocess
@@ -17,6 +18,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO, Any, final
 
+from exogauge.blas_threads import one_thread
 from exogauge.errors import ExogaugeError
 
 POLL_S = 0.1
@@ -84,6 +86,7 @@ class ComputeChild:
             stdin=subprocess.DEVNULL,
             stdout=self._stderr,
             stderr=self._stderr,
+            env=one_thread(os.environ),
         )
         theirs.close()
         self._channel = ours

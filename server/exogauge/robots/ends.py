@@ -1,0 +1,19 @@
+"""Where a robot ends: hands, tools, feet."""
+
+from __future__ import annotations
+
+from exogauge.robots.kinematics import subtree
+from exogauge.robots.tree import RigidTree
+
+FINGERS = 0.05  # of the robot's mass: what a hand may carry and still be the end
+
+
+def carries_nothing(tree: RigidTree, body: int) -> bool:
+    """Whether no other body hangs on this one, or only fingers' worth of mass: where a payload is carried.
+
+    What hangs behind a force/torque sensor is a hand of its own, however light.
+    """
+    carried = subtree(tree)[body].copy()
+    carried[body] = False
+    parts = {tree.bodies.index(name) for name in tree.parts}
+    return float(tree.phi[carried, 0].sum()) < FINGERS * tree.mass and not parts.intersection(carried.nonzero()[0])

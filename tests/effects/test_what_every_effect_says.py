@@ -1,0 +1,88 @@
+"""What every effect that a model may lack says of itself, wherever it sits: coefficients, shapes, words."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from exogauge.effects.catalogue import (
+    band_effects,
+    base_effects,
+    link_effects,
+    pair_effects,
+    sensor_effects,
+    shaped_effects,
+)
+from exogauge.effects.effect import Quantity
+from exogauge.effects.scales import OWN_SIZES
+
+PLACES = {
+    "joint": shaped_effects(),
+    "pair": pair_effects(),
+    "sensor": sensor_effects(),
+    "base": base_effects(),
+    "link": link_effects(),
+    "band": band_effects(),
+}
+UNITS = {
+    "joint": {"N·m", "N·m/s", "N·m/rad", "N·m/rad³", "N·m·s/rad", "rad", "s", "s²", "1"},
+    "pair": {"N·m", "N·m·s/rad", "kg·m²"},
+    "sensor": {"1", "reading", "reading/s", "reading/reading"},  # of the component that it sits on
+    "base": {"rad", "s", "N·m"},
+    "link": {"kg", "kg·m"},
+    "band": {"N/m", "N/m²", "N·s/m", "m", "1"},
+}
+SHAPE_UNITS = {
+    "joint": {"1", "s", "rad", "1/rev", *OWN_SIZES},
+    "pair": {"1", "s"},
+    "sensor": {"1", "s"},
+    "base": set(),
+    "link": {"1"},
+    "band": {"s", "1", "share", "travel"},
+}
+ERRS_BOTH_WAYS = ("sensor", "base")
+FINEST = {"torque_ripple": 40, "band_slip": 120}  # values of one shape: orders and moments are told apart one by one
+FEW = 8
+
+every_effect = pytest.mark.parametrize(
+    ("place", "effect"),
+    [
+        pytest.param(place, each, id=f"{place}-{name}")
+        for place, found in PLACES.items()
+        for name, each in found.items()
+    ],
+)
+
+
+@every_effect
+def test_every_coefficient_has_a_name_a_unit_and_a_range_that_holds_zero(place, effect):
+    assert len(effect.coefficients) > 0
+    for quantity in effect.coefficients:
+        assert isinstance(quantity, Quantity)
+        assert quantity.name.isidentifier()
+        assert quantity.unit in UNITS[place]
+        assert quantity.low <= 0.0 < quantity.high
+        assert quantity.low < 0.0 or place not in ERRS_BOTH_WAYS
+
+
+@every_effect
+def test_every_shape_has_a_grid_in_order_within_its_bounds(place, effect):
+    for one in effect.shapes:
+        assert one.name.isidentifier()
+        assert one.unit in SHAPE_UNITS[place]
+        assert one.low <= one.grid[0]
+        assert one.grid[-1] <= one.high
+        assert all(before < after for before, after in itertools.pairwise(one.grid))
+        if one.choice:
+            assert np.all(np.mod(one.grid, 1.0) == 0.0)
+        else:
+            assert len(one.grid) <= FINEST.get(effect.name, FEW)
+
+
+@every_effect
+def test_a_user_is_told_in_sentences(place, effect):
+    for text in (effect.sentence, effect.needs):
+        assert text[0].isupper()
+        assert text.endswith(".")
+        assert text.count(".") == 1
+        assert len(text.split()) >= 4
