@@ -13,7 +13,7 @@ from tests.blind.conftest import plan
 from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.hidden.backlash import Backlash, Elasticity
 from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, Payload
-from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS, IN_LOGS, KINDS, ON_JOINTS
+from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS, IN_LOGS, ON_JOINTS
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
 from exogauge.blind.generator.hidden.motor import TorqueDelay, late
 from exogauge.blind.generator.hidden.presliding import Presliding, bristle
@@ -145,7 +145,7 @@ def test_what_is_hidden_in_a_joint_is_as_large_as_the_answer_says(arm6, name: st
         assert np.all(more[j] == 0.0)
 
 
-@pytest.mark.parametrize("name", [name for name in KINDS if name not in ON_JOINTS])
+@pytest.mark.parametrize("name", [*ELSEWHERE, IN_LOGS])
 def test_what_is_hidden_elsewhere_shows_where_the_answer_says(torso8, name: str) -> None:
     """What is put into the logs leaves the ratio of the answer on the channel of the answer."""
     (placed,) = hide(np.random.default_rng(8), plan(TORSO, name), torso8)
@@ -204,6 +204,20 @@ def test_a_push_does_the_same_work_on_joints_as_on_the_point(torso8) -> None:
     assert np.abs(power).max() > 0.1
     np.testing.assert_allclose(np.linalg.norm(change.wrench[1, :, :3], axis=1).max(), 20.0, rtol=1e-3)
     assert change.on.sum() == round(0.8 * RATE_HZ)
+
+
+def test_a_coupled_motor_takes_from_both_joints_the_power_that_it_loses(arm6) -> None:
+    kind = ELSEWHERE["coupling"]
+    for seed, where in enumerate(kind.places(arm6)):
+        effect = kind.draw(np.random.default_rng(seed), arm6, where)
+        torque, dq = effect.change(arm6, 0.3).torque, arm6.motion.dq
+        w = dq[:, :, effect.own] + effect.ratio * dq[:, :, effect.other]
+        assert arm6.joints[effect.own] == where["joint"]
+        assert effect.own == effect.other + 1, "the arm is a chain"
+        np.testing.assert_allclose(np.sum(torque * dq, axis=2), torque[:, :, effect.own] * w, atol=1e-12)
+        if not effect.inertial:
+            assert np.all(torque[:, :, effect.own] * w >= 0.0)
+            assert np.all(torque[w == 0.0] == 0.0)
 
 
 def test_a_leaning_base_turns_gravity_and_nothing_else(arm6) -> None:

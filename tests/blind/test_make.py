@@ -13,10 +13,12 @@ import pytest
 import yaml
 
 from exogauge.blind.answers import ANSWERS, SEAL, read_answers
-from exogauge.blind.generator.hidden.kinds import IN_BANDS, KINDS
+from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS, KINDS, ON_REQUEST
 from exogauge.blind.generator.make import make
 from exogauge.blind.generator.plan import BLOCK, CLEAN, PAIRS, plan_case, possible
 from exogauge.errors import BadInput
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +113,12 @@ def test_effects_and_robots_that_are_asked_for_are_all_there_is(tmp_path: Path) 
         make(tmp_path / "none", 5, 1, effects=["stribek"])
 
 
+def test_what_is_made_only_when_asked_for_is_made_then_and_changes_no_seed() -> None:
+    assert set(ON_REQUEST) <= set(ELSEWHERE)
+    assert not set(ON_REQUEST) & {kind for number in range(1, 2 * BLOCK + 1) for kind in plan_case(3, number).kinds}
+    assert {plan_case(3, number, "arm6", ON_REQUEST).kinds for number in range(1, 9)} == {ON_REQUEST}
+
+
 def test_every_sort_is_described() -> None:
     text = (Path(__file__).parents[2] / "docs" / "blind.md").read_text(encoding="utf-8")
-    assert not [kind for kind in KINDS if f"`{kind}`" not in text]
+    assert not [kind for kind in (*KINDS, *ON_REQUEST) if f"`{kind}`" not in text]

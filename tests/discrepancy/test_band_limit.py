@@ -4,14 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt
+from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
+from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.identify import identify
-from exogauge.identification.settings import Settings
+from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.stored_band import stored_edge
+from exogauge.support.settings import WornLog
+
+pytestmark = pytest.mark.slow
 
 RATE = 200.0
 SETTINGS = Settings(cutoff_hz=20.0)
@@ -132,6 +137,74 @@ def test_noise_free_logs_without_a_low_pass_are_left_alone(robot, study):
 def test_without_a_held_out_log_nothing_is_claimed(robot, study):
     recordings = changed(study(), stored_through(butter(4, 3.0, fs=RATE, output="sos")))
     assert limits(robot, [replace(each, held_out=False) for each in recordings]) is None
+
+
+def floors(found, log):
+    return np.array([fit.noise_floor for fit in found.validation if fit.log == log and fit.channel.startswith("tau.")])
+
+
+def test_the_noise_floor_of_such_a_log_is_what_the_others_noise_leaves_behind_its_low_pass(robot, study):
+    """White noise of 0.05 N·m behind a zero-phase low-pass: its power is the mean of the squared gain."""
+    recordings, sections = study(noise=0.05), butter(4, 3.0, fs=RATE, output="sos")
+    (late,) = changed(recordings[2:], stored_through(sections))
+    gain = np.abs(sosfreqz(sections, 4000)[1]) ** 2
+    left = 0.05 * np.sqrt(np.mean(gain**2))
+    limited = [*recordings[:2], replace(late, log=replace(late.log, band_hz=3.0))]
+    found = identify(robot, limited, SETTINGS)
+    np.testing.assert_allclose(floors(found, late.log.name), left, rtol=0.25)  # encoders add some
+    np.testing.assert_allclose(floors(found, recordings[0].log.name), 0.05, rtol=0.15)
+
+
+def test_what_the_maker_states_of_the_noise_passes_the_low_pass_too(robot, study):
+    sections = butter(4, 3.0, fs=RATE, output="sos")
+    stored = changed(study(noise=0.05), stored_through(sections))
+    limited = [replace(each, log=replace(each.log, band_hz=3.0)) for each in stored]
+    told, unsaid = (identify(one, limited, SETTINGS) for one in (replace(robot, noise={"tau": 0.05}), robot))
+    left = 0.05 * np.sqrt(np.mean(np.abs(sosfreqz(sections, 4000)[1]) ** 4))
+    for each in limited:
+        np.testing.assert_allclose(floors(told, each.log.name), left, rtol=0.2)
+        assert np.all(floors(unsaid, each.log.name) < 0.1 * left)
+
+
+@pytest.mark.parametrize(
+    ("noise", "limited", "said"),
+    [
+        ({}, slice(1, None), "The noise floor is what the noise of the other logs leaves behind that low-pass."),
+        ({"tau": 0.05}, slice(None), "The noise floor is what the noise that robot.yaml states leaves behind"),
+        ({}, slice(None), "There is no noise floor to hold that against"),
+    ],
+    ids=["others", "stated", "unknown"],
+)
+def test_what_the_noise_floor_stands_for_is_said(robot, study, noise, limited, said):
+    recordings = study()
+    recordings[limited] = changed(recordings[limited], stored_through(butter(4, 3.0, fs=RATE, output="sos")))
+    found = limits(replace(robot, noise=noise), recordings)
+    assert found is not None
+    assert said in found.finding.sentence
+
+
+def wear(log):
+    band = Band("back", "back", (ViaPoint("lj1", (0.0, 0.0, 0.1)), ViaPoint("lj2", (0.1, 0.0, 0.1))))
+    return WornLog(log, "any", Device("suit", (band,)))
+
+
+def test_a_log_with_a_device_is_filtered_like_the_others_if_its_spectrum_ends_where_theirs_does(study, record):
+    through, faster = (stored_through(butter(4, hz, fs=RATE, output="sos")) for hz in (3.0, 8.0))
+    limited = [
+        replace(each, log=replace(each.log, band_hz=2.97)) for each in changed(study(), through)
+    ]  # as `band_limits` leaves them
+
+    def pulled(motion):
+        """A band on the second joint that comes taut at 0.1 rad, by 30 N·m/rad."""
+        torque = np.zeros_like(motion.q)
+        torque[:, 1] = 30.0 * np.maximum(motion.q[:, 1] - 0.1, 0.0)
+        return torque
+
+    worn = record(21, pulled)
+    alike, other = (changed([Recording(worn, True)], each)[0].log for each in (through, faster))
+    logs = filtered_alike([wear(alike), wear(other), wear(worn)], limited)
+    assert [each.log.band_hz for each in logs] == [2.97, None, None]
+    assert [each.log for each in filtered_alike([wear(alike)], study())] == [alike]
 
 
 @pytest.mark.slow

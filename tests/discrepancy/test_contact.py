@@ -17,6 +17,8 @@ from exogauge.robots.kinematics import forward
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import contact_effect
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = Settings(cutoff_hz=8.0)
 MIDDLE = np.array([0.06, -0.04, 0.1])  # of every link's mass
 

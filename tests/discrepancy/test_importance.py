@@ -15,13 +15,14 @@ def finding(rank, effect, before, after, **parameters):
     return Finding(rank, effect, Place("joint", "j1"), known, held_out, 0.5, "", (), (), "", NOTHING)
 
 
-def test_effects_stand_by_the_gap_they_close_behind_the_logs_and_before_the_makers_numbers():
+def test_effects_stand_by_the_gap_they_close_behind_what_was_done_about_the_logs():
     told = by_importance([
         finding(1, "kt_gain", 9.0, 0.1), finding(2, "joint_spring", 0.13, 0.11), finding(3, "band_viscous", 0.3, 0.1),
         finding(4, "contact", 1.0, 1.0), finding(5, "payload", 5.0, 0.1), finding(6, "payload", 0.5, 0.1, since=2.0),
         finding(7, "stribeck", float("nan"), float("nan")),
     ])  # fmt: skip
     assert [each.effect for each in told] == [
-        "contact", "payload", "band_viscous", "joint_spring", "stribeck", "kt_gain", "payload",
+        "contact", "kt_gain", "payload", "payload", "band_viscous", "joint_spring", "stribeck",
     ]  # fmt: skip
+    assert [each.held_out.rmse_before for each in told[2:4]] == [5.0, 0.5]
     assert [each.rank for each in told] == list(range(1, 8))

@@ -10,6 +10,8 @@ from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 
+pytestmark = pytest.mark.slow
+
 JOINTS, K_T = ("j1", "j2", "j3"), (6.0, 5.0, 3.0)  # `weighed` states these, within
 DOUBT, MASS_DOUBT = 0.02, 0.03
 SETTINGS = Settings(cutoff_hz=8.0)
@@ -33,7 +35,7 @@ def findings(weighed, record):
             recordings.append(Recording(replace(log, channels=channels), number == 9))
         found = identify(robot, recordings, SETTINGS)
         odd = contradicted(found.model, [each.log for each in recordings if not each.held_out])
-        return [name_contradiction(rank, found, each) for rank, each in enumerate(odd, 1)]
+        return [name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd, 1)]
 
     return run
 
@@ -56,6 +58,8 @@ def test_a_logged_torque_that_is_not_what_the_motor_gives_is_named(findings):
     ratio = finding.parameters["ratio"]
     assert abs(ratio.value - 1.15) < 3.0 * ratio.std
     assert finding.parameters["gain"].unit == "1"
+    assert finding.held_out.channel == "tau.j2"
+    assert finding.held_out.rmse_after < 0.9 * finding.held_out.rmse_before
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -6,10 +6,13 @@ The logs are made without our code, and every hidden form is another one than th
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.signal import butter, sosfiltfilt
 from tests.sensor_arm import GRAVITY, Reading, describe, record, wrist
 
 from exogauge.discrepancy.workflow import Found, find_missing_effects
@@ -228,8 +231,45 @@ def test_an_imu_that_is_stamped_late_is_named_with_its_delay(trunk: Robot) -> No
     assert one_way(found, "delay") == pytest.approx(0.02, abs=0.002)
 
 
+def mounted_askew(log: Log, turn: np.ndarray) -> Log:
+    """The IMU is turned by `turn` against the base and nobody knows: a whole rotation, not to first order."""
+    R = pin.exp3(turn)
+    read = {
+        f"{kind}.{axis}": column
+        for kind in ("acc", "gyro")
+        for axis, column in zip("xyz", R.T @ log.stack([f"{kind}.{each}" for each in "xyz"]).T, strict=True)
+    }
+    return replace(log, channels=log.channels | read)
+
+
+@pytest.mark.parametrize("turn", [[0.0, 0.01, 0.0], [-0.05, 0.04, 0.06]])
+def test_an_imu_that_is_mounted_askew_is_named_with_its_angles(trunk: Robot, turn: list[float]) -> None:
+    found = searched(trunk, [mounted_askew(swaying(seed), np.array(turn)) for seed in SEEDS])
+    assert named(found) == [("base_tilt", "base", "base", "")]
+    told = found.discrepancy.findings[0].parameters
+    for axis, value in zip("xyz", turn, strict=True):
+        angle = told[f"about_{axis}"]
+        assert angle.value == pytest.approx(value, abs=max(3.0 * angle.std, 0.0015))
+    assert told["about_x"].std < 0.002
+
+
 def test_an_imu_that_is_in_time_is_not_blamed(trunk: Robot) -> None:
     assert named(searched(trunk, [swaying(seed) for seed in SEEDS])) == []
+
+
+def test_logs_that_were_low_passed_are_seen_with_a_sensor_inside_the_robot_too(tmp_path: Path) -> None:
+    sensors, sections = [wrist("payload_on_sensor")], butter(4, 3.0, fs=200.0, output="sos")
+    robot = describe(tmp_path, sensors)
+    logs = []
+    for seed in SEEDS:
+        log = record(seed, sensors, LONG)
+        channels = {
+            name: sosfiltfilt(sections, values - values[0]) + values[0] for name, values in log.channels.items()
+        }
+        logs.append(replace(log, channels=channels))
+    found = searched(robot, logs)
+    assert named(found)[0] == ("band_limited_log", "log", "all", "")
+    assert all(each.log.band_hz for each in found.recordings)
 
 
 def test_all_that_can_be_named_here_has_words() -> None:

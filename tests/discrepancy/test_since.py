@@ -11,6 +11,8 @@ from exogauge.identification.identify import identify
 from exogauge.identification.link_site import LinkSite, end_links
 from exogauge.identification.settings import Recording, Settings
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = Settings(cutoff_hz=8.0)
 LOAD_KG, LOAD_AT = 0.4, np.array([0.05, -0.02, 0.12])
 
@@ -68,10 +70,23 @@ def test_friction_that_shifts_is_named_with_the_log_from_which_it_does(searched)
     assert finding.held_out.rmse_after < 0.1 * finding.held_out.rmse_before
 
 
-def test_friction_that_shifts_with_the_held_out_log_only_cannot_be_known(searched):
+def test_friction_that_shifts_with_the_only_held_out_log_is_named_once_that_log_is_fitted(searched):
     found = searched(rougher, 3).discrepancy
-    assert "friction_shift" not in [each.effect for each in found.findings]
-    assert [each.channel for each in found.unexplained][:1] == ["tau.j2"] or found.findings
+    (finding,) = found.findings
+    assert (finding.effect, finding.place.name) == ("friction_shift", "j2")
+    assert finding.parameters["since"].value == 3
+    assert finding.parameters["tau_c_change"].value == pytest.approx(0.5, abs=0.1)
+    log = finding.held_out.log
+    assert log
+    assert f"the error in {log}" in finding.sentence
+    assert [log in note and "had to be fitted" in note for note in found.notes] == [True]
+    assert finding.held_out.rmse_after < 0.3 * finding.held_out.rmse_before
+
+
+def test_without_a_change_the_held_out_log_stays_held_out(searched):
+    found = searched(lambda m: np.zeros_like(m.v), 0)
+    assert found.discrepancy.notes == ()
+    assert {fit.held_out for fit in found.identification.validation} == {True, False}
 
 
 def test_only_a_beginning_among_the_fitted_logs_is_tried():

@@ -8,6 +8,8 @@ from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.site import AxisSite
 
+pytestmark = pytest.mark.slow
+
 
 def falling_with_speed(m):
     """Friction near rest, by another formula than the catalogue's exponential."""

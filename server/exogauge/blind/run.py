@@ -19,12 +19,12 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from exogauge.blas_threads import limit_children
 from exogauge.errors import BadInput, ExogaugeError, Fault, Unavailable
 from exogauge.jobs.code_version import code_version
 
 RESULTS = "results"
 _STARTED = ".started"
-_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 Progress = Callable[[float, str], None]
 
@@ -40,8 +40,7 @@ def run(out: Path, progress: Progress, processes: int, keep: bool = False) -> li
         raise BadInput(Fault("there are no cases in this folder", "no_cases", advice, file=str(out)))
     results, code = out / RESULTS, code_version()
     results.mkdir(exist_ok=True)
-    for name in _ONE_THREAD:
-        os.environ.setdefault(name, "1")  # the processes take it over; they are as many as there are processors
+    limit_children()  # they are as many as there are processors
     for mark in results.glob(f"*{_STARTED}"):  # of a run that was interrupted
         mark.unlink()
     missing = {case for case in cases if not _is_done(results / f"{case}.json", code, keep)}

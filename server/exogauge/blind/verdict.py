@@ -79,11 +79,11 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
     first: Mapping[str, Any] = findings[0] if findings else {}
     others = sorted(first.get("alternatives", []), key=lambda each: -float(each["score"] or 0.0))
     ranking = [*named, *(name for name in at.names(others) if name not in named)]
-    left = [
-        each["held_out"]["rmse_after"] / each["held_out"]["noise_floor"]
-        for each in findings
-        if each.get("held_out") and each["held_out"]["noise_floor"]
-    ]
+    left: dict[str, float] = {}  # channel -> with all that was named there: the last one added leaves least
+    for held in (each["held_out"] for each in findings if each.get("held_out")):
+        if held["noise_floor"]:
+            channel, ratio = held["channel"], held["rmse_after"] / held["noise_floor"]
+            left[channel] = min(ratio, left.get(channel, ratio))
     return Verdict(
         case=answer["case"],
         robot=answer["robot"],
@@ -93,7 +93,7 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
         named=named,
         ranking=tuple(ranking),
         also=at.names(first.get("also_possible", [])),
-        over_floor=max(left) if left else None,
+        over_floor=max(left.values()) if left else None,
         seconds=float(result["seconds"]),
         error=result["error"],
     )

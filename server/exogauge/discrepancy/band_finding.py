@@ -18,6 +18,7 @@ from exogauge.discrepancy.band_stated import Contradicted
 from exogauge.discrepancy.result import Alternative, Finding, HeldOut, Place
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
+from exogauge.effects.words import at_place
 
 Array = NDArray[np.float64]
 
@@ -187,4 +188,6 @@ def _next(others: Sequence[Alternative]) -> str:
     best = max(others, key=lambda each: each.score, default=None)
     if best is None or best.score < 0.005:
         return ""
-    return f" The next best, {best.effect} at {best.place.name}, explains {100 * best.score:.0f} %."
+    return (
+        f" The next best, {at_place(best.effect, best.place.kind, best.place.name)}, explains {100 * best.score:.0f} %."
+    )

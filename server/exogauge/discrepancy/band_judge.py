@@ -46,8 +46,9 @@ class Folds:
 @dataclass(frozen=True)
 class BandJudgement:
     """One candidate, fitted with everything else. z: standard errors by which the square error on what was left out
-    falls; std: of its coefficients. before, after: (N, D) [N·m] residuals there, NaN where never left out. blocks:
-    gains by block, of samples that were left out; fitted_blocks: of all. joint: place of the one that shows it most."""
+    falls; std: of its coefficients. before, after: (N, D) [N·m] residuals there, NaN where never left out. blocks: (B,)
+    gains by block, of samples that were left out; fitted_blocks: of all that are fitted, or of the logs in which an
+    effect of one moment acts. NaN: of none. joint: place of the one that shows it most."""
 
     added: Added
     fitted: Fitted
@@ -154,13 +155,14 @@ def _acted_on(setting: Setting, fitted: Fitted, width: int) -> BoolArray:
 
 
 def by_block(logs: WearLogs, gains: Array) -> Array:
-    """Sums over joints and blocks. gains: (N, D), NaN where nothing counts."""
-    counts = np.isfinite(gains).any(axis=1)
-    return summed(np.nansum(gains[counts], axis=1), logs.block[counts])
+    """(B,) sums over joints, by block of all logs. gains: (N, D). NaN: where nothing counts."""
+    counts, total = np.isfinite(gains).any(axis=1), np.full(int(logs.block.max()) + 1, np.nan)
+    total[np.unique(logs.block[counts])] = summed(np.nansum(gains[counts], axis=1), logs.block[counts])
+    return total
 
 
 def apart(one: BandJudgement, other: BandJudgement) -> float:
-    """Standard errors by which one explains more than another, on the same blocks."""
+    """Standard errors by which one explains more than another, on the blocks that both are known of."""
     if one.once or other.once:
         return sureness(one.fitted_blocks - other.fitted_blocks)
     return sureness(one.blocks - other.blocks)
@@ -182,7 +184,7 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
     if judged.once:
         if judged.evidence < EVIDENCE_ONCE:
             return "it happens once, so nothing can be held out, and the evidence is not overwhelming"
-    elif len(judged.blocks) < FEWEST_BLOCKS:
+    elif np.isfinite(judged.blocks).sum() < FEWEST_BLOCKS:
         return "too little steady motion is left out of the fit to judge it"
     needed = SPREAD_ONCE if judged.once else SURE
     if judged.z < needed:

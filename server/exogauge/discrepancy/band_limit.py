@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
+from exogauge.discrepancy.band_floor import of_the_noise_floor
 from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.discrepancy.turn_evidence import turn_evidence
-from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.result import Identification
@@ -97,8 +97,8 @@ def band_limits(
 
 
 def stored_band(model: RobotModel, logs: Sequence[Log], edge_hz: float) -> Band | None:
-    """The cut-off at which the model explains the unfiltered logs best; None where the best is at an end of what is
-    tried, so that no band explains them.
+    """The cut-off at which the model, one without added effects, explains the unfiltered logs best; None where the best
+    is at an end of what is tried, so that no band explains them.
 
     Std: one block of a second left out at a time (jackknife).
     """
@@ -121,12 +121,10 @@ def stored_band(model: RobotModel, logs: Sequence[Log], edge_hz: float) -> Band 
 
 def _squares(model: RobotModel, logs: Sequence[Log], cutoffs: Array) -> Array:
     """(cut-offs, channels, blocks) sums of squared residuals over a second each."""
-    own = model.equations
-    equations = Equations(own.robot, own.blocks, own.base, own.effects)
     blocks = [(np.arange(log.samples) / (BLOCK_S * log.rate_hz)).astype(np.intp) for log in logs]
     found = []
     for hz in cutoffs:
-        fits = quick_fit(equations, [replace(log, band_hz=float(hz)) for log in logs], model.cutoff_hz)
+        fits = quick_fit(model.equations, [replace(log, band_hz=float(hz)) for log in logs], model.cutoff_hz)
         rows = [
             np.concatenate([np.bincount(at, fit.residual[c] ** 2) for fit, at in zip(fits, blocks, strict=True)])
             for c in fits[0].residual
@@ -177,7 +175,8 @@ def _finding(
         f"The signals were low-passed at {band.hz:.2f} ± {band.std:.2f} Hz before they were stored: nothing is left "
         f"above, not even the sensors' noise, and in every joint friction turns round as slowly as such a filter does. "
         f"With the model passed through the same low-pass the held-out error of {held_out.channel}, turns included, "
-        f"falls from {held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE."
+        f"falls from {held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE. "
+        f"{of_the_noise_floor(before.model.robot, limited, held_out.channel)}"
     )
     return Finding(
         rank=1,

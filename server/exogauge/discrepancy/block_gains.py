@@ -13,7 +13,9 @@ FEWEST = 5  # parts from which ranks tell anything
 
 def sureness(gains: Array) -> float:
     """Standard errors by which parts gain: of their mean, or of their signed ranks where those say more in the same
-    direction. A few parts that gain much make the mean's own error large, although nearly all parts gain."""
+    direction. A few parts that gain much make the mean's own error large, although nearly all parts gain. NaN: a part
+    of which nothing is known."""
+    gains = gains[np.isfinite(gains)]
     if len(gains) < 2:
         return 0.0
     error = float(gains.std(ddof=1)) / np.sqrt(len(gains))

@@ -10,8 +10,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.effects.order import whatever_log
 from exogauge.identification.link_site import LinkSite, end_links
 from exogauge.identification.model import RobotModel
+from exogauge.identification.pair_site import PairSite, neighbours
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import AxisSite, BaseSite, Effect, Seen, SensorSite, Site
 
@@ -39,17 +41,17 @@ class Candidate:
 
 
 def sites(model: RobotModel) -> tuple[Site, ...]:
-    """Where effects can sit: axes whose drive is logged, components of sensors that carry bodies, links
-    that carry nothing, the base."""
+    """Where effects can sit: axes whose drive is logged, neighbouring ones of them, components of sensors that carry
+    bodies, links that carry nothing, the base."""
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     components = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
-    return (*axes, *components, *end_links(model.equations), BaseSite())
+    return (*axes, *neighbours(model.robot), *components, *end_links(model.equations), BaseSite())
 
 
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
-    return {AxisSite: "joint", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
+    return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
 
 
 def candidates_at(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
@@ -63,12 +65,26 @@ def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
 
 def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, kinds: int) -> Array:
     """(n, C, kinds) what they take off the site's rows per unit of each coefficient, at the log's kept samples,
-    low-passed as the rows are."""
+    low-passed as the rows are. Effects that differ in the log alone that they begin with are filtered once."""
     if not candidates:
         return np.zeros((len(prepared.kept), 0, kinds))
-    raw = np.concatenate([seen.columns(each.effect, each.shape) for each in candidates], axis=1)
+    distinct: dict[tuple[str, tuple[float, ...], bool], slice] = {}
+    raw, asked, width = list[Array](), list[slice](), 0
+    for each in candidates:
+        own = seen.columns(each.effect, each.shape)
+        same = each.effect.name, whatever_log(each.effect.shapes, each.shape), bool(own.any())
+        if same not in distinct:
+            distinct[same] = slice(width, width + each.width)
+            raw, width = [*raw, own], width + each.width
+        asked.append(distinct[same])
+    kept = _filtered(np.concatenate(raw, axis=1), prepared)
+    return np.concatenate([kept[:, which] for which in asked], axis=1)
+
+
+def _filtered(raw: Array, prepared: Prepared) -> Array:
+    """(T, C, kinds) to (n, C, kinds)."""
     flat = raw.reshape(len(raw), -1)
     some = flat.any(axis=0)
     kept = np.zeros((len(prepared.kept), flat.shape[1]))
     kept[:, some] = prepared.low_pass.apply(flat[:, some])[prepared.kept]
-    return kept.reshape(len(kept), -1, kinds)
+    return kept.reshape(len(kept), *raw.shape[1:])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 
@@ -14,19 +14,19 @@ from exogauge.identification.validate import unit_of
 FLOORS = "floors"
 
 
-def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[str]) -> Link:
-    """channels: those in question, none for all joint torques."""
+def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[str], logs: Set[str]) -> Link:
+    """channels: those in question, none for all joint torques. logs: that errors are told of."""
     step = f"+ {so_far[-1].effect} at {so_far[-1].place.words}" if so_far else "identified model"
     joints = [f"tau.{joint.name}" for joint in found.model.robot.joints]
     asked = list(dict.fromkeys(channels)) or joints
-    each = {name: pooled([fit for fit in found.validation if fit.held_out and fit.channel == name])
+    each = {name: pooled([fit for fit in found.validation if fit.log in logs and fit.channel == name])
             for name in dict.fromkeys([*asked, *joints])}  # fmt: skip
     known = {name: values for name, values in each.items() if np.isfinite(values[0]) and values[1] > 0.0}
     worst = max(known, key=lambda name: known[name][0] / known[name][1], default="")
     worst_rmse, worst_floor = known.get(worst, (float("nan"), float("nan")))
     sorts = {(unit_of(name), name.partition(".")[0]) for name in asked}
     if len(sorts) == 1:  # a sensor's moments would drown among joint torques
-        rmse, floor = pooled([fit for fit in found.validation if fit.held_out and fit.channel in asked])
+        rmse, floor = pooled([fit for fit in found.validation if fit.log in logs and fit.channel in asked])
         return Link(step, rmse, floor, worst, worst_rmse, worst_floor, unit_of(asked[0]))
     ratios = [known[name][0] / known[name][1] for name in asked if name in known]
     rmse = float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")

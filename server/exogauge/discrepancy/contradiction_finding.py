@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.contradicted import Change, Contradiction
 from exogauge.discrepancy.everywhere import ALL
 from exogauge.discrepancy.number_name import effect_and_place
+from exogauge.discrepancy.put_back import put_back
 from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.discrepancy.stated_numbers import TORQUE_DOUBT, gain_columns
 from exogauge.identification.model import RobotModel
 from exogauge.identification.parameters import coefficient_unit
-from exogauge.identification.result import ChannelFit, Identification
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
 
 NOTHING_TO_DRAW = np.zeros(0)
 MOST_ALIKE = 2  # others that are worth a name
@@ -22,11 +26,13 @@ ONE_FACTOR = "one factor on every motor's gain makes the data as likely"
 ONE_BODY = "a heavier link and a load fixed to it are the same"
 
 
-def name_contradiction(rank: int, found: Identification, odd: Contradiction) -> Finding:
+def name_contradiction(
+    rank: int, found: Identification, recordings: Sequence[Recording], settings: Settings, odd: Contradiction
+) -> Finding:
     """found: with all effects that were named before it."""
     model, best = found.model, odd.best
     effect, place = effect_and_place(model, best)
-    held_out = _held_out(found, "" if best.of_link else f"tau.{place.name}")
+    held_out = put_back(found, recordings, best, settings)
     same = [Alternative("link_mass", place, 1.0, ONE_BODY)] if effect == "payload" else []
     same += [Alternative("kt_gain", Place("joint", ALL), 1.0, ONE_FACTOR)] if odd.or_all_gains else []
     alike = [*same, *(_alternative(model, each, best) for each in odd.alike)][:MOST_ALIKE]
@@ -64,9 +70,9 @@ def _contradicted(model: RobotModel, best: Change, place: Place) -> str:
 
 def _errors(held_out: HeldOut) -> str:
     return (
-        f"With the maker's values the held-out error of {held_out.channel} is {held_out.rmse_before:.2g} "
-        f"{held_out.unit} RMSE, with the identified ones {held_out.rmse_after:.2g} (noise floor "
-        f"{held_out.noise_floor:.2g})."
+        f"With the maker's value of this alone the held-out error of {held_out.channel} is "
+        f"{held_out.rmse_before:.2g} {held_out.unit} RMSE, with the identified one {held_out.rmse_after:.2g} (noise "
+        f"floor {held_out.noise_floor:.2g})."
     )
 
 
@@ -101,22 +107,3 @@ def _stated_gain(model: RobotModel, best: Change) -> tuple[Estimate, str]:
 def _alternative(model: RobotModel, each: Change, best: Change) -> Alternative:
     share = float(np.clip(each.evidence / best.evidence, 0.0, 1.0))
     return Alternative(*effect_and_place(model, each), share, "the data are less likely with it")
-
-
-def _held_out(found: Identification, channel: str) -> HeldOut:
-    """channel: or, where that was not predicted, the one on which the maker's values err most relative to its noise."""
-    fits = [fit for fit in found.validation if fit.held_out] or list(found.validation)
-    own = [fit for fit in fits if fit.channel == channel]
-    base = [fit for fit in fits if fit.channel.startswith("base.m")]
-    by_channel: dict[str, list[ChannelFit]] = {}
-    for fit in own or base or fits:
-        by_channel.setdefault(fit.channel, []).append(fit)
-    pooled = {name: _pooled(each) for name, each in by_channel.items()}
-    worst = max(pooled, key=lambda name: pooled[name][0] / max(pooled[name][2], 1e-12))
-    return HeldOut(worst, by_channel[worst][0].unit, *pooled[worst])
-
-
-def _pooled(fits: list[ChannelFit]) -> tuple[float, float, float]:
-    values = [(fit.rmse_prior, fit.rmse_identified, fit.noise_floor) for fit in fits]
-    before, after, floor = np.sqrt(np.mean(np.square(values), axis=0))
-    return float(before), float(after), float(floor)

@@ -20,8 +20,9 @@ FEWEST = 8  # samples in a bin
 USUAL = 12  # samples in a bin of a short log
 UNITS = {
     "velocity": "rad/s", "position": "rad", "load": "N·m", "time": "s", "acceleration": "rad/s²", "drive": "N·m",
-    "temperature": "°C",
+    "temperature": "°C", "motor_velocity": "rad/s",
 }  # fmt: skip
+VELOCITIES = ("velocity", "motor_velocity")
 
 
 def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows]) -> Evidence:
@@ -32,7 +33,8 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     known = [each for each in rows if kind in each.rows]
     shown = [each for each in known if each.held_out] or known
     edge = model.solution.solved.x - model.solution.unbounded.x  # the model that is added to keeps to physical ranges
-    at = np.concatenate([each.seen.coordinate(effect.coordinate)[each.rows[kind].samples] for each in shown])
+    over = [each.seen.coordinate(effect.coordinate, candidate.shape) for each in shown]
+    at = np.concatenate([values[each.rows[kind].samples] for values, each in zip(over, shown, strict=True)])
     before = sign * np.concatenate([each.rows[kind].e - each.rows[kind].A @ edge[own[kind]] for each in shown])
     after = sign * np.concatenate(
         [each.after(effect, candidate.shape, found.coefficients, found.step, own)[kind] for each in shown]
@@ -41,7 +43,7 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     torque = -sign * np.concatenate(columns) @ found.coefficients
     bins = int(np.clip(len(at) // USUAL, 1, BINS))
     edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
-    if effect.coordinate == "velocity":  # friction turns round at zero: no bin may hold both sides
+    if effect.coordinate in VELOCITIES:  # friction turns round at zero: no bin may hold both sides
         edges = np.unique([*edges, np.clip(0.0, edges[0], edges[-1])])
     place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
     count = np.bincount(place, minlength=len(edges) - 1)
@@ -65,5 +67,5 @@ def strongest(shown: Evidence, unit: str) -> str:
     """Where what is missing is largest: `+3.1 N·m at a velocity of 0.02 rad/s`."""
     if not len(shown.at):
         return ""
-    k = int(np.argmax(np.abs(shown.before)))
-    return f"{shown.before[k]:+.2g} {unit} at a {shown.coordinate} of {shown.at[k]:.2g} {shown.unit}"
+    k, over = int(np.argmax(np.abs(shown.before))), shown.coordinate.replace("_", " ")
+    return f"{shown.before[k]:+.2g} {unit} at a {over} of {shown.at[k]:.2g} {shown.unit}"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.discrepancy.candidates import Candidate, candidates_at, columns_of, place_kind, sites
 from exogauge.discrepancy.score import Score, residual_memory, score_all
 from exogauge.discrepancy.sums import Sums
-from exogauge.effects.order import begins_among
+from exogauge.effects.order import about, begins_among
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Recording
@@ -58,11 +58,19 @@ class Ground:
     scores: tuple[Score, ...]
 
 
-def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequence[Effect], tick: Tick) -> Ground:
-    """Pass over the logs, then score every candidate on the fitted ones."""
+def lay_ground(
+    model: RobotModel,
+    recordings: Sequence[Recording],
+    effects: Sequence[Effect],
+    tick: Tick,
+    only: int | None = None,
+    at: Site | None = None,
+) -> Ground:
+    """Pass over the logs, then score every candidate on the fitted ones. only: number of the log that candidates must
+    begin with, or sit in. at: the only place that is tried."""
     x, fitted = model.solution.unbounded.x, Sums()
     numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
-    everywhere = {site: _all_at(model, site, effects, numbers) for site in sites(model)}
+    everywhere = {site: _all_at(model, site, effects, numbers, only) for site in sites(model) if at in (None, site)}
     everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
     shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
     residuals: list[LogResiduals] = []
@@ -96,12 +104,15 @@ def lay_ground(model: RobotModel, recordings: Sequence[Recording], effects: Sequ
     return Ground(model, tried, everywhere, fitted, memory, tuple(residuals), ranked)
 
 
-def _all_at(model: RobotModel, site: Site, effects: Sequence[Effect], numbers: Sequence[int]) -> list[Candidate]:
+def _all_at(
+    model: RobotModel, site: Site, effects: Sequence[Effect], numbers: Sequence[int], only: int | None
+) -> list[Candidate]:
     """An effect sits at a site once, and begins between the first and the last of the fitted logs, if it begins."""
     there = {each.effect.name for each in model.extension.effects if each.site == site} if model.extension else set()
     fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
     every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
-    return [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
+    every = [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
+    return [each for each in every if only is None or about(each.effect.shapes, each.shape, only)]
 
 
 def _applies(effect: Effect, seen: Seen) -> bool:

@@ -8,10 +8,11 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
+from exogauge.discrepancy.block_gains import sureness
 from exogauge.discrepancy.score import Score
 from exogauge.discrepancy.site_rows import SiteRows
+from exogauge.effects.order import bounded
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
 
@@ -35,8 +36,8 @@ class Judgement:
 
     kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
     [N·m or N]. blocks: by how much the weighted square error falls in each held-out block, for comparing candidates
-    with each other. objection: why it may not be claimed, or "". What sits in one fitted log cannot be held out: then
-    all of this is about that log, and more is asked.
+    with each other. logs: that all of this is about, the held-out ones. objection: why it may not be claimed, or "".
+    once: what sits in fitted logs alone cannot be held out: then it is about these, and more is asked.
     """
 
     score: Score
@@ -46,6 +47,8 @@ class Judgement:
     before: float
     after: float
     blocks: Blocks
+    logs: tuple[str, ...]
+    once: bool
     objection: str
 
     @property
@@ -91,11 +94,12 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgemen
             _Change(each, kind, each.rows[kind].e, after, acts) for kind, after in left.items() if weights[kind] > 0
         ]
     out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))
-    once = bool(out) and not any(each.acts for each in out) and any(each.acts for each in fitted)
+    there, elsewhere = ({each.rows.log for each in changes if each.acts is acts} for acts in (True, False))
+    once = bounded(candidate.effect.shapes) and not any(each.acts for each in out) and bool(there and elsewhere - there)
     if once:
-        out = [each for each in fitted if each.acts]
+        out = [each for each in fitted if each.rows.log in there]
     blocks, blocks_fitted = _summed(out, weights), _summed(fitted, weights)
-    z, z_fitted = (_z(np.array(list(each.values()))) for each in (blocks, blocks_fitted))
+    z, z_fitted = (sureness(np.array(list(each.values()))) for each in (blocks, blocks_fitted))
     by_kind = {kind: weights[kind] * sum(float(each.gain.sum()) for each in out or fitted if each.kind == kind)
                for kind in {each.kind for each in out or fitted}}  # fmt: skip
     kind = max(by_kind, key=lambda one: by_kind[one])
@@ -106,13 +110,14 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgemen
     )
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
     objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else SURE)
-    return Judgement(score, kind, z, z_fitted, before, after, blocks, objection)
+    logs = tuple(dict.fromkeys(each.rows.log for each in out))
+    return Judgement(score, kind, z, z_fitted, before, after, blocks, logs, once, objection)
 
 
 def apart(one: Judgement, other: Judgement) -> float:
     """Standard errors by which one candidate explains more than another one, block by block."""
     every = one.blocks.keys() | other.blocks.keys()
-    return _z(np.array([one.blocks.get(each, 0.0) - other.blocks.get(each, 0.0) for each in sorted(every)]))
+    return sureness(np.array([one.blocks.get(each, 0.0) - other.blocks.get(each, 0.0) for each in sorted(every)]))
 
 
 def _summed(changes: Sequence[_Change], weights: Array) -> dict[tuple[str, int], float]:
@@ -133,7 +138,7 @@ def _objection(
     if explained < LEAST:
         return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
     if z < sure:
-        where = "on held-out logs" if sure == SURE else "in the one log that has it"
+        where = "on held-out logs" if sure == SURE else "in the log that has it"
         return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.0f} are asked for)"
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
@@ -143,7 +148,7 @@ def _objection(
         change = dict(
             pair for each, mask in zip(moving, inside, strict=True) for pair in each.blocks(weights[each.kind], mask)
         )
-        worse = _z(np.array(list(change.values())))
+        worse = sureness(np.array(list(change.values())))
         if worse < -WORSE:
             return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
     return ""
@@ -161,21 +166,3 @@ REGIMES: dict[str, Callable[[_Change], NDArray[np.bool_]]] = {
     "in positive motion": lambda each: _velocity(each) > 0.0,
     "in negative motion": lambda each: _velocity(each) < 0.0,
 }
-
-
-def _z(gains: Array) -> float:
-    """Standard errors by which blocks gain: of their mean, or of their ranks (Wilcoxon) where that says more.
-
-    A few fast blocks that gain much widen the mean's own error; that nearly all blocks gain is just as telling.
-    """
-    if len(gains) < 2:
-        return 0.0
-    error = float(gains.std(ddof=1)) / np.sqrt(len(gains))
-    mean = float(gains.mean() / error) if error > 0.0 else 0.0
-    told = gains[gains != 0.0]
-    if len(told) < FEWEST_BLOCKS:
-        return mean
-    order = rankdata(np.abs(told))
-    n = len(told)
-    ranks = (float(order[told > 0.0].sum()) - n * (n + 1) / 4.0) / np.sqrt(n * (n + 1) * (2 * n + 1) / 24.0)
-    return max(mean, float(ranks)) if mean > 0.0 else min(mean, float(ranks))

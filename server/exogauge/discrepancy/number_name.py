@@ -5,9 +5,7 @@ from __future__ import annotations
 from exogauge.discrepancy.contradicted import Change
 from exogauge.discrepancy.result import Place
 from exogauge.identification.model import RobotModel
-from exogauge.robots.tree import RigidTree
-
-FINGERS = 0.05  # of the robot's mass: what a hand may carry and still be the end
+from exogauge.robots.ends import carries_nothing
 
 
 def effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
@@ -18,14 +16,3 @@ def effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
     heavier = change.value[0] > 0.0
     effect = "payload" if heavier and carries_nothing(robot.tree, index) else "link_mass"
     return effect, Place("link", robot.tree.bodies[index])
-
-
-def carries_nothing(tree: RigidTree, body: int) -> bool:
-    """Whether no other body hangs on this one, or only fingers' worth of mass: where a payload is carried.
-
-    What hangs behind a force/torque sensor is a hand of its own, however light.
-    """
-    carried = [k for k in range(len(tree.bodies)) if tree.parent[k] == body]
-    light = float(sum(tree.phi[k, 0] for k in carried)) < FINGERS * tree.mass
-    last = not any(tree.parent[k] in carried for k in range(len(tree.bodies)))
-    return light and last and not any(tree.bodies[k] in tree.parts for k in carried)

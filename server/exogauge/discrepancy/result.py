@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
+from exogauge.discrepancy.planned_motion import Apart, PlannedMotion
+from exogauge.discrepancy.undecided import Undecided
 
 Array = NDArray[np.float64]
 Verdict = Literal["effects", "none", "unexplained"]
@@ -34,13 +36,17 @@ class Place:
 @final
 @dataclass(frozen=True)
 class HeldOut:
-    """RMSE of one channel in the regime where the model claims to hold (steady motion), on held-out logs."""
+    """RMSE of one channel in the regime where the model claims to hold (steady motion), on held-out logs.
+
+    log: the only log that has the effect; then all is about that one, which is fitted. Else "".
+    """
 
     channel: str
     unit: str
     rmse_before: float
     rmse_after: float
     noise_floor: float
+    log: str = ""
 
     @property
     def explained(self) -> float:
@@ -87,7 +93,8 @@ class Evidence:
 class Finding:
     """One named effect. parameters: coefficients and shapes by name. score: share of the excess it explains on held-out
     logs. sentence: the evidence in words. also_possible: what these data cannot tell from it; motion: in words, the one
-    that would."""
+    that would. apart: how far each of those is from it, where that was computed; plans: the motions that tell them
+    apart. undecided: what planning them needs, None once that is done."""
 
     rank: int
     effect: str
@@ -100,6 +107,9 @@ class Finding:
     also_possible: tuple[Alternative, ...]
     motion: str
     evidence: Evidence
+    apart: tuple[Apart, ...] = ()
+    plans: tuple[PlannedMotion, ...] = ()
+    undecided: Undecided | None = field(default=None, repr=False, compare=False)
 
 
 @final

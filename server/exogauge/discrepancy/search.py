@@ -10,10 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
-import numpy as np
-
 from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.finding import channel_of, name_effect, objection, rejection
+from exogauge.discrepancy.finding import channel_of, low_passed, name_effect, objection, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
@@ -22,8 +20,11 @@ from exogauge.discrepancy.refine import refined
 from exogauge.discrepancy.result import Alternative, Finding
 from exogauge.discrepancy.score import Score, score
 from exogauge.discrepancy.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.discrepancy.worth import Named, gone, not_worth
+from exogauge.effects.words import effect_words
 from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
+from exogauge.identification.pair_site import PairSite
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.site import AxisSite, Effect, Site
@@ -37,19 +38,19 @@ RELINEARISED = (
 )
 NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
 
-MATTERS = 0.5  # of the noise floor: what takes less off the held-out error is no name worth
-
 Key = tuple[str, Site]
 
 
 @final
 @dataclass(frozen=True)
 class Step:
-    """One effect that was added: as it is in the model, as it is told, and the model with it."""
+    """One effect that was added: as it is in the model, as it is told, and the model with it. gone: RMS that it takes
+    off the held-out error, low-passed [N·m or N]."""
 
     added: AddedEffect
     finding: Finding
     found: Identification
+    gone: float
 
 
 @final
@@ -58,6 +59,8 @@ class Search:
     """base: the robot identified without missing effects. steps: what was added, in order. ground: the last one laid.
 
     failed: what was added and taken back. rejected: what the last round judged and did not claim. tried: candidates.
+    rounds: grounds laid. done: share of the work, as told. only: number of a log; then nothing is tried but what begins
+    with it, or sits in it.
     """
 
     base: Identification
@@ -71,6 +74,9 @@ class Search:
     first: Ground | None = None
     last: Ground | None = None
     tried: int = 0
+    rounds: int = 0
+    done: float = 0.0
+    only: int | None = None
 
     @property
     def current(self) -> Identification:
@@ -84,43 +90,59 @@ class Search:
                 break
         self._drop_what_is_not_needed()
 
-    def _forward(self) -> None:
-        while self._take():
-            pass
+    def resume(self, steps: Sequence[Step]) -> None:
+        """From what another search has named on."""
+        self._again(steps)
+        self._forward()
 
-    def _take(self) -> bool:
-        """Add the best that may be claimed; False where there is none."""
-        share = min(len(self.steps) / 3.0, 0.9)
-        ground = self._lay(self.current, share)
-        self.first, self.last = self.first or ground, ground
+    def _forward(self) -> None:
+        ground: Ground | None = self._lay(self.current)
+        self.first = self.first or ground
+        while ground is not None:
+            self.last, ground = ground, self._take(ground)
+
+    def _take(self, ground: Ground) -> Ground | None:
+        """Add the best that may be claimed, and lay the next ground; None where there is none."""
         judged, rows = judge_best(ground, self.recordings, self.effects)
-        judged = [self._weighed(ground, each) for each in judged]
+        judged = [self._weighed(each) for each in judged]
         self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
         for winner in claimed if len(self.steps) < MOST_EFFECTS else []:
             candidate = winner.score.candidate
-            self.progress(share + 0.25, f"adding {candidate.effect.name}")
+            self._tell(self.done + 0.05, f"adding {candidate.effect.name}")
             added = as_added(candidate)
             found = self._identified([*(step.added for step in self.steps), added])
+            following = self._lay(found)
+            without, with_it = (low_passed(each, winner) for each in (ground, following))
+            size = gone(without, with_it)
             finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows)
-            refused = objection(finding, winner)
+            refused = objection(finding, without, with_it) or self._not_worth(winner, size)
             if not refused:
-                self.steps.append(Step(added, finding, found))
-                return True
+                self.steps.append(Step(added, finding, found, size))
+                return following
             self.failed[candidate.key] = replace(rejection(ground.model, winner), reason=refused)
-        return False
+        return None
 
-    def _weighed(self, ground: Ground, judged: Judgement) -> Judgement:
-        """With an objection where the effect is real and too small to matter."""
-        if judged.objection:
-            return judged
-        channel = channel_of(ground.model.equations, judged.kind)
-        floor = pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
-        size = float(np.sqrt(max(judged.before**2 - judged.after**2, 0.0)))
-        if not size < MATTERS * floor:
-            return judged
-        told = f"it is there, and smaller than what matters ({size:.2g} where the sensors' noise is {floor:.2g})"
+    def _tell(self, fraction: float, phrase: str) -> None:
+        """How much is done, at a guess; never less than before."""
+        self.done = max(self.done, min(fraction, 0.99))
+        self.progress(self.done, phrase)
+
+    def _weighed(self, judged: Judgement) -> Judgement:
+        """With an objection where the effect is real and not worth a name."""
+        told = judged.objection or self._not_worth(judged, gone(judged.before, judged.after))
         return replace(judged, objection=told)
+
+    def _not_worth(self, judged: Judgement, size: float) -> str:
+        channel = channel_of(self.base.model.equations, judged.kind)
+        floor = pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
+        candidate = judged.score.candidate
+        named = [
+            Named(each.finding.effect, each.gone, each.added.effect.coordinate == candidate.effect.coordinate)
+            for each in self.steps
+            if each.added.site == candidate.site
+        ]
+        return not_worth(size, floor, named)
 
     def _swap(self, number: int) -> bool:
         """Whether another effect at the same place explains more than this step's, once the later ones are there."""
@@ -129,7 +151,7 @@ class Search:
         if not any(each.site == site for each in others):
             return False
         without = self._identified(others)
-        ground = self._lay(without, 0.9)
+        ground = self._lay(without, site)
         judged, _ = judge_best(ground, self.recordings, self.effects, site)
         named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
         best = next((each for each in judged if not each.objection), None)
@@ -138,7 +160,7 @@ class Search:
         if named is not None and best.score.evidence < named.score.evidence + BETTER:
             return False
         kept = [each for k, each in enumerate(self.steps) if k != number]
-        reason = f"with {', '.join(each.finding.effect for each in kept)} in the model, another one explains more"
+        reason = f"with {listed(kept)} in the model, another one explains more"
         self.failed[step.added.effect.name, site] = Alternative(
             step.finding.effect, step.finding.place, step.finding.score, reason
         )
@@ -156,7 +178,7 @@ class Search:
             channel = step.finding.held_out.channel
             now, then = (_held_out_rmse(each, channel) for each in (self.current, without))
             if then <= NO_BETTER * now:
-                reason = f"with {later[-1].finding.effect} in the model it is not needed any more"
+                reason = f"with {listed(later[-1:])} in the model it is not needed any more"
                 self.failed[step.added.effect.name, step.added.site] = Alternative(
                     step.finding.effect, step.finding.place, step.finding.score, reason
                 )
@@ -168,22 +190,25 @@ class Search:
         for each in kept:
             found = self._identified([*(step.added for step in self.steps), each.added])
             finding = replace(each.finding, rank=len(self.steps) + 1)
-            self.steps.append(Step(each.added, finding, found))
+            self.steps.append(Step(each.added, finding, found, each.gone))
 
     def _identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = {(fit.log, fit.channel): fit.noise_floor for fit in self.base.validation}
         found = self.base
-        for _ in range(1 if all(isinstance(each.site, AxisSite) for each in effects) else RELINEARISED):
+        for _ in range(1 if all(isinstance(each.site, AxisSite | PairSite) for each in effects) else RELINEARISED):
             extension = Extension(found.model, tuple(effects), floors)
             found = identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
         return found
 
-    def _lay(self, found: Identification, share: float) -> Ground:
-        def tick(fraction: float, phrase: str) -> None:
-            self.progress(min(share + 0.2 * fraction, 0.99), phrase)
+    def _lay(self, found: Identification, at: Site | None = None) -> Ground:
+        share = min(self.rounds / 3.0, 0.9)
+        self.rounds += 1
 
-        ground = lay_ground(found.model, self.recordings, self.effects, tick)
-        self.tried = sum(len(each) for each in ground.candidates.values())
+        def tick(fraction: float, phrase: str) -> None:
+            self._tell(share + 0.2 * fraction, phrase)
+
+        ground = lay_ground(found.model, self.recordings, self.effects, tick, self.only, at)
+        self.tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return ground
 
 
@@ -217,6 +242,10 @@ def judge_best(
 
 def as_added(candidate: Candidate) -> AddedEffect:
     return AddedEffect(candidate.effect, candidate.site, candidate.shape)
+
+
+def listed(steps: Sequence[Step]) -> str:
+    return ", ".join(effect_words(each.finding.effect) for each in steps)
 
 
 def _held_out_rmse(found: Identification, channel: str) -> float:

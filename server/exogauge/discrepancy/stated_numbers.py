@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.discrepancy.letting_go import IntArray, LettingGo
 from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.parameters import scale_is_known
@@ -23,6 +24,7 @@ MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from it
 BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
 BROAD_SHARE = 0.5  # of a link that is as described but of another density
 BROAD_GAIN = 0.25
+LEAST_OF_DOUBT = 0.1  # of a moment's stated doubt, that is about lengths
 TORQUE_DOUBT = 0.02  # relative, of a logged torque: what a calibration leaves, of which no maker writes
 
 
@@ -51,18 +53,17 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
         first = rows.width - len(broad)
         numbers.append(Stated(sort, index, np.arange(first, rows.width), broad))
 
-    seen, density = model.solution.prior.seen, list[tuple[int, float]]()
+    seen = model.solution.prior.seen
     for body in bodies:
         rows.moved(seen[:, 10 * body : 10 * body + 4] * BROAD)
         add("load", body, BROAD)
         if phi[body, 0] > 0.0:
             rows.moved(BROAD_SHARE * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
-            density.append((rows.width - 1, _density_doubt(model, body) / BROAD_SHARE))
             add("scaled", body, np.array([BROAD_SHARE]))
     driven = [a for a, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
     places = gain_columns(model.equations)
     if not scale_is_known(model.robot) or not places:
-        return numbers, _doubted(rows.letting_go(), density)
+        return numbers, rows.letting_go()
     logged = list[tuple[int, float]]()
     for axis in driven:
         if model.robot.joints[axis].actuation == "torque":
@@ -73,20 +74,30 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
             unit[places[axis]] = BROAD_GAIN * model.solution.prior.seen_mean[places[axis]]
             rows.moved(unit)
         add("gain", axis, np.array([BROAD_GAIN]))
-    doubted = _doubted(rows.letting_go(), [*density, *logged])
+    doubted = _doubted(rows.letting_go(), logged)
     gains = np.concatenate([each.columns for each in numbers if each.sort == "gain"])
     return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([BROAD_GAIN]))], _alike(doubted, gains)
 
 
-def _density_doubt(model: RobotModel, body: int) -> float:
-    """A link whose mass is wrong by its stated share has all moments wrong by that share, which ten independent doubts
-    hold for less likely than the maker does: what is missing, relative."""
-    phi, std = model.robot.tree.phi[body], model.solution.prior.std[10 * body : 10 * body + 10]
-    free = std > 0.0
-    if not free[0]:
-        return 0.0
-    held = 1.0 / float(np.sum((phi[free] / std[free]) ** 2))
-    return float(np.sqrt(max((std[0] / phi[0]) ** 2 - held, 0.0)))
+def as_stated(model: RobotModel) -> Prior:
+    """The model's prior with what a maker means by a doubted mass: a link that is heavier is so in all its moments.
+
+    Ten independent doubts of the same sizes hold such a link for far less likely. What is left of each moment's doubt
+    is about lengths, and stays independent.
+    """
+    prior = model.solution.prior
+    mean, std, seen = prior.mean.copy(), prior.std.copy(), prior.seen.copy()
+    for body, phi in enumerate(model.robot.tree.phi):
+        own = slice(10 * body + 1, 10 * body + 10)
+        mass = 10 * body
+        if phi[0] <= 0.0 or std[mass] <= 0.0:
+            continue
+        share = np.where(std[own] > 0.0, phi[1:] / phi[0], 0.0)
+        seen[:, mass] = prior.seen[:, mass] + prior.seen[:, own] @ share
+        mean[own] -= share * mean[mass]
+        left = std[own] ** 2 - (share * std[mass]) ** 2
+        std[own] = np.sqrt(np.maximum(left, (LEAST_OF_DOUBT * std[own]) ** 2))
+    return Prior(mean, std, seen)
 
 
 def _doubted(data: LettingGo, doubts: Sequence[tuple[int, float]]) -> LettingGo:
@@ -119,7 +130,7 @@ class _Rows:
         solution: Solution = model.solution
         self.equations, self.statistics = model.equations, solution.statistics
         self.weights = solution.weights / memory
-        self.data = PriorLeastSquares(self.statistics.square_root(self.weights), solution.prior, 1.0)
+        self.data = PriorLeastSquares(self.statistics.square_root(self.weights), as_stated(model), 1.0)
         self.G, g, _ = self.statistics.normal(self.weights)
         self.slope = g - self.G @ self.data.x
         self.A_u, self.own, self.left = list[Array](), list[Array](), list[float]()

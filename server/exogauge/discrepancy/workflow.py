@@ -18,8 +18,10 @@ from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located
+from exogauge.discrepancy.odd_log import look_into_odd_logs
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
 from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.with_motions import with_motions
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
@@ -34,10 +36,12 @@ NOT_HELD_OUT = (
 @final
 @dataclass(frozen=True)
 class Found:
-    """The search's answer, and the identification with all that was named."""
+    """The search's answer, and the identification with all that was named. recordings: with the band that they were
+    stored in, and with the time in which something touched the robot, where either was found."""
 
     discrepancy: Discrepancy
     identification: Identification
+    recordings: tuple[Recording, ...]
 
 
 def find_missing_effects(
@@ -52,26 +56,28 @@ def find_missing_effects(
     recordings, models, findings = _untouched(models, findings, recordings, settings, progress)
     search = Search(models[-1], recordings, effects, settings, progress)
     search.run()
+    search, joined = look_into_odd_logs(search)
     assert search.first is not None
     assert search.last is not None
     findings += [replace(step.finding, rank=len(findings) + n) for n, step in enumerate(search.steps, 1)]
-    models += [step.found for step in search.steps]
+    models = [*models[:-1], search.base, *(step.found for step in search.steps)]
     current, equations = search.current, search.base.model.equations
     before = located(equations, search.base, search.first.residuals)
     unexplained = located(equations, current, search.last.residuals)
     channels = [finding.held_out.channel for finding in findings] or [each.channel for each in before]
-    chain = tuple(link(each, findings[:k], channels) for k, each in enumerate(models))
+    logs = {each.log.name for each in recordings if each.held_out}
+    chain = tuple(link(each, findings[:k], channels, logs) for k, each in enumerate(models))
     family = lineage(findings)
-    fitted = [each.log for each in recordings if not each.held_out]
+    fitted = [each.log for each in search.recordings if not each.held_out]
     for odd in contradicted(current.model, fitted):
-        findings.append(name_contradiction(len(findings) + 1, current, odd))
+        findings.append(name_contradiction(len(findings) + 1, current, search.recordings, settings, odd))
     verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
-    notes = () if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
+    notes = joined if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
     progress(1.0, "compared")
     return Found(
         Discrepancy(
             verdict=verdict,
-            findings=by_importance(merged(findings, len(current.model.robot.joints))),
+            findings=with_motions(by_importance(merged(findings, len(current.model.robot.joints))), fitted),
             chain=chain,
             located=before,
             unexplained=unexplained,
@@ -82,6 +88,7 @@ def find_missing_effects(
             before_after={},
         ),
         current,
+        tuple(recordings),
     )
 
 

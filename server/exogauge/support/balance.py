@@ -51,6 +51,11 @@ class Balance:
     def at_rest(self) -> BoolArray:
         return self.rest > FULL_REST
 
+    @property
+    def left_out(self) -> BoolArray:
+        """(T,) something happened here that is not the robot's own (`Log.left_out`)."""
+        return self.prepared.left_out
+
 
 def balance(model: RobotModel, prepared: Prepared, joints: IntArray) -> Balance:
     """Both parameter sets on one log.

@@ -19,6 +19,7 @@ from exogauge.support.balance import balance
 from exogauge.support.band_doubt import NullLog
 from exogauge.support.evidence import Background, Evidence, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
+from exogauge.support.notes import notes_on_logs
 from exogauge.support.phases import phase_names
 from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
@@ -52,13 +53,15 @@ class Nothing:
 @final
 @dataclass(frozen=True)
 class Gathered:
-    """What all logs say before any band is known. backgrounds: by motion. joints: (D,) columns of q, names: theirs."""
+    """What all logs say before any band is known. backgrounds: by motion. joints: (D,) columns of q, names: theirs.
+    notes: what was done with the logs, in words."""
 
     evidences: Sequence[Evidence]
     backgrounds: Mapping[str, Background]
     nothings: Sequence[Nothing]
     joints: IntArray
     names: Sequence[str]
+    notes: Sequence[str] = ()
 
 
 def estimate_support(
@@ -94,7 +97,8 @@ def gather_support(
                 evidences.append(_evidence(model, pair, plain, background, settings))
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
-    return Gathered(evidences, backgrounds, nothings, joints, [model.robot.joints[j].name for j in joints])
+    names = [model.robot.joints[j].name for j in joints]
+    return Gathered(evidences, backgrounds, nothings, joints, names, notes_on_logs(_used(plain, worn), worn))
 
 
 def conclude_support(
@@ -114,7 +118,19 @@ def conclude_support(
         for result in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
     ]
     progress(0.95, "comparing with the band model")
-    return _result(model, evidences, backgrounds, stiffness, gathered.names, settings), tuple(stiffness)
+    support = _result(model, evidences, backgrounds, stiffness, gathered.names, settings)
+    return replace(support, warnings=(*gathered.notes, *support.warnings)), tuple(stiffness)
+
+
+def _used(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> list[PlainLog]:
+    """Logs without the device that the comparison looks at: of its motions, and those that tell of friction at rest."""
+    compared = [each for motion in dict.fromkeys(each.motion for each in worn) for each in _of_motion(plain, motion)]
+    held = _telling_of_rest(plain)
+    return [each for each in plain if any(each is one for one in (*compared, *held))]
+
+
+def _telling_of_rest(plain: Sequence[PlainLog]) -> Sequence[PlainLog]:
+    return [each for each in plain if each.held_out] or plain
 
 
 def _of_motion(plain: Sequence[PlainLog], motion: str) -> Sequence[PlainLog]:
@@ -132,7 +148,7 @@ def _plains(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray) -> l
 
 def _held_friction(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray, progress: Progress) -> Array:
     """(D,) over all logs without the device that were not fitted (or over all, where none is held out)."""
-    chosen = [each for each in plain if each.held_out] or plain
+    chosen = _telling_of_rest(plain)
     most = np.zeros(len(joints))
     for done, each in enumerate(chosen):
         progress(0.2 * done / len(chosen), f"friction at rest in {each.log.name}")

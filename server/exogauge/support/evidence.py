@@ -37,8 +37,8 @@ class Evidence:
 
     q: (T, D), posture: (T, J) [rad] low-passed. main: place among the D joints of the one that moves most.
     a, b, a_priori: (T, D) [N·m] supporting torque by each approach; a is None without a reference and NaN where the
-    reference has no such moment. std_a, std_b: (T, D). half_a, half_b: (T, D) half of the interval that friction at
-    rest leaves. compared, steady, rest: (T, D). length: (T, W) [m], jacobian: (T, W, D) [m/rad].
+    reference has no such moment or leaves it out. std_a, std_b: (T, D). half_a, half_b: (T, D) half of the interval
+    that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m], jacobian: (T, W, D) [m/rad].
     kept: samples for a fit. sloped: (n,) samples of slope_b, slope_a: (n, D, P) ∂torque/∂x.
     """
 

@@ -38,7 +38,8 @@ class Plain:
 @final
 @dataclass(frozen=True)
 class Difference:
-    """torque: (T, D) [N·m] this run minus the other at the same posture, NaN where the other has none.
+    """torque: (T, D) [N·m] this run minus the other at the same posture, NaN where the other has none, and where one of
+    them is left out.
 
     compared: (T, D) both move steadily with the same friction. rest: (T, D) sum of both runs' shares at rest.
     nearest: (T,) sample of the other run.
@@ -60,8 +61,10 @@ def difference(this: Balance, other: Balance, found: Match) -> Difference:
     clock = other.time - other.time[0]
     covered = np.zeros(len(since), dtype=np.bool_)
     covered[found.first : found.last] = True
+    covered &= ~this.left_out
     at = np.clip(since, 0.0, clock[-1])
     nearest = np.clip(np.round(np.interp(at, clock, np.arange(len(clock)))).astype(np.intp), 0, len(clock) - 1)
+    covered &= ~other.left_out[nearest]
     torque = this.torque - np.asarray(make_interp_spline(clock, other.torque, k=3)(at))
     same = np.all(this.sign == other.sign[nearest], axis=2)
     return Difference(
@@ -78,7 +81,7 @@ class Repeatability:
     """(D,) each [N·m], RMS of what ought to be zero; steady: in steady motion, other: at starts, stops and turns.
 
     by_model: approach B's, on logs without the device; between_runs: approach A's, between two of them, None where
-    there is only one. Without a suffix: over all samples.
+    there is only one. Without a suffix: over all samples. What is left out (`Log.left_out`) is in none.
     """
 
     by_model_steady: Array
@@ -93,7 +96,8 @@ def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSetting
     """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest."""
     balances = [plain.balance for plain in plains]
     torque, steady = (np.concatenate([getattr(b, name) for b in balances]) for name in ("torque", "steady"))
-    moving = np.concatenate([~b.at_rest for b in balances])
+    moving = np.concatenate([~(b.at_rest | b.left_out[:, None]) for b in balances])
+    whole = np.concatenate([~b.left_out for b in balances])[:, None] & np.ones_like(steady)
     pairs = [
         difference(this.balance, other.balance, match(this.posture, other.posture, settings))
         for this, other in itertools.pairwise(plains)
@@ -109,7 +113,7 @@ def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSetting
         _rms(torque, moving & ~steady),
         None if runs is None else _rms(runs[0], runs[1]),
         None if runs is None else _rms(runs[0], runs[2] & ~runs[1]),
-        _rms(np.concatenate([bridged(b.torque, b.steady, b.rest * held) for b in balances]), np.ones_like(steady)),
+        _rms(np.concatenate([bridged(b.torque, b.steady, b.rest * held) for b in balances]), whole),
         None if runs is None else _rms(runs[0], np.ones_like(runs[1])),
     )
 
@@ -119,7 +123,8 @@ def held_friction(model: RobotModel, own: Balance) -> Array:
     names = {effect.name: k for k, effect in enumerate(model.equations.effects)}
     xi, C = model.identified.xi, np.abs(model.robot.axes_from_joints[:, own.joints])
     known = [xi[:, names[name]] @ C for name in ("static_friction", "coulomb") if name in names]
-    seen = np.max(np.abs(np.where(own.at_rest, own.torque, 0.0)), axis=0, initial=0.0)
+    resting = own.at_rest & ~own.left_out[:, None]
+    seen = np.max(np.abs(np.where(resting, own.torque, 0.0)), axis=0, initial=0.0)
     return np.asarray(np.max([*known, seen], axis=0))
 
 

@@ -11,9 +11,10 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from exogauge.blas_threads import limit_children
 from exogauge.blind.answers import write_answers
 from exogauge.blind.generator.case import write_case
-from exogauge.blind.generator.plan import ROBOTS, plan_case, possible
+from exogauge.blind.generator.plan import ROBOTS, can_be_asked_for, plan_case
 from exogauge.errors import BadInput, Fault
 
 What = tuple[int, str, tuple[str, ...]]  # seed, robots, effects
@@ -50,8 +51,8 @@ def make(
     if robots not in ROBOTS:
         raise _unknown("no cases are made of this robot", "robot", robots, ROBOTS)
     for each in effects:
-        if each not in possible(robots):
-            raise _unknown("this is not hidden in cases of these robots", "effects", each, possible(robots))
+        if each not in can_be_asked_for(robots):
+            raise _unknown("this is not hidden in cases of these robots", "effects", each, can_be_asked_for(robots))
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         advice = "Give a new folder, so that old results never meet new answers."
         raise BadInput(Fault(f"{out} is not an empty folder", "folder_not_empty", advice))
@@ -82,6 +83,7 @@ def _make_all(
             tell(number / cases, f"{number} of {cases} cases")
         return answers
     done: dict[int, dict[str, Any]] = {}
+    limit_children()
     with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
         running = {pool.submit(_make, out, what, number): number for number in range(1, cases + 1)}
         try:

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from exogauge.blind.generator.arm import ARM
-from exogauge.blind.generator.hidden.kinds import IN_BANDS, IN_LOGS, KINDS
+from exogauge.blind.generator.hidden.kinds import IN_BANDS, IN_LOGS, KINDS, ON_REQUEST
 from exogauge.blind.generator.log_plans import PLAIN, WITH_DEVICE, LogPlan
 from exogauge.blind.generator.robot_kind import RobotKind
 from exogauge.blind.generator.torso import TORSO
@@ -68,9 +68,14 @@ def plan_case(seed: int, number: int, robots: str = "both", effects: tuple[str, 
 
 
 def possible(robots: str, effects: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Of `effects`, or of all, what these robots can hide."""
+    """Of `effects`, or of all that take turns, what these robots can hide."""
     worn = any(robot.wires for robot in ROBOTS[robots])
     return tuple(kind for kind in effects or KINDS if worn or kind not in IN_BANDS)
+
+
+def can_be_asked_for(robots: str) -> tuple[str, ...]:
+    """What `effects` may name."""
+    return (*possible(robots), *ON_REQUEST)
 
 
 def _block(seed: int, block: int, names: tuple[str, ...], clean: bool) -> list[tuple[str, ...]]:

@@ -14,6 +14,7 @@ from exogauge.blind.generator.hidden.band import (
     ExtraBand,
 )
 from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, LinkMass, Payload
+from exogauge.blind.generator.hidden.coupling import Coupling
 from exogauge.blind.generator.hidden.effect import HiddenEffect
 from exogauge.blind.generator.hidden.load import LoadCoulomb
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
@@ -36,9 +37,11 @@ _ELSEWHERE: tuple[type[WholeEffect], ...] = (Payload, LinkMass, Contact, BaseTil
 _IN_BANDS: tuple[type[WholeEffect], ...] = (
     BandStiffness, BandLength, BandViscous, BandRelaxation, BandHardening, BandSlip, BandViaFriction, ExtraBand,
 )  # fmt: skip
-ELSEWHERE = {kind.name: kind for kind in (*_ELSEWHERE, *_IN_BANDS)}
+_ON_REQUEST: tuple[type[WholeEffect], ...] = (Coupling,)  # one more sort in turn would change what every seed hides
+ELSEWHERE = {kind.name: kind for kind in (*_ELSEWHERE, *_IN_BANDS, *_ON_REQUEST)}
 IN_BANDS = frozenset(kind.name for kind in _IN_BANDS)  # only where a device is worn
 IN_LOGS = BandLimitedLog.name  # blurs all else, so it comes alone
-KINDS = (*ON_JOINTS, *ELSEWHERE, IN_LOGS)
+ON_REQUEST = tuple(kind.name for kind in _ON_REQUEST)
+KINDS = (*ON_JOINTS, *(name for name in ELSEWHERE if name not in ON_REQUEST), IN_LOGS)  # that take turns
 SMALLEST = {"kt_gain": 0.05}  # sizes of effects on joints below which they are none; 0 where not named
 CLUTTER = ("stribeck", "load_coulomb", "asym_viscous", "nonlinear_viscous", "joint_spring", "torque_ripple")

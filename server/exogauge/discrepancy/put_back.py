@@ -1,0 +1,93 @@
+"""What one of the maker's numbers does to held-out errors: the identified model as it is, and with that number put back
+to what is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.discrepancy.contradicted import Change
+from exogauge.discrepancy.locate import pooled
+from exogauge.discrepancy.result import HeldOut
+from exogauge.discrepancy.stated_numbers import gain_columns
+from exogauge.identification.identify import identify
+from exogauge.identification.model import RobotModel
+from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predictions
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.validate import rms, steady_samples, unit_of
+from exogauge.logs.model import Log
+
+Array = NDArray[np.float64]
+Squares = dict[str, tuple[list[float], list[float]]]  # channel -> mean squares by log, put back and not
+
+
+def put_back(found: Identification, recordings: Sequence[Recording], change: Change, settings: Settings) -> HeldOut:
+    """On the channel that shows it most, against its noise. Before: with the maker's number; after: with the data's."""
+    if _logged_torque(found.model, change):
+        return _rescaled(found, recordings, change, settings)
+    model, squares = found.model, Squares()
+    for recording in [each for each in recordings if each.held_out] or recordings:
+        prepared = model.prepare(recording.log)
+        alternatives = [_as_stated(model, change), model.identified]
+        predicted = predictions(model.equations, prepared, alternatives)
+        steady = steady_samples(model.equations, prepared)
+        gains = [motor_gain(model.equations, each) for each in alternatives]
+        measured = [measured_channels(model.equations, prepared, k_T) for k_T in gains]
+        for channel, moving in steady.items():
+            if channel in measured[0] and channel in predicted[0] and moving.any():
+                pair = squares.setdefault(channel, ([], []))
+                for kept, m, p in zip(pair, measured, predicted, strict=True):
+                    kept.append(rms((m[channel] - p[channel])[moving]) ** 2)
+    floors = _floors(found, squares)
+    errors = {name: [float(np.sqrt(np.mean(each))) for each in pair] for name, pair in squares.items()}
+    shown = max(floors, key=lambda name: (errors[name][0] ** 2 - errors[name][1] ** 2) / max(floors[name], 1e-12) ** 2)
+    before, after = errors[shown]
+    return HeldOut(shown, unit_of(shown), before, after, floors[shown])
+
+
+def _as_stated(model: RobotModel, change: Change) -> Parameters:
+    """The identified ones, this number apart."""
+    own, stated = model.identified, change.stated
+    if not change.of_link:
+        (gain,) = [k for k, effect in enumerate(model.equations.effects) if effect.name == "motor_gain"]
+        xi = own.xi.copy()
+        xi[stated.index, gain] = model.solution.prior.seen_mean[gain_columns(model.equations)[stated.index]]
+        return replace(own, xi=xi)
+    phi = own.phi.copy()
+    if stated.sort == "scaled":
+        phi[stated.index] -= (
+            change.value[0] / model.robot.tree.phi[stated.index, 0] * model.robot.tree.phi[stated.index]
+        )
+    else:
+        phi[stated.index, :4] -= change.value
+    return replace(own, phi=phi)
+
+
+def _logged_torque(model: RobotModel, change: Change) -> bool:
+    """A torque that is logged has no gain in the model, which so does not hold the change."""
+    return not change.of_link and model.robot.joints[change.stated.index].actuation == "torque"
+
+
+def _rescaled(found: Identification, recordings: Sequence[Recording], change: Change, settings: Settings) -> HeldOut:
+    """With the logged torque as it is, and identified again with it rescaled: masses had taken part of the error."""
+    channel = f"tau.{found.model.robot.joints[change.stated.index].name}"
+    scaled = [replace(each, log=_scaled(each.log, channel, 1.0 + change.value[0])) for each in recordings]
+    again = identify(found.model.robot, scaled, settings, extension=found.model.extension)
+    held = [each.log.name for each in recordings if each.held_out] or [each.log.name for each in recordings]
+    fits = [[fit for fit in each.validation if fit.log in held and fit.channel == channel] for each in (found, again)]
+    (before, _), (after, floor) = (pooled(each) for each in fits)
+    return HeldOut(channel, unit_of(channel), before, after, floor)
+
+
+def _scaled(log: Log, channel: str, factor: float) -> Log:
+    return replace(log, channels={**log.channels, channel: factor * log.channels[channel]})
+
+
+def _floors(found: Identification, channels: Mapping[str, object]) -> dict[str, float]:
+    fits = [fit for fit in found.validation if fit.held_out] or found.validation
+    own = {name: [fit.noise_floor for fit in fits if fit.channel == name] for name in channels}
+    return {name: float(np.sqrt(np.mean(np.square(floors)))) for name, floors in own.items() if floors}

@@ -1,0 +1,40 @@
+"""What is worth a name: it matters beside the sensors' noise, and is no part of what was named at its place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from exogauge.effects.words import effect_words
+
+MATTERS = 0.5  # of the noise floor: what takes less off the held-out error is no name worth
+REMAINDER = 0.25  # of what was named at the same place: less may be what that one's formula does not hold
+OF_THE_CURVE = 0.5  # the same where both are curves over one coordinate, such as velocity: no real curve is a formula
+
+
+def gone(before: float, after: float) -> float:
+    """RMS that goes with an effect; before, after: RMSE without and with it."""
+    return float(np.sqrt(max(before**2 - after**2, 0.0)))
+
+
+@final
+@dataclass(frozen=True)
+class Named:
+    """An effect at the same place, and the RMS that it took off. same_curve: it depends on the same coordinate."""
+
+    effect: str
+    took: float
+    same_curve: bool
+
+
+def not_worth(size: float, floor: float, named: Sequence[Named]) -> str:
+    """Why an effect that takes this much off the held-out error is no name worth, or "". floor: of the same channel."""
+    if size < MATTERS * floor:
+        return f"it is there, and smaller than what matters ({size:.2g} where the sensors' noise is {floor:.2g})"
+    for each in named:
+        if size < (OF_THE_CURVE if each.same_curve else REMAINDER) * each.took:
+            return f"it is small beside {effect_words(each.effect)}, and may be what that one's formula does not hold"
+    return ""

@@ -1,0 +1,323 @@
+"""What a planned motion promises is what a recording of it keeps; what no motion can tell apart is said to be so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from tests.discrepancy.conftest import FRICTION, JOINTS, RATE, SETTINGS, inverse_dynamics
+
+from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.ground import lay_ground
+from exogauge.discrepancy.motion_choices import choices
+from exogauge.discrepancy.planned_motion import SURE
+from exogauge.discrepancy.planned_rows import as_log, new_rows, with_next_log
+from exogauge.discrepancy.refine import refined
+from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.discrepancy.room import carrying, room
+from exogauge.discrepancy.score import Score, score
+from exogauge.discrepancy.site_rows import collect_rows, sums_of
+from exogauge.discrepancy.tell_apart import _Known, tell_apart
+from exogauge.discrepancy.undecided import Undecided, undecided
+from exogauge.discrepancy.with_motions import with_motions
+from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.effect import Quantity
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording
+from exogauge.identification.site import AxisSite
+from exogauge.logs.model import Log
+from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.urdf import load_tree
+
+SWEPT = AxisSite(1)
+FASTER_THAN = 0.8  # [rad/s] whatever the logs hold
+PEAK, WIDTH = 2.0, 0.7  # [N·m], [rad/s] of the friction that falls with speed
+
+
+def hidden_friction(v: np.ndarray) -> np.ndarray:
+    """Larger at low speed, as a rational curve and not as the catalogue's exponential."""
+    return np.array([0.0, 1.0, 0.0]) * PEAK * np.sign(v) / (1.0 + (v / WIDTH) ** 2)
+
+
+def driven(name: str, q: np.ndarray, seed: int, times: float = 1.0) -> Log:
+    """A log of the true arm moved along q (T, 3). times: by which the hidden friction is larger."""
+    rng, t = np.random.default_rng(seed), np.arange(len(q)) / RATE
+    path = CubicSpline(t, q)
+    v, a = path(t, 1), path(t, 2)
+    drive = inverse_dynamics(q, v, a) + FRICTION["k_d"] * v + FRICTION["tau_c"] * np.sign(v) - FRICTION["tau_o"]
+    tau = drive + times * hidden_friction(v) + 0.05 * rng.normal(size=q.shape)
+    measured = q + 1e-5 * rng.normal(size=q.shape)
+    channels = {f"q.{name}": measured[:, j] for j, name in enumerate(JOINTS)}
+    return Log(name, t, channels | {f"tau.{name}": tau[:, j] for j, name in enumerate(JOINTS)})
+
+
+def fast(seed: int, seconds: float = 40.0, times: float = 1.0) -> Log:
+    """Every joint to and fro at steady speeds, none below `FASTER_THAN`."""
+    rng, n, paths = np.random.default_rng(seed), round(seconds * RATE), []
+    window = np.hanning(27)[1:-1] / np.hanning(27)[1:-1].sum()
+    for _ in JOINTS:
+        speeds: list[float] = []
+        at, side = 0.0, 1.0
+        while len(speeds) < n:
+            v, end = rng.uniform(FASTER_THAN, 1.8), side * rng.uniform(0.5, 0.9)
+            steps = max(1, round(abs(end - at) / v * RATE))
+            v = v if end > at else -v
+            speeds += [v] * steps
+            at, side = at + v * steps / RATE, -side
+        paths.append(np.cumsum(np.convolve(speeds[:n], window, mode="same")) / RATE)
+    return driven(f"fast{seed}", np.array(paths).T, seed, times)
+
+
+@dataclass(frozen=True)
+class Fast:
+    recordings: list[Recording]
+    found: object
+
+    @property
+    def logs(self) -> list[Log]:
+        return [each.log for each in self.recordings if not each.held_out]
+
+
+@pytest.fixture(scope="module")
+def fast_only(robot):
+    recordings = [Recording(fast(1), False), Recording(fast(2), False)]
+    return Fast(recordings, identify(robot, recordings, SETTINGS))
+
+
+def best(found, recordings, name) -> Score:
+    """With the shape that fits best, at the joint with the hidden friction."""
+    effect = shaped_effects()[name]
+    ground = lay_ground(found.model, recordings, [effect], lambda _share, _words: None)
+    rows = collect_rows(found.model, recordings, [SWEPT])
+    first = next(each for each in ground.scores if each.candidate.site == SWEPT)
+    return refined(found.model, first, rows[SWEPT], ground.memory)
+
+
+def doubt_between(found, recordings, scores) -> Undecided:
+    rows = collect_rows(found.model, recordings, [SWEPT])
+    (kind,) = SWEPT.kinds(found.model.equations)
+    return undecided(found.model, scores, kind, float(found.model.solution.weights[kind]) ** -0.5, rows)
+
+
+def fitted(found, recordings, effect, shape) -> Score:
+    rows = collect_rows(found.model, recordings, [SWEPT])
+    candidate = Candidate(effect, SWEPT, shape)
+    memory = dict.fromkeys(range(found.model.equations.kinds), 1.0)
+    scored = score(found.model, candidate, sums_of(rows[SWEPT], effect, shape), memory)
+    assert scored is not None
+    return scored
+
+
+@pytest.fixture(scope="module")
+def pair(fast_only):
+    """Stribeck and nonlinear viscous friction, each as it fits best."""
+    return [best(fast_only.found, fast_only.recordings, name) for name in ("stribeck", "nonlinear_viscous")]
+
+
+@pytest.fixture(scope="module")
+def doubt(fast_only, pair):
+    return doubt_between(fast_only.found, fast_only.recordings, pair)
+
+
+def test_fast_logs_cannot_tell_stribeck_friction_from_a_progressive_one(pair):
+    stribeck, progressive = pair
+    assert min(stribeck.evidence, progressive.evidence) > SURE  # either explains what is there
+    assert stribeck.evidence - progressive.evidence < SURE
+
+
+def test_slow_motion_is_planned_and_its_recording_decides(robot, fast_only, doubt):
+    outcome = tell_apart(doubt, fast_only.logs)
+    (motion,), (promised,) = outcome.motions, outcome.pairs
+    assert motion.joint == "j2"
+    speed = np.abs(np.gradient(motion.q[:, 1], motion.time))
+    slow = (speed > 0.01) & (speed < 0.25 * FASTER_THAN)
+    assert slow.mean() > 0.2  # of its time
+    assert promised.seconds is not None
+    assert promised.evidence > SURE
+    assert promised.evidence_now < SURE
+
+    t = np.arange(0.0, motion.time[-1], 1.0 / RATE)
+    recorded = driven("planned", CubicSpline(motion.time, motion.q)(t), seed=5)
+    more = [*fast_only.recordings, Recording(recorded, False)]
+    again = identify(robot, more, SETTINGS)
+    stribeck, progressive = (best(again, more, name) for name in ("stribeck", "nonlinear_viscous"))
+    assert stribeck.evidence - progressive.evidence > SURE
+
+
+def test_a_finding_gets_its_motion_in_words_and_as_a_path(fast_only, doubt):
+    nothing = np.zeros(0)
+    place = Place("joint", "j2")
+    finding = Finding(
+        1, "stribeck", place, {}, HeldOut("tau.j2", "N·m", 2.0, 1.0, 1.0), 0.9, "", (),
+        (Alternative("nonlinear_viscous", place, 0.9, ""),), "Slow motion.", Evidence("", "", *([nothing] * 5)),
+        undecided=doubt,
+    )  # fmt: skip
+    alone = replace(finding, also_possible=())
+    told, untouched = with_motions([finding, alone], fast_only.logs)
+    assert told.undecided is None
+    assert told.motion == told.plans[0].sentence
+    assert [each.rival for each in told.apart] == ["nonlinear_viscous"]
+    assert told.plans[0].q.shape == (len(told.plans[0].time), len(JOINTS))
+    assert (untouched.motion, untouched.plans) == ("Slow motion.", ())
+
+
+def test_an_effect_is_never_told_from_itself(fast_only, pair):
+    same = doubt_between(fast_only.found, fast_only.recordings, [pair[0], pair[0]])
+    outcome = tell_apart(same, fast_only.logs)
+    assert outcome.motions == ()
+    (apart,) = outcome.pairs
+    assert apart.seconds is None
+    assert apart.left_now < 1e-9
+    assert apart.left_then < 1e-9
+    assert "both look the same" in outcome.sentence
+
+
+class _Scaled:
+    """Another effect, in another unit."""
+
+    def __init__(self, other, size):
+        self.other, self.size = other, size
+        self.coefficients = tuple(Quantity(q.name, q.unit, q.low / size, q.high / size) for q in other.coefficients)
+
+    def __getattr__(self, name):
+        return getattr(self.other, name)
+
+    def columns(self, signals, shape):
+        return self.size * self.other.columns(signals, shape)
+
+
+@pytest.mark.slow
+def test_units_change_nothing(fast_only, pair, doubt):
+    first, second = pair
+    rescaled = []
+    for one, size in ((first, 7.0), (second, 0.01)):
+        candidate = replace(one.candidate, effect=_Scaled(one.candidate.effect, size))
+        rescaled.append(replace(one, candidate=candidate, coefficients=one.coefficients / size))
+    told, anew = (
+        tell_apart(each, fast_only.logs).pairs[0]
+        for each in (doubt, doubt_between(fast_only.found, fast_only.recordings, rescaled))
+    )
+    for name in ("left_now", "left_then", "evidence_now", "evidence", "rate", "seconds"):
+        assert getattr(anew, name) == pytest.approx(getattr(told, name), rel=1e-6)
+
+
+def test_what_is_left_is_what_a_fit_of_all_rows_leaves(fast_only, doubt):
+    """Logs, planned motion and prior stacked and solved at once."""
+    model = with_next_log(fast_only.found.model)
+    here, known = room(model, fast_only.logs), _Known.of(doubt)
+    sweep = choices(model, here, [SWEPT], slow_change=False)[0]
+    new = new_rows(doubt, model, here, sweep, known.kept)
+    after = known.after(new).left(3.0)
+
+    prior, strength, own = model.solution.prior, model.solution.strength, model.equations.columns()
+    H = strength * prior.whitening.T @ prior.whitening
+    normal, _, _ = model.solution.statistics.normal(model.solution.weights)
+    H = H + normal[np.ix_(prior.free, prior.free)]
+    B, S = doubt.B[prior.free].copy(), doubt.S + 3.0 * new.c.T @ new.c
+    place = np.searchsorted(prior.free, known.kept)
+    H[np.ix_(place, place)] += 3.0 * new.A.T @ new.A
+    B[place] += 3.0 * new.A.T @ new.c
+    dense = S - B.T @ np.linalg.solve(H, B)
+    assert after == pytest.approx(dense, rel=1e-5, abs=1e-8 * float(np.abs(S).max()))
+    assert set(np.concatenate([own[kind] for kind in SWEPT.kinds(model.equations)])) >= set(known.kept)
+
+
+class _Twin(_Scaled):
+    """Another effect, with Coulomb and viscous friction that the model has anyway."""
+
+    def columns(self, signals, shape):
+        friction = 0.4 * signals.direction + 0.7 * signals.velocity
+        return self.size * self.other.columns(signals, shape) - friction[:, None]
+
+
+def test_what_the_baseline_makes_alike_is_never_told_apart(fast_only, pair):
+    stribeck = pair[0].candidate
+    twin = fitted(fast_only.found, fast_only.recordings, _Twin(stribeck.effect, 1.0), stribeck.shape)
+    (apart,) = tell_apart(doubt_between(fast_only.found, fast_only.recordings, [pair[0], twin]), fast_only.logs).pairs
+    assert apart.seconds is None
+    assert apart.left_then < 0.02
+
+
+def narrow(robot: Robot, speed: float) -> Robot:
+    tree = replace(
+        robot.tree,
+        lower=np.array([-0.6, -0.4, -3.0]),
+        upper=np.array([0.7, 0.5, 3.0]),
+        velocity_limit=np.full(3, speed),
+    )
+    return replace(robot, tree=tree)
+
+
+@pytest.mark.parametrize("speed", [0.5, 10.0])
+def test_no_choice_leaves_the_limits(robot, fast_only, speed):
+    tight = narrow(robot, speed)
+    model = fast_only.found.model
+    model = replace(model, equations=replace(model.equations, robot=tight), computed={})
+    here = room(model, fast_only.logs)
+    every = choices(model, here, [SWEPT], slow_change=True)
+    assert {each.sweep.kind for each in every} == {"speeds", "sine", "small"}
+    for each in every:
+        q = each.positions(here.posture, 100.0)
+        assert np.all(q >= tight.tree.lower)
+        assert np.all(q <= tight.tree.upper)
+        assert np.abs(np.diff(q, axis=0)).max() * 100.0 <= speed
+        assert np.abs(q[0] - q[-1]).max() < 0.05  # so that it can be repeated
+
+
+def test_a_motor_is_not_asked_for_more_than_it_has(robot, fast_only, doubt):
+    model = with_next_log(fast_only.found.model)
+    here, known = room(model, fast_only.logs), _Known.of(doubt)
+    choice = choices(model, here, [SWEPT], slow_change=False)[0]
+    assert new_rows(doubt, model, here, choice, known.kept) is not None
+    weak = replace(robot, tree=replace(robot.tree, effort_limit=np.full(3, 0.5)))  # [N·m]; the arm weighs 9 kg
+    too_weak = replace(model, equations=replace(model.equations, robot=weak), computed={})
+    assert new_rows(doubt, too_weak, here, choice, known.kept) is None
+
+
+def test_only_the_swept_joint_and_its_companion_move(fast_only):
+    model = fast_only.found.model
+    here = room(model, fast_only.logs)
+    for each in choices(model, here, [SWEPT], slow_change=False):
+        log = as_log(model, here, each, 50.0)
+        moved = {name for name in JOINTS if np.ptp(log.channels[f"q.{name}"]) > 0.0}
+        assert moved == {JOINTS[k] for k in (each.lead, each.companion) if k is not None}
+
+
+def test_legs_carry_the_robot_and_arms_do_not():
+    def link(name: str) -> str:
+        inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
+        return f'<link name="{name}"><inertial><mass value="2"/>{inertia}</inertial></link>'
+
+    def joint(name: str, a: str, b: str) -> str:
+        limit = '<limit lower="-1" upper="1" velocity="2" effort="50"/>'
+        ends = f'<parent link="{a}"/><child link="{b}"/><origin xyz="0 0 -0.3"/><axis xyz="0 1 0"/>'
+        return f'<joint name="{name}" type="revolute">{ends}{limit}</joint>'
+
+    parts = [link(name) for name in ("pelvis", "thigh", "shank", "arm")]
+    parts += [joint("hip", "pelvis", "thigh"), joint("knee", "thigh", "shank"), joint("shoulder", "pelvis", "arm")]
+    names = ["hip", "knee", "shoulder"]
+    tree = load_tree(
+        f'<robot name="r">{"".join(parts)}</robot>'.encode(), joints=names, base_link="pelvis", floating=True
+    )
+    foot = WrenchSensor("foot", "shank", "contact", 1.0)
+    robot = Robot("r", tree, tuple(Joint(name, "torque") for name in names), None, (foot,), np.eye(3))
+    assert carrying(robot).tolist() == [True, True, False]
+    assert not carrying(replace(robot, sensors=())).any()
+
+
+@pytest.mark.slow
+def test_a_search_that_cannot_decide_says_what_to_record(robot):
+    seconds = {1: 20.0, 2: 20.0, 9: 20.0}
+    recordings = [Recording(fast(seed, s, times=1.15), held_out=seed == 9) for seed, s in seconds.items()]
+    effects = [shaped_effects()[name] for name in ("stribeck", "nonlinear_viscous")]
+    found = find_missing_effects(identify(robot, recordings, SETTINGS), recordings, effects, SETTINGS)
+    (finding,) = found.discrepancy.findings
+    (also,) = finding.also_possible
+    assert {finding.effect, also.effect} == {"stribeck", "nonlinear_viscous"}
+    (apart,) = finding.apart
+    assert apart.rival == also.effect
+    assert finding.plans[0].joint == "j2"
+    assert finding.motion == finding.plans[0].sentence
