@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from exogauge.studies.contract_record import Conditions, DeviceRecord
+
 Step = Literal["identify", "support", "stiffness", "discrepancy"]
 STEPS: tuple[Step, ...] = ("identify", "support", "stiffness", "discrepancy")
 Role = Literal["identification", "validation", "without_device", "with_device"]
@@ -104,6 +106,7 @@ class StudyFile(_Part):
     logs: Annotated[list[LogEntry], Field(min_length=1, max_length=1000)]
     steps: Annotated[list[Step], Field(min_length=1)] | None = None
     settings: SettingsEntry = SettingsEntry()
+    conditions: Conditions = Conditions()
 
 
 class Imu(_Part):
@@ -268,3 +271,4 @@ class DeviceFile(_Part):
     name: Name
     bands: Annotated[list[Band], Field(min_length=1, max_length=200)]
     tied: Annotated[list[Name], Field(max_length=200)] = []
+    record: DeviceRecord = DeviceRecord()

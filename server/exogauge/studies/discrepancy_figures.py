@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from exogauge.discrepancy.result import Evidence, Link
 from exogauge.identification.validate import unit_of
-from exogauge.studies.discrepancy_sentences import chain_unit, channel
+from exogauge.studies.discrepancy_sentences import chain_unit, channel, step_words
 from exogauge.studies.figures import COLOURS, STYLE, Array, draw_line, sheet, svg_text
 from exogauge.studies.rounding import significant
 
@@ -40,7 +40,7 @@ def draw_chain(chain: Sequence[Link], key: str) -> str:
         for row, link in enumerate(models):
             first = row == 0 and len(models) > 1
             _bar(axis, row, link.rmse, link.noise_floor, "--prior" if first else "--identified", end, link.unit)
-            _words(axis, row, link.step, _worst(link))
+            _words(axis, row, step_words(link.step), _worst(link))
         _bar(axis, len(models), floor, floor, "--measured", end, chain[-1].unit)
         _words(axis, len(models), FLOOR, "what the sensors’ own noise leaves of a perfect model")
         axis.set_xlim(0.0, ROOM * end)

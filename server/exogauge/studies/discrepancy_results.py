@@ -9,6 +9,7 @@ from typing import Any
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Finding, Place
 from exogauge.studies.effect_words import at_place
+from exogauge.studies.planned_motions import apart_entries, planned_entries
 from exogauge.studies.support_results import number
 
 
@@ -18,7 +19,10 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
         return None
     return {
         "verdict": found.verdict,
-        "findings": [_finding(each) for each in found.findings],
+        "findings": [
+            _finding(each, 1 + sum(len(before.plans) for before in found.findings[:number]))
+            for number, each in enumerate(found.findings)
+        ],
         "chain": [asdict(each) for each in found.chain],
         "wear_chain": [asdict(each) for each in found.wear_chain],
         "located": [asdict(each) for each in found.located],
@@ -34,7 +38,7 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
     }
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:
     return {
         "rank": finding.rank,
         "effect": finding.effect,
@@ -47,6 +51,8 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "alternatives": [_alternative(each) for each in finding.alternatives],
         "also_possible": [_alternative(each) for each in finding.also_possible],
         "motion": finding.motion,
+        "apart": apart_entries(finding),
+        "planned": planned_entries(finding, first_plan),
         "curve": _curve(finding.evidence, finding.held_out.unit),
     }
 

@@ -22,6 +22,7 @@ from exogauge.studies.discrepancy_sentences import (
     left_sentence,
     looked_at,
     moves,
+    step_words,
     verdict_sentence,
 )
 from exogauge.studies.effect_words import at_place, capital
@@ -174,7 +175,7 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
 
 def _chain(links: Sequence[Link], key: str, of: str) -> Picture:
     """of: what the bars are, before the quantity that they show."""
-    steps = ", ".join(f"{link.step} {significant(link.rmse)}" for link in links)
+    steps = ", ".join(f"{step_words(link.step)} {significant(link.rmse)}" for link in links)
     floor = significant(links[-1].noise_floor)
     unit = links[-1].unit
     told = chain_words(unit)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.effect_words import at_place, listed, place_words
+from exogauge.studies.effect_words import at_place, effect_words, listed, place_words
 from exogauge.studies.rounding import significant
 
 CHANGED = 0.1  # share of a quantity's doubt, below which it counts as unchanged
@@ -34,13 +34,19 @@ def _effects(findings: Sequence[Mapping[str, Any]]) -> str:
     if len(names) == 1:
         held = findings[0]["held_out"]
         return (
-            f"The identified model lacks {names[0]}. With it the error of {channel(held['channel'])} on held-out logs "
-            f"{falls(held)} (noise floor {figure(held['noise_floor'])})."
+            f"The identified model does not know of {names[0]}. With it the error of "
+            f"{channel(held['channel'])} {judged_on(held)} {falls(held)} (noise floor {figure(held['noise_floor'])})."
         )
     shown = [f"{name} ({_change(each)})" for name, each in zip(names, findings, strict=True)][:NAMED]
     more = len(names) - len(shown)
-    text = f"The identified model lacks {len(names)} effects: {listed([*shown, f'{more} more'] if more else shown)}."
+    told = listed([*shown, f"{more} more"] if more else shown)
+    text = f"The identified model does not know of {len(names)} effects: {told}."
     return f"{text} The errors are those on held-out logs, without and with the effect."
+
+
+def judged_on(held: Mapping[str, Any]) -> str:
+    """The logs that the errors are about: held-out ones, or the one log that has the effect."""
+    return f"in {held['log']}, the one log that has it," if held.get("log") else "on held-out logs"
 
 
 def falls(held: Mapping[str, Any]) -> str:
@@ -152,6 +158,12 @@ def channel(name: str) -> str:
     if name.startswith("support."):
         return f"{name.removeprefix('support.')} (support)"
     return name.removeprefix("tau.").removeprefix("ft.")
+
+
+def step_words(step: str) -> str:
+    """A step of the chain: `+ stribeck at torso_pitch` -> `+ Stribeck friction at torso_pitch`."""
+    sign, effect, rest = (*step.split(" ", 2), "", "")[:3]
+    return f"+ {effect_words(effect)} {rest}" if sign == "+" and rest.startswith("at ") else step
 
 
 def chain_unit(unit: str) -> str:

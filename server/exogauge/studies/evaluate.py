@@ -17,6 +17,7 @@ from exogauge.discrepancy.band_workflow import find_band_effects
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
 from exogauge.identification.identify import identify
@@ -27,10 +28,13 @@ from exogauge.studies.before_after import before_after
 from exogauge.studies.contract import STEPS
 from exogauge.studies.examine_logs import examine_logs
 from exogauge.studies.open import Study, open_study, read_recordings, read_worn
+from exogauge.studies.planned_motions import PLANNED, file_name, motion_table, planned_files
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
 from exogauge.studies.series import write_series
 from exogauge.studies.stiffness_results import stiffness_table
+from exogauge.studies.study_record import study_record
+from exogauge.studies.summary_page import summary_page
 from exogauge.studies.support_results import support_table
 from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
 from exogauge.support.motions import require_same_motions
@@ -38,6 +42,7 @@ from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
 
 RESULT, REPORT, SERIES, URDF = "results.json", "report.html", "series", "identified.urdf"
+PAGE_HTML, PAGE_PDF = "summary.html", "summary.pdf"
 PARAMETERS, VALIDATION, SUPPORT, STIFFNESS = "parameters.csv", "validation.csv", "support.csv", "stiffness.csv"
 NOT_ASKED_FOR = "not asked for"
 
@@ -79,24 +84,27 @@ def _evaluate(
         findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
         spans = _spans(bool(worn), "discrepancy" in doing)
         found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
-        discrepancy = None
+        discrepancy: Discrepancy | None = None
+        plain_now: Sequence[PlainLog] = plain
+        worn_now: Sequence[WornLog] = worn
         if "discrepancy" in doing:
             missing = find_missing_effects(
                 first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
             )
             discrepancy, found = missing.discrepancy, missing.identification
+            plain_now, worn_now = _plain(study, missing.recordings), filtered_alike(worn, missing.recordings)
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
             span, twice = spans["support"](progress), discrepancy is not None and found is not first
             begin = _part(0.0, 0.5, "", span) if twice else span
-            gathered = gather_support(found.model, plain, worn, study.support_settings, begin)
-            support, stiffness = conclude_support(found.model, gathered, worn, study.support_settings, begin)
+            gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
+            support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
             if discrepancy is not None and twice:
                 again = _part(0.5, 1.0, "without what was named, ", span)
                 earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
                 discrepancy = replace(discrepancy, before_after=before_after(earlier, (support, stiffness)))
             if discrepancy is not None:
-                discrepancy = _with_wear(study, found, plain, gathered, stiffness, discrepancy, span)
+                discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,
@@ -111,6 +119,8 @@ def _evaluate(
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),
             discrepancy=discrepancy,
+            record=study_record(study, [*(each.log for each in recordings), *(each.log for each in worn)], found),
+            support_settings=study.support_settings,
         )
         write(study, evaluation, out)
     progress(1.0, "done")
@@ -169,7 +179,13 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
     found = evaluation.identification
     temporary = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=out))
     try:
-        files = {"report": REPORT, "parameters": PARAMETERS, "validation": VALIDATION}
+        files = {
+            "report": REPORT,
+            "page": PAGE_HTML,
+            "page_pdf": PAGE_PDF,
+            "parameters": PARAMETERS,
+            "validation": VALIDATION,
+        }
         (temporary / PARAMETERS).write_bytes(parameter_table(found))
         (temporary / VALIDATION).write_bytes(validation_table(found))
         if evaluation.support is not None:
@@ -178,6 +194,9 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         if evaluation.stiffness:
             (temporary / STIFFNESS).write_bytes(stiffness_table(evaluation.stiffness))
             files["stiffness"] = STIFFNESS
+        for name, plan in planned_files(evaluation.discrepancy):
+            (temporary / file_name(name)).write_bytes(motion_table(plan))
+            files[name] = file_name(name)
         files |= _write_all_series(evaluation, temporary)
         urdf, warnings = identified_urdf(study, found)
         if urdf is not None:
@@ -185,7 +204,11 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
             files["urdf"] = URDF
         evaluation = replace(evaluation, warnings=[*evaluation.warnings, *warnings], files=files)
         (temporary / REPORT).write_text(render_report(evaluation), encoding="utf-8")
-        (temporary / RESULT).write_bytes(to_json(results(evaluation)))
+        content = results(evaluation)
+        page = summary_page(content)
+        (temporary / PAGE_HTML).write_bytes(page.html)
+        (temporary / PAGE_PDF).write_bytes(page.pdf)
+        (temporary / RESULT).write_bytes(to_json(content))
         _publish(temporary, out)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
@@ -217,8 +240,10 @@ def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, 
 
 def _publish(temporary: Path, out: Path) -> None:
     """Withdraw the old result, move the new files into place, results.json last."""
-    for name in (RESULT, REPORT, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
+    for name in (RESULT, REPORT, PAGE_HTML, PAGE_PDF, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
         (out / name).unlink(missing_ok=True)
+    for planned in out.glob(PLANNED):
+        planned.unlink()
     shutil.rmtree(out / SERIES, ignore_errors=True)
     for path in sorted(temporary.iterdir(), key=lambda path: path.name == RESULT):
         os.replace(path, out / path.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.channels import Channel, parse_channel
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
@@ -82,6 +84,21 @@ def read_logged(bundle: Bundle, log: str) -> LoggedRobot:
     worn = (entry.device or study.file.device) if entry.role == "with_device" else None
     device = None if worn is None else _read_device(study, worn)
     return LoggedRobot(study.robot, study.urdf, _read_entry(study, entry, log), device)
+
+
+def read_raw(bundle: Bundle, log: str) -> tuple[Log, dict[str, str]]:
+    """A log as its file and mapping say, and the unit of each channel. Raises BadStudy, BadRobot, BadLog."""
+    study = _open(bundle)
+    found, tree = _read_entry(study, _entry(study, log), log), study.robot.tree
+    slides = {joint for joint, slide in zip(tree.joints, tree.prismatic.tolist(), strict=True) if slide}
+    return found, {name: unit_of(parse_channel(name), slides) for name in found.channels}
+
+
+def unit_of(channel: Channel, slides: Set[str]) -> str:
+    """slides: prismatic joints, whose positions are lengths and whose efforts are forces."""
+    if not channel.of_joint or channel.subject not in slides:
+        return channel.unit
+    return channel.unit.replace("rad", "m").replace("N·m", "N")
 
 
 def read_motion(

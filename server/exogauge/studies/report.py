@@ -61,7 +61,7 @@ def render_report(evaluation: Evaluation) -> str:
         evaluation=evaluation,
         found=found,
         content=content,
-        synthetic="synthetic" in evaluation.name.lower(),
+        synthetic=evaluation.synthetic,
         kicker=kicker(evaluation),
         lead=lead(evaluation, pooled),
         leads=leads(evaluation),

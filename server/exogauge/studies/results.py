@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, is_dataclass
-from importlib.metadata import PackageNotFoundError, version
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any, final
 
 from exogauge.devices.result import StiffnessResult
@@ -17,15 +15,18 @@ from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.identification.settings import Settings
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.bundle import Input
+from exogauge.studies.configuration import configuration_entry, software
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.discrepancy_results import discrepancy_entry
 from exogauge.studies.open import Step
+from exogauge.studies.scope import scope_entry
 from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries
+from exogauge.studies.study_record import StudyRecord, says_synthetic
 from exogauge.studies.support_results import support_entries
 from exogauge.support.result import SupportResult
+from exogauge.support.settings import SupportSettings
 
 VERSION = 1
-PACKAGES = ("exogauge", "numpy", "scipy", "pin", "pyarrow")
 SENSORS = {"sensor_force": "f", "sensor_moment": "m"}
 BASE_MOMENT = ("base.mx", "base.my", "base.mz")
 TRUNK_WORDS = ("torso", "waist", "chest", "lumbar", "trunk", "spine")
@@ -38,7 +39,7 @@ class Evaluation:
 
     findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
-    discrepancy: None where that step was skipped.
+    discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach.
     """
 
     name: str
@@ -53,6 +54,12 @@ class Evaluation:
     support: SupportResult | None = None
     stiffness: Sequence[StiffnessResult] = ()
     discrepancy: Discrepancy | None = None
+    record: StudyRecord = field(default_factory=StudyRecord)
+    support_settings: SupportSettings = field(default_factory=SupportSettings)
+
+    @property
+    def synthetic(self) -> bool:
+        return bool(self.record.synthetic) or says_synthetic(self.name)
 
 
 @final
@@ -81,6 +88,15 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "version": VERSION,
         "name": evaluation.name,
         "robot": evaluation.robot.name,
+        "scope": scope_entry(evaluation.record, evaluation.robot, evaluation.synthetic, support),
+        "configuration": configuration_entry(
+            evaluation.record,
+            evaluation.robot,
+            evaluation.settings,
+            evaluation.support_settings,
+            found,
+            evaluation.inputs,
+        ),
         "software": software(),
         "inputs": [asdict(each) for each in evaluation.inputs],
         "steps": [
@@ -229,17 +245,6 @@ def validation_table(found: Identification) -> bytes:
     """validation.csv: one row per channel and log."""
     columns = tuple(each.name for each in fields(ChannelFit))
     return csv_table(columns, ([getattr(each, column) for column in columns] for each in found.validation))
-
-
-def software() -> dict[str, str]:
-    """Versions that may change a number."""
-    found = {"python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            continue
-    return found
 
 
 def finite(value: Any) -> Any:

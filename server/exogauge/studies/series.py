@@ -1,13 +1,18 @@
-"""series/<log>.parquet: what was measured and what each model predicts, on the log's own sample times."""
+"""series/<log>.parquet: what was measured and what each model predicts, on the log's own sample times.
+
+A log as it was read has the same form.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from exogauge.identification.result import Prediction
+from exogauge.logs.model import Log
 from exogauge.studies.series_columns import Columns
 from exogauge.studies.support_series import add_bands, add_phases, add_support
 from exogauge.support.result import Trial
@@ -39,7 +44,18 @@ def series_table(prediction: Prediction, trial: Trial | None = None) -> pa.Table
     return columns.table(metadata)
 
 
+def raw_table(log: Log, units: Mapping[str, str]) -> pa.Table:
+    """`t` and every channel of a log as it was read, with its unit."""
+    columns = Columns(log.time)
+    for channel, values in log.channels.items():
+        columns.add(channel, values, units[channel])
+    return columns.table({"log": log.name, "version": "1"})
+
+
 def write_series(prediction: Prediction, path: Path, trial: Trial | None = None) -> None:
-    table = series_table(prediction, trial)
+    write_table(series_table(prediction, trial), path)
+
+
+def write_table(table: pa.Table, path: Path) -> None:
     words = [field.name for field in table.schema if pa.types.is_dictionary(field.type)]
     pq.write_table(table, path, compression="zstd", use_dictionary=words, row_group_size=ROW_GROUP)

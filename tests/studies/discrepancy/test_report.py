@@ -56,7 +56,9 @@ def section(html: str) -> str:
 
 def test_the_first_sentence_names_the_effect(report: str) -> None:
     header = words(report[report.index("<header>") : report.index("</header>")])
-    assert header.index("lacks 2 effects: Stribeck friction at torso_pitch") < header.index("were identified")
+    assert header.index("does not know of 2 effects: Stribeck friction at torso_pitch") < header.index(
+        "were identified"
+    )
 
 
 def test_that_nothing_is_missing_is_said_after_the_rest(render: Render, clean: Discrepancy) -> None:

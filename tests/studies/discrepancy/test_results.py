@@ -31,7 +31,7 @@ def test_the_keys_are_those_of_the_contract(entry: dict[str, Any]) -> None:
         "rank", "effect", "where", "parameters", "held_out", "score", "evidence", "alternatives", "also_possible",
         "motion",
     }  # fmt: skip
-    assert found["held_out"].keys() == {"channel", "unit", "rmse_before", "rmse_after", "noise_floor"}
+    assert found["held_out"].keys() == {"channel", "unit", "rmse_before", "rmse_after", "noise_floor", "log"}
     assert entry["chain"][0].keys() >= {"step", "rmse", "noise_floor", "worst", "worst_rmse", "worst_floor"}
     for other in (*found["alternatives"], *found["also_possible"], *entry["rejected"]):
         assert other.keys() == {"effect", "where", "title", "score", "reason"}

@@ -75,8 +75,8 @@ def test_results_name_sensor_and_axis_and_what_reads_them_understands(found: Dis
 def test_sentences_hold_each_channels_own_unit(found: Discrepancy) -> None:
     entry = content(found)["discrepancy"]
     assert verdict_sentence(entry).startswith(
-        "The identified model lacks 2 effects: a wrong gain of the force/torque sensor at wrist.fx (3.20 → 0.520 N, "
-        "noise floor 0.500) and a tilted base (wrist.mz: 0.0900 → 0.0110 N·m, noise floor 0.0100)."
+        "The identified model does not know of 2 effects: a wrong gain of the force/torque sensor at wrist.fx "
+        "(3.20 → 0.520 N, noise floor 0.500) and a tilted base (wrist.mz: 0.0900 → 0.0110 N·m, noise floor 0.0100)."
     )
     assert left_sentence(entry) == "One channel stays above the noise, at wrist.fy (0.900 N RMSE, noise floor 0.500)."
 

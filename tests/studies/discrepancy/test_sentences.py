@@ -46,20 +46,22 @@ def one_line(text: str) -> str:
 
 def test_one_effect_is_named_with_what_it_explains(one: Discrepancy) -> None:
     assert verdict_sentence(entry(one)) == (
-        "The identified model lacks Stribeck friction at torso_pitch. With it the error of torso_pitch on held-out "
-        "logs falls from 2.25 to 1.08 N·m RMSE (noise floor 1.02)."
+        "The identified model does not know of Stribeck friction at torso_pitch. With it the error of torso_pitch on "
+        "held-out logs falls from 2.25 to 1.08 N·m RMSE (noise floor 1.02)."
     )
 
 
 def test_several_effects_are_named_in_their_order(discrepancy: Discrepancy) -> None:
     text = verdict_sentence(entry(discrepancy))
-    assert text.startswith("The identified model lacks 2 effects: Stribeck friction at torso_pitch (2.25 → 1.08 N·m")
+    assert text.startswith(
+        "The identified model does not know of 2 effects: Stribeck friction at torso_pitch (2.25 → 1.08 N·m"
+    )
     assert "and a payload at r_arm (r_elbow: 1.31 → 0.644 N·m, noise floor 0.601)." in text
 
 
 def test_of_many_effects_three_are_named_and_the_others_counted(discrepancy: Discrepancy) -> None:
     many = dataclasses.replace(discrepancy, findings=discrepancy.findings[:1] * 5)
-    assert "lacks 5 effects" in verdict_sentence(entry(many))
+    assert "does not know of 5 effects" in verdict_sentence(entry(many))
     assert verdict_sentence(entry(many)).count("Stribeck") == 3
     assert " and 2 more." in verdict_sentence(entry(many))
 
@@ -136,9 +138,9 @@ def test_the_terminal_tells_the_whole_story(discrepancy: Discrepancy) -> None:
     assert text.startswith("DISAGREEMENT")
     flat = one_line(text)
     for said in (
-        "lacks 2 effects",
+        "does not know of 2 effects",
         "2 joint torques in steady motion on 2 held-out logs; 214 candidates",
-        "+ stribeck at torso_pitch 0.930 0.620 r_elbow 1.31 0.600",
+        "+ Stribeck friction at torso_pitch 0.930 0.620 r_elbow 1.31 0.600",
         "1. Stribeck friction at torso_pitch torso_pitch: within 0.05 rad/s of rest",
         "tau_b 3.04 ± 0.21 N·m, v_s 0.0413 ± 0.0062 rad/s",
         "Explains 92 % of the excess. Next best: presliding friction at torso_pitch 40 %, nonlinear",
@@ -152,7 +154,9 @@ def test_the_terminal_tells_the_whole_story(discrepancy: Discrepancy) -> None:
 
 
 def test_the_terminal_opens_with_a_named_effect_only(one: Discrepancy, clean: Discrepancy) -> None:
-    assert one_line(lead_text(result(one))).startswith("The identified model lacks Stribeck friction at torso_pitch.")
+    assert one_line(lead_text(result(one))).startswith(
+        "The identified model does not know of Stribeck friction at torso_pitch."
+    )
     assert lead_text(result(clean)) == ""
     assert "No effect is missing" in discrepancy_text(result(clean))
 
@@ -165,7 +169,7 @@ def test_without_the_step_the_terminal_says_nothing_of_it() -> None:
 def test_a_model_at_its_floor_has_no_worst_joint(one: Discrepancy) -> None:
     at_floor = dataclasses.replace(one.chain[-1], worst_rmse=0.5)
     text = discrepancy_text(result(dataclasses.replace(one, chain=(*one.chain[:-1], at_floor))))
-    assert re.search(r"\+ payload at r_arm +0\.670 +0\.620 +none$", text, re.M)
+    assert re.search(r"\+ a payload at r_arm +0\.670 +0\.620 +none$", text, re.M)
 
 
 def test_rivals_that_explain_nothing_are_not_the_next_best(one: Discrepancy) -> None:

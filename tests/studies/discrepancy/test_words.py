@@ -1,0 +1,90 @@
+"""What a reader is told of any effect holds no identifier, whichever effect it is and whatever comes next to it."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from exogauge.discrepancy import band_finding, finding
+from exogauge.discrepancy.result import Alternative, Discrepancy, HeldOut, Link, Place
+from exogauge.discrepancy_text import discrepancy_text, lead_text
+from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
+from exogauge.effects.words import EFFECTS
+from exogauge.studies.discrepancy_results import discrepancy_entry
+from exogauge.studies.results import finite
+
+IDENTIFIER = re.compile(r"[A-Za-z]\w*_\w+|\w+@\w+")
+PLACES = {
+    "band": Place("band", "left"),
+    "base": Place("base", "base"),
+    "ft": Place("sensor", "wrist", "fx"),
+    "payload": Place("link", "hand"),
+    "link": Place("link", "hand"),
+    "contact": Place("link", "hand"),
+    "imu": Place("base", "base"),
+}
+HELD_OUT = HeldOut("tau.elbow", "N·m", 2.0, 1.0, 0.5)
+
+
+def place_of(name: str) -> Place:
+    if name == "band_limited_log":
+        return Place("log", "swing")
+    return PLACES.get(name.partition("_")[0], Place("joint", "elbow"))
+
+
+def told(name: str, next_to: str, one: Discrepancy) -> Iterator[str]:
+    """Everything that is said of one effect with another one as the next best."""
+    place, other = place_of(name), Alternative(next_to, place_of(next_to), 0.3, "explains less")
+    found = dataclasses.replace(
+        one.findings[0], effect=name, place=place, held_out=HELD_OUT, sentence="It shows.", motion="Move it.",
+        parameters={}, alternatives=(other,), also_possible=(other,),
+    )  # fmt: skip
+    links = [Link(step, 1.0, 0.5, "tau.elbow", 1.0, 0.5, "N·m") for step in ("identified", f"+ {name} at elbow")]
+    made = dataclasses.replace(
+        one, findings=(found,), chain=tuple(links), rejected=(other,), notes=(), unexplained=(), located=(),
+        before_after={},
+    )  # fmt: skip
+    entry: Any = finite(discrepancy_entry(made))
+    fit = {"channel": "tau.elbow", "log": "swing", "held_out": True}
+    result = {"discrepancy": entry, "identification": {"validation": [fit]}}
+    yield lead_text(result)
+    yield discrepancy_text(result)
+    yield entry["findings"][0]["title"]
+    yield from (each["title"] for each in entry["rejected"])
+
+
+def test_no_sentence_on_an_effect_holds_an_identifier(one: Discrepancy) -> None:
+    names = list(EFFECTS)
+    for name, next_to in zip(names, [*names[1:], names[0]], strict=True):
+        for text in told(name, next_to, one):
+            assert IDENTIFIER.search(text) is None, text
+
+
+def test_the_words_of_every_effect_end_the_same_sentence() -> None:
+    """`The identified model does not know of …`: nothing that begins a sentence, no article twice, no end."""
+    for name, words in EFFECTS.items():
+        assert re.fullmatch(r"(Stribeck|Coulomb|[a-z])[^.:]*", words), name
+        assert not re.search(r"\b(an?|the) (an?|the)\b", words), name
+        assert re.search(r"\b(a [aeiou]|an [^aeiou])", words) is None, name
+
+
+def test_what_each_effect_says_of_itself_are_whole_sentences_without_identifiers() -> None:
+    for effect in (*all_effects().values(), *missing_effects(), *band_effects().values()):
+        assert effect.name in EFFECTS
+        for text in (effect.sentence, getattr(effect, "needs", "Nothing.")):
+            assert IDENTIFIER.search(text) is None, (effect.name, text)
+            assert re.fullmatch(r"[A-Z].*[.]", text, re.S), (effect.name, text)
+
+
+def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
+    for effect in missing_effects():
+        place = place_of(effect.name)
+        for name in EFFECTS:
+            others = [Alternative(name, place_of(name), 0.3, "explains less")]
+            text = finding._sentence(place, effect, "1 N·m near rest", finding._falls(HELD_OUT, None), others)
+            assert IDENTIFIER.search(text) is None, text
+            assert f"The next best, {EFFECTS[name]}" in text
+            assert "the base: " not in text
+            assert IDENTIFIER.search(band_finding._next(others)) is None
