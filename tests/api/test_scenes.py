@@ -21,6 +21,8 @@ from exogauge.settings import Settings
 from exogauge.storage.store import Storage
 from exogauge.studies.series_columns import Columns
 
+pytestmark = pytest.mark.slow
+
 V1 = "/api/v1"
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0 0 0.1"/><mass value="2.0"/>'

@@ -29,6 +29,8 @@ from exogauge.studies.device_content import device_content
 from exogauge.studies.entry_changes import changes_of
 from exogauge.studies.recorded_motion import read_motion
 
+pytestmark = pytest.mark.slow
+
 V1 = "/api/v1"
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0 0 0.1"/><mass value="2.0"/>'

@@ -17,6 +17,7 @@ from exogauge.settings import Settings
 from exogauge.storage.store import Storage, Store
 
 LONGEST_PAGE = 200
+NO_NUL = r"^[^\x00]*$"  # PostgreSQL has no text with it
 
 
 def get_settings(request: Request) -> Settings:
@@ -66,6 +67,15 @@ def encoded_cursor(after: tuple[datetime, str] | None) -> str | None:
 Id = Annotated[UUID, Path(description="id of the thing")]
 Cursor = Annotated[tuple[datetime, str] | None, Depends(decoded_cursor)]
 Limit = Annotated[int, Query(ge=1, le=LONGEST_PAGE, description="most items of one page")]
+Search = Annotated[
+    str,
+    Query(
+        max_length=200,
+        pattern=NO_NUL,
+        description="words that all are in the name, or in the robot's or a device's name; case does not matter. "
+        "A word may also begin an id or a content hash",
+    ),
+]
 SettingsDep = Annotated[Settings, Depends(get_settings)]
 StorageDep = Annotated[Storage, Depends(get_storage)]
 StoreDep = Annotated[Store, Depends(get_store, scope="function")]

@@ -10,7 +10,17 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.dependencies import (
+    NO_NUL,
+    Cursor,
+    Id,
+    Limit,
+    ReaderDep,
+    Search,
+    SettingsDep,
+    StorageDep,
+    encoded_cursor,
+)
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import DeviceList, DeviceOut
@@ -60,10 +70,15 @@ def list_devices(
     store: ReaderDep,
     cursor: Cursor,
     limit: Limit = 50,
-    name: Annotated[str | None, Query(max_length=200, description="only this device: its versions")] = None,
-    robot_id: Annotated[str | None, Query(max_length=64, description="only devices of this robot")] = None,
+    search: Search = "",
+    name: Annotated[
+        str | None, Query(max_length=200, pattern=NO_NUL, description="only this device: its versions")
+    ] = None,
+    robot_id: Annotated[
+        str | None, Query(max_length=64, pattern=NO_NUL, description="only devices of this robot")
+    ] = None,
 ) -> DeviceList:
-    page = store.devices.page(cursor, limit, name=name, robot_id=robot_id)
+    page = store.devices.page(cursor, limit, search=search, name=name, robot_id=robot_id)
     items = [DeviceOut.of(device) for device in page.items]
     return DeviceList(items=items, next_cursor=encoded_cursor(page.after))
 

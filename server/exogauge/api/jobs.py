@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import NO_NUL, Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.shapes import Answer, ListOf, State
 from exogauge.jobs import requests
@@ -123,7 +123,7 @@ def list_jobs(
     store: ReaderDep,
     cursor: Cursor,
     limit: Limit = 50,
-    study_id: Annotated[str | None, Query(max_length=64)] = None,
+    study_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
     state: State | None = None,
 ) -> JobList:
     """Newest first."""

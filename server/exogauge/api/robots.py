@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import RobotList, RobotOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
@@ -44,8 +44,8 @@ def create_robot(
 
 
 @router.get("/robots", operation_id="listRobots")
-def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> RobotList:
-    page = store.robots.page(cursor, limit)
+def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50, search: Search = "") -> RobotList:
+    page = store.robots.page(cursor, limit, search=search)
     return RobotList(items=[RobotOut.of(robot) for robot in page.items], next_cursor=encoded_cursor(page.after))
 
 

@@ -42,6 +42,8 @@ Channels = Annotated[
 Start = Annotated[float | None, Query(allow_inf_nan=False, description="[s]; default: the first sample")]
 End = Annotated[float | None, Query(allow_inf_nan=False, description="[s]; default: the last sample")]
 
+Width = Annotated[int, Query(ge=1, le=8000, description="most stretches: columns of the screen")]
+
 
 @final
 class ChannelOut(Answer):
@@ -117,22 +119,15 @@ def get_series_tiles(
     response: Response,
     start: Start = None,
     end: End = None,
-    width: Annotated[int, Query(ge=1, le=8000, description="most stretches: columns of the screen")] = 1200,
+    width: Width = 1200,
 ) -> TilesOut:
     """Minimum and maximum of each channel over `width` stretches of the window, and one sample beyond each end.
 
     Few samples are given as they are, minimum = maximum.
     """
-    from exogauge.studies.tiles import make_blocks, tiles
-
     sha256 = find(store, str(job_id), name)
-    series = opened(store.blobs, sha256)
-    names = series.checked(channels)
-    first, last = bounds(series, start, end)
-    found = tiles(series, cache(request).get(sha256, lambda: make_blocks(series)), names, first, last, width)
     response.headers["Cache-Control"] = NEVER_CHANGES
-    columns = {each: ChannelTiles(min=plain(found.low[each]), max=plain(found.high[each])) for each in names}
-    return TilesOut(start=first, end=last, t=found.t.tolist(), channels=columns, samples=found.samples)
+    return tiled(opened(store.blobs, sha256), sha256, channels, start, end, width, request)
 
 
 @router.get("/jobs/{job_id}/series/{name}/window", operation_id="exportSeries", responses=FILE, response_class=Response)
@@ -144,11 +139,41 @@ def export_series(
     start: Start = None,
     end: End = None,
     form: Annotated[Literal["csv", "parquet"], Query(alias="format")] = "csv",
-) -> Response:
+) -> StreamingResponse:
     """Every sample of the window as a file; all channels where none is named."""
+    return windowed(opened(store.blobs, find(store, str(job_id), name)), name, channels, start, end, form)
+
+
+def tiled(
+    series: SeriesFile,
+    key: str,
+    channels: tuple[str, ...],
+    start: float | None,
+    end: float | None,
+    width: int,
+    request: Request,
+) -> TilesOut:
+    """key: of what the file holds, under which its blocks are kept."""
+    from exogauge.studies.tiles import make_blocks, tiles
+
+    names = series.checked(channels)
+    first, last = bounds(series, start, end)
+    found = tiles(series, cache(request).get(key, lambda: make_blocks(series)), names, first, last, width)
+    columns = {each: ChannelTiles(min=plain(found.low[each]), max=plain(found.high[each])) for each in names}
+    return TilesOut(start=first, end=last, t=found.t.tolist(), channels=columns, samples=found.samples)
+
+
+def windowed(
+    series: SeriesFile,
+    name: str,
+    channels: tuple[str, ...],
+    start: float | None,
+    end: float | None,
+    form: Literal["csv", "parquet"],
+) -> StreamingResponse:
+    """name: of the file that is saved."""
     from exogauge.studies.series_window import window
 
-    series = opened(store.blobs, find(store, str(job_id), name))
     names = series.checked(channels) or series.names
     parts: Iterator[bytes] = window(series, names, *bounds(series, start, end), form)
     headers = {"Content-Disposition": f'attachment; filename="{file_name(name)}.{form}"'}

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import yaml
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.results import ANY_FILE, FilePath, file_response
-from exogauge.api.shapes import StudyFromParts, StudyList, StudyOut
+from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, root_of, scratch_folder
 from exogauge.errors import BadStudy, Fault
 from exogauge.storage.blobs import copy_out
@@ -52,8 +52,14 @@ def create_study(
 
 
 @router.get("/studies", operation_id="listStudies")
-def list_studies(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> StudyList:
-    page = store.studies.page(cursor, limit)
+def list_studies(
+    store: ReaderDep,
+    cursor: Cursor,
+    limit: Limit = 50,
+    search: Search = "",
+    state: Annotated[State | Literal["none"] | None, Query(description="of the latest job; none: has no job")] = None,
+) -> StudyList:
+    page = store.studies.page(cursor, limit, search=search, state=state)
     jobs = store.jobs.latest([study.id for study in page.items])
     items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
     return StudyList(items=items, next_cursor=encoded_cursor(page.after))

@@ -14,6 +14,7 @@ from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.records import DeviceRecord, Page
 from exogauge.storage.robots import Robots
 from exogauge.storage.rows import Lab
+from exogauge.storage.search import found_by, words_of
 
 
 @final
@@ -35,7 +36,7 @@ class Devices:
             key = tables.new_id()
             device = table(
                 id=key, lab_id=self.lab.lab_id, name=name, version=self._newest_version(name) + 1, robot_id=robot_id,
-                content_hash=pinned, summary=dict(summary),
+                content_hash=pinned, summary=dict(summary), words=words_of(name, summary),
             )  # fmt: skip
             return [device, *(self._file(key, file) for file in files)]
 
@@ -48,10 +49,16 @@ class Devices:
         return self.lab.get(DeviceRecord, tables.Device, key, "device")
 
     def page(
-        self, after: tuple[datetime, str] | None, limit: int, *, name: str | None = None, robot_id: str | None = None
+        self,
+        after: tuple[datetime, str] | None,
+        limit: int,
+        *,
+        search: str = "",
+        name: str | None = None,
+        robot_id: str | None = None,
     ) -> Page[DeviceRecord]:
-        """name: all versions of one device, where given."""
-        query = self.lab.select(tables.Device)
+        """search: words that all are found; name: all versions of one device, where given."""
+        query = self.lab.select(tables.Device).where(found_by(tables.Device, search))
         if name is not None:
             query = query.where(tables.Device.name == name)
         if robot_id is not None:

@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import final
 
 import sqlalchemy as sa
+from sqlalchemy.orm import InstrumentedAttribute
 
 from exogauge.storage.records import JobRecord, Page
 from exogauge.storage.rows import Lab, as_record
@@ -43,3 +44,9 @@ class Jobs:
         newest = sa.select(ranked.c.id).where(ranked.c.rank == 1)
         rows = self.lab.session.scalars(self.lab.select(Job).where(Job.id.in_(newest)))
         return {row.study_id: as_record(JobRecord, row) for row in rows}
+
+
+def latest_state(study_id: InstrumentedAttribute[str]) -> sa.ScalarSelect[str]:
+    """The state of the newest job of a row's study, as part of a larger query."""
+    mine = sa.select(Job.state).where(Job.study_id == study_id, Job.kind.not_in(ASIDE))
+    return mine.order_by(Job.created_at.desc(), Job.id.desc()).limit(1).scalar_subquery()

@@ -13,6 +13,7 @@ from exogauge.storage import tables
 from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.records import Page, RobotRecord
 from exogauge.storage.rows import Lab
+from exogauge.storage.search import found_by, words_of
 
 
 @final
@@ -29,7 +30,7 @@ class Robots:
             key = tables.new_id()
             robot = tables.Robot(
                 id=key, lab_id=self.lab.lab_id, name=name, version=self._newest_version(name) + 1,
-                content_hash=pinned, summary=dict(summary),
+                content_hash=pinned, summary=dict(summary), words=words_of(name, summary),
             )  # fmt: skip
             return [robot, *(self._file(key, file) for file in files)]
 
@@ -41,8 +42,10 @@ class Robots:
     def get(self, key: str) -> RobotRecord:
         return self.lab.get(RobotRecord, tables.Robot, key, "robot")
 
-    def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[RobotRecord]:
-        return self.lab.page(RobotRecord, tables.Robot, self.lab.select(tables.Robot), after, limit)
+    def page(self, after: tuple[datetime, str] | None, limit: int, *, search: str = "") -> Page[RobotRecord]:
+        """search: words that all are found."""
+        query = self.lab.select(tables.Robot).where(found_by(tables.Robot, search))
+        return self.lab.page(RobotRecord, tables.Robot, query, after, limit)
 
     def files(self, key: str) -> tuple[PinnedFile, ...]:
         query = self.lab.select(tables.RobotFile).where(tables.RobotFile.robot_id == key)

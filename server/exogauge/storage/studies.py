@@ -8,11 +8,17 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, final
 
+import sqlalchemy as sa
+
 from exogauge.storage import tables
 from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
+from exogauge.storage.jobs import latest_state
 from exogauge.storage.records import Page, StudyRecord
 from exogauge.storage.rows import Lab
+from exogauge.storage.search import found_by, words_of
+
+NO_JOB = "none"
 
 
 @final
@@ -29,7 +35,8 @@ class Studies:
         def make() -> list[tables.Base]:
             key = tables.new_id()
             study = tables.Study(
-                id=key, lab_id=self.lab.lab_id, name=name, content_hash=pinned, summary=dict(summary)
+                id=key, lab_id=self.lab.lab_id, name=name, content_hash=pinned, summary=dict(summary),
+                words=words_of(name, summary),
             )  # fmt: skip
             return [study, *(self._file(key, file) for file in files)]
 
@@ -41,8 +48,14 @@ class Studies:
     def get(self, key: str) -> StudyRecord:
         return self.lab.get(StudyRecord, tables.Study, key, "study")
 
-    def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[StudyRecord]:
-        return self.lab.page(StudyRecord, tables.Study, self.lab.select(tables.Study), after, limit)
+    def page(
+        self, after: tuple[datetime, str] | None, limit: int, *, search: str = "", state: str | None = None
+    ) -> Page[StudyRecord]:
+        """search: words that all are found; state: of the study's latest job, `none` where it has none."""
+        query = self.lab.select(tables.Study).where(found_by(tables.Study, search))
+        if state is not None:
+            query = query.where(sa.func.coalesce(latest_state(tables.Study.id), NO_JOB) == state)
+        return self.lab.page(StudyRecord, tables.Study, query, after, limit)
 
     def files(self, key: str) -> tuple[PinnedFile, ...]:
         query = self.lab.select(tables.StudyFile).where(tables.StudyFile.study_id == key)

@@ -43,14 +43,23 @@ class Owned:
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
+class Named(Owned):
+    """Columns of what has a name and is found by words. content_hash: over the paths and hashes of its files."""
+
+    name: Mapped[str] = mapped_column(NAME)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    words: Mapped[str] = mapped_column(sa.Text, server_default=sa.text("''"))
+
+
 def owned_by(table: str) -> Mapped[str]:
     """A key into `table`; the row goes when its owner goes."""
     return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
 
 
 @final
-class Robot(Owned, Base):
-    """One version of a robot bundle. content_hash: over the paths and hashes of its files."""
+class Robot(Named, Base):
+    """One version of a robot bundle."""
 
     __tablename__ = "robots"
     __table_args__ = (
@@ -58,10 +67,7 @@ class Robot(Owned, Base):
         sa.UniqueConstraint("lab_id", "name", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
-    name: Mapped[str] = mapped_column(NAME)
     version: Mapped[int]
-    content_hash: Mapped[str] = mapped_column(SHA256)
-    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
 
 
 @final
@@ -77,8 +83,8 @@ class RobotFile(Owned, Base):
 
 
 @final
-class Device(Owned, Base):
-    """One version of a device bundle, checked against one robot. content_hash: over the paths and hashes of its files.
+class Device(Named, Base):
+    """One version of a device bundle, checked against one robot.
 
     The same files checked against another robot are another version: what the check found belongs to both.
     """
@@ -89,11 +95,8 @@ class Device(Owned, Base):
         sa.UniqueConstraint("lab_id", "name", "robot_id", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
-    name: Mapped[str] = mapped_column(NAME)
     version: Mapped[int]
     robot_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("robots.id"), index=True)
-    content_hash: Mapped[str] = mapped_column(SHA256)
-    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
 
 
 @final
@@ -126,7 +129,7 @@ class Log(Owned, Base):
 
 
 @final
-class Study(Owned, Base):
+class Study(Named, Base):
     """A study as it was handed in; its files are pinned by hash and never change."""
 
     __tablename__ = "studies"
@@ -134,9 +137,6 @@ class Study(Owned, Base):
         sa.UniqueConstraint("lab_id", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
-    name: Mapped[str] = mapped_column(NAME)
-    content_hash: Mapped[str] = mapped_column(SHA256)
-    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
 
 
 @final
