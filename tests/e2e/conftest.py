@@ -1,8 +1,9 @@
 """A running service with a worker, and a browser that looks at it. Without Chromium every test here is skipped.
 
-`service`: new and empty, one for each module. `sample_service`: holds the evaluated sample study. `page`: a browser tab
-at the service, which fails its test when a script failed, a rule of the page's policy was broken or somebody else was
-asked. `axe(page)`: no violation of accessibility. `screenshot(name)`: the same in light, dark, narrow and zoomed.
+`service`: new and empty, one for each module. `sample`: the sample study's folder; `sample_service` holds that study,
+evaluated, and `study` says where. `page`: a browser tab at the service, which fails its test when a script failed, a
+rule of the page's policy was broken or somebody else was asked. `axe(page)`: no violation of accessibility.
+`screenshot(name)`: the same in light, dark, narrow and zoomed.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from urllib.parse import urlsplit
 import pytest
 from tests.e2e.proxy import serve_below
 
+from exogauge import Client
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -32,8 +35,9 @@ ARGUMENTS = (
     "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
 )  # fmt: skip
 SAMPLE = ROOT / ".cache" / "e2e-sample"  # generated and evaluated once, which takes minutes
+SAMPLE_NAME = "SYNTHETIC hrp4_like, seed 1"
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
-PATIENCE_MS = 20_000  # on a busy machine
+PATIENCE_MS = int(os.environ.get("EXOGAUGE_TEST_PATIENCE_MS", "20000"))  # more on a machine that others keep busy
 WIDE = {"width": 1280, "height": 800}
 LOOKS: dict[str, tuple[str, dict[str, int]]] = {
     "light": ("light", WIDE),
@@ -84,16 +88,31 @@ def service(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Itera
 
 
 @pytest.fixture(scope="session")
-def sample_service(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Iterator[Service]:
-    """Holds the sample study of `make demo`, evaluated. It is shared: tests that add to it must bear each other."""
+def sample(browser: Browser) -> Path:
+    """The folder of the sample study of `make demo`, which has been evaluated."""
     subprocess.run(
         [sys.executable, "-m", "exogauge.cli", "demo"], env=os.environ | {"EXOGAUGE_DATA_DIR": str(SAMPLE)},
         check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
+    return SAMPLE / "sample" / "hrp4_like_1"
+
+
+@pytest.fixture(scope="session")
+def sample_service(tmp_path_factory: pytest.TempPathFactory, sample: Path) -> Iterator[Service]:
+    """Holds the sample study, evaluated. It is shared: tests that add to it must bear each other."""
     data = tmp_path_factory.mktemp("sample") / "data"
     shutil.copytree(SAMPLE, data)
     with running(data) as started:
         yield started
+
+
+@pytest.fixture(scope="session")
+def study(sample_service: Service) -> dict[str, Any]:
+    """The evaluated sample: its address, and results.json."""
+    with Client(sample_service.url) as client:
+        found = next(each for each in client.studies() if each.name == SAMPLE_NAME)
+        job = next(each for each in client.jobs(found) if each.state == "succeeded")
+        return {"path": f"/studies/{found.id}", "job": job, "results": client.results(job)}
 
 
 @pytest.fixture(scope="module")

@@ -26,8 +26,8 @@ def vendor_log(frozen: bool) -> bytes:
     return ("\n".join(rows) + "\n").encode()
 
 
-def hand_in_arm(page: Page) -> None:
-    page.goto("/robots")
+def hand_in_arm(page: Page, home: str = "") -> None:
+    page.goto(f"{home}/robots")
     page.get_by_role("button", name="Choose files").wait_for()
     files = arm_study()
     drop(page, {path: files[path] for path in ("robot.yaml", "robot.urdf")})

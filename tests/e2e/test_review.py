@@ -21,16 +21,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Locator, Page
     from tests.e2e.conftest import Service
 
-PARTS = ("Summary", "Identification", "Support", "Bands", "Disagreement", "Plots", "Files", "Run and logs")
+PARTS = ("Summary", "Identification", "Support", "Bands", "Disagreement", "Plots", "Scope", "Files", "Run and logs")
 LOG = "bend_normal_1"
-
-
-@pytest.fixture(scope="session")
-def study(sample_service: Service) -> dict[str, Any]:
-    """The evaluated sample: its address, and results.json."""
-    with Client(sample_service.url) as client:
-        job = next(each for each in client.jobs() if each.state == "succeeded")
-        return {"path": f"/studies/{job.study_id}", "job": job, "results": client.results(job)}
 
 
 def value_of(text: str) -> float:

@@ -44,21 +44,25 @@ def _drawn(task: str, options: dict[str, Any], folder: Path, what: str) -> bytes
 class Shelf:
     """Files by key in a folder; the ones looked at longest ago go when it is full. Threads and processes share it."""
 
-    def __init__(self, folder: Path, kept_bytes: int = KEPT_BYTES) -> None:
-        self._folder, self._kept_bytes = folder, kept_bytes
+    def __init__(self, folder: Path, kept_bytes: int = KEPT_BYTES, suffix: str = ".scene") -> None:
+        self._folder, self._kept_bytes, self._suffix = folder, kept_bytes, suffix
         self._making: dict[str, threading.Lock] = {}
         self._lock, self._at_once = threading.Lock(), threading.Semaphore(AT_ONCE)
 
     def get(self, key: str, make: Callable[[], bytes]) -> Path:
         """The file of this key (letters and digits); `make` is called where there is none, and may raise."""
-        path = self._folder / f"{key}.scene"
+        return self.filled(key, lambda path: path.write_bytes(make()))
+
+    def filled(self, key: str, write: Callable[[Path], object]) -> Path:
+        """As `get`, where `write` puts the content at a path on the same file system."""
+        path = self._folder / f"{key}{self._suffix}"
         with self._lock:
             making = self._making.setdefault(key, threading.Lock())
         with making:
             try:
                 if not self._touched(path):
                     with self._at_once:
-                        self._put(path, make())
+                        self._put(path, write)
             finally:
                 with self._lock:
                     self._making.pop(key, None)
@@ -71,11 +75,11 @@ class Shelf:
             return False
         return True
 
-    def _put(self, path: Path, data: bytes) -> None:
+    def _put(self, path: Path, write: Callable[[Path], object]) -> None:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         temporary = path.with_suffix(f".{os.getpid()}-{threading.get_ident()}")
         try:
-            temporary.write_bytes(data)
+            write(temporary)
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)
@@ -83,7 +87,7 @@ class Shelf:
 
     def _make_room(self, kept: Path) -> None:
         with suppress(FileNotFoundError):  # another process made room as well
-            files = sorted(self._folder.glob("*.scene"), key=lambda path: path.stat().st_mtime, reverse=True)
+            files = sorted(self._folder.glob(f"*{self._suffix}"), key=lambda path: path.stat().st_mtime, reverse=True)
             total = 0
             for path in files:
                 total += path.stat().st_size

@@ -4,13 +4,14 @@ import createClient from "openapi-fetch";
 
 import { basename } from "../app/base";
 import { answered, failed } from "./reachable";
-import { noAnswer, refusalOf } from "./refusal";
+import { fromService, noAnswer, Refusal, refusalOf } from "./refusal";
 import type { components, paths } from "./schema";
 
 export type Schemas = components["schemas"];
 
 export const api = createClient<paths>({
   baseUrl: window.location.origin + basename,
+  redirect: "manual",
   querySerializer: { array: { style: "form", explode: true } },
 });
 
@@ -19,6 +20,7 @@ api.use({
     if (request.method === "POST") request.headers.set("Idempotency-Key", newKey());
     return request;
   },
+  onResponse: ({ response }) => void fromService(response),
 });
 
 export async function answer<T>(asked: Promise<{ data?: T; error?: unknown; response: Response }>): Promise<T> {
@@ -27,7 +29,7 @@ export async function answer<T>(asked: Promise<{ data?: T; error?: unknown; resp
     got = await asked;
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
-    const refusal = noAnswer();
+    const refusal = error instanceof Refusal ? error : noAnswer();
     failed(refusal);
     throw refusal;
   }

@@ -1,4 +1,4 @@
-import { useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 
 import { answer, api, type Schemas } from "./client";
 import { bundle } from "./robots";
@@ -41,9 +41,10 @@ export type Device = Omit<Schemas["DeviceOut"], "summary"> & { summary: DeviceSu
 const PAGE = 100;
 
 /** Newest first; each version is one of them. */
-export function useDevices(of: { name?: string; robot_id?: string } = {}) {
+export function useDevices(of: { search?: string; name?: string; robot_id?: string } = {}) {
   return useInfiniteQuery({
     queryKey: ["devices", of],
+    placeholderData: of.search ? keepPreviousData : undefined, // never those of another robot
     queryFn: ({ pageParam, signal }) =>
       answer(api.GET("/api/v1/devices", { params: { query: { limit: PAGE, cursor: pageParam, ...of } }, signal })),
     initialPageParam: undefined as string | undefined,

@@ -3,10 +3,11 @@
 import { useQuery } from "@tanstack/react-query";
 
 import { answer } from "./client";
+import { fromService } from "./refusal";
 
 export async function fetchFile(href: string, signal?: AbortSignal): Promise<Blob> {
   const asked = async () => {
-    const response = await fetch(href, { signal });
+    const response = fromService(await fetch(href, { signal, redirect: "manual" }));
     if (response.ok) return { data: await response.blob(), response };
     return { error: (await response.json().catch(() => null)) as unknown, response };
   };

@@ -1,8 +1,10 @@
-/** Whether the service answers, as the last request found it. */
+/** Whether the service answers, and lets us in, as the last request found it. */
 
 import { useSyncExternalStore } from "react";
 
 import { Refusal } from "./refusal";
+
+const TRIES = 3; // a guard that lets us read may still forbid what is asked for
 
 let away: Refusal | null = null;
 const listeners = new Set<() => void>();
@@ -12,12 +14,11 @@ export function answered(): void {
 }
 
 export function failed(refusal: Refusal): void {
-  if (refusal.away) tell(refusal);
-  else tell(null);
+  tell(refusal.away || refusal.signedOut ? refusal : null);
 }
 
 function tell(now: Refusal | null): void {
-  if (away?.status === now?.status) return;
+  if (away?.problem.type === now?.problem.type && away?.status === now?.status) return;
   away = now;
   listeners.forEach((listener) => listener());
 }
@@ -30,4 +31,36 @@ function subscribe(listener: () => void): () => void {
 /** null while the service answers, else why it does not. */
 export function useAway(): Refusal | null {
   return useSyncExternalStore(subscribe, () => away);
+}
+
+export function isSignedOut(): boolean {
+  return away?.signedOut ?? false;
+}
+
+/** What `ask` gives; while somebody has to sign in, it waits for that, and asks again. */
+export async function onceSignedIn<T>(ask: () => Promise<T>, signal: AbortSignal): Promise<T> {
+  for (let tries = 1; ; tries++) {
+    try {
+      return await ask();
+    } catch (error) {
+      if (!(error instanceof Refusal && error.signedOut) || tries === TRIES) throw error;
+      await signIn(signal);
+    }
+  }
+}
+
+function signIn(signal: AbortSignal): Promise<void> {
+  return new Promise((resolve, reject) => {
+    const look = () => {
+      if (isSignedOut()) return;
+      stop();
+      resolve();
+    };
+    const stop = subscribe(look);
+    signal.addEventListener("abort", () => {
+      stop();
+      reject(new DOMException("stopped", "AbortError"));
+    });
+    look();
+  });
 }

@@ -1,9 +1,12 @@
-/** Why the service did not do what it was asked: its RFC 9457 problem, or that it did not answer at all. */
+/** Why the service did not do what it was asked: its RFC 9457 problem, that it did not answer at all, or that a guard in
+ * front of it answered in its place. */
 
 import type { components } from "./schema";
 
 export type ProblemError = components["schemas"]["ProblemError"];
 export type Problem = Omit<components["schemas"]["Problem"], "instance"> & { instance?: string | null };
+
+const GUARD = "about:guard";
 
 export class Refusal extends Error {
   readonly problem: Problem;
@@ -21,7 +24,12 @@ export class Refusal extends Error {
 
   /** Whether the service is away, so that asking again may help. */
   get away(): boolean {
-    return [0, 502, 503, 504].includes(this.status);
+    return !this.signedOut && [0, 502, 503, 504].includes(this.status);
+  }
+
+  /** Whether a guard in front of the service wants to know who asks. */
+  get signedOut(): boolean {
+    return this.problem.type === GUARD;
   }
 }
 
@@ -35,4 +43,22 @@ export function refusalOf(status: number, words: string, body: unknown): Refusal
   const said = body !== null && typeof body === "object" ? (body as Partial<Problem>) : {};
   const detail = `The service answered ${status} ${words}`.trim() + ".";
   return new Refusal({ type: "about:blank", title: words || "Refused", detail, errors: [], ...said, status });
+}
+
+/** The answer, where it is the service's own. A guard says 401 or 403, shows a page of its own, or the way to one: the
+ * service itself never redirects, and answers no script in HTML. */
+export function fromService(response: Response): Response {
+  const kind = response.headers.get("content-type") ?? "";
+  const refused = response.status === 401 || (response.status === 403 && !kind.startsWith("application/problem+json"));
+  const led = response.type === "opaqueredirect" || (response.ok && kind.startsWith("text/html"));
+  if (refused || led) throw signedOut(response.status);
+  return response;
+}
+
+function signedOut(status: number): Refusal {
+  const detail =
+    status === 403
+      ? "Your session has expired, you are not signed in, or you may not do this. Sign in again, above on this page."
+      : "Your session has expired, or you are not signed in. Sign in again, above on this page.";
+  return new Refusal({ type: GUARD, title: "You are not signed in", status, detail, errors: [] });
 }

@@ -1,4 +1,4 @@
-import { useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 
 import { address } from "../app/base";
 import { answer, api, type Schemas } from "./client";
@@ -52,12 +52,13 @@ export type Robot = Omit<Schemas["RobotOut"], "summary"> & { summary: RobotSumma
 
 const PAGE = 100;
 
-/** Newest first; each version is one of them. */
-export function useRobots() {
+/** Newest first; each version is one of them. Those with the words, where given. */
+export function useRobots(of: { search?: string } = {}) {
   return useInfiniteQuery({
-    queryKey: ["robots"],
+    queryKey: ["robots", of],
+    placeholderData: keepPreviousData,
     queryFn: ({ pageParam, signal }) =>
-      answer(api.GET("/api/v1/robots", { params: { query: { limit: PAGE, cursor: pageParam } }, signal })),
+      answer(api.GET("/api/v1/robots", { params: { query: { limit: PAGE, cursor: pageParam, ...of } }, signal })),
     initialPageParam: undefined as string | undefined,
     getNextPageParam: (page) => page.next_cursor ?? undefined,
     select: ({ pages }) => pages.flatMap((page) => page.items) as Robot[],

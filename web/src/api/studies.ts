@@ -1,9 +1,10 @@
-import { useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 
 import { answer, api, type Schemas } from "./client";
 
 export type Study = Schemas["StudyOut"];
 export type JobState = Schemas["LatestJob"]["state"];
+export type StateSought = JobState | "none";
 
 const PAGE = 30;
 const BUSY_MS = 2_000;
@@ -13,12 +14,14 @@ export function isActive(state: JobState | undefined): boolean {
   return state === "queued" || state === "running";
 }
 
-/** Newest first, page by page; asked again while something runs. */
-export function useStudies() {
+/** Newest first, page by page; asked again while something runs. Of those with the words and the state, where given. */
+export function useStudies(search = "", state: StateSought | "" = "") {
+  const sought = { search: search || undefined, state: state || undefined };
   return useInfiniteQuery({
-    queryKey: ["studies"],
+    queryKey: ["studies", sought],
+    placeholderData: keepPreviousData,
     queryFn: ({ pageParam, signal }) =>
-      answer(api.GET("/api/v1/studies", { params: { query: { limit: PAGE, cursor: pageParam } }, signal })),
+      answer(api.GET("/api/v1/studies", { params: { query: { limit: PAGE, cursor: pageParam, ...sought } }, signal })),
     initialPageParam: undefined as string | undefined,
     getNextPageParam: (page) => page.next_cursor ?? undefined,
     refetchInterval: ({ state }) => {

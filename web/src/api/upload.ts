@@ -3,21 +3,30 @@
 import { DetailedError, Upload } from "tus-js-client";
 
 import { address, root } from "../app/base";
-import { answered, failed } from "./reachable";
+import { answered, failed, onceSignedIn } from "./reachable";
 import { noAnswer, refusalOf, Refusal } from "./refusal";
+import { tusByFetch } from "./tusByFetch";
 
 const PIECE = 8 * 1024 * 1024;
 const AGAIN_MS = [0, 1000, 3000, 5000, 10_000, 20_000];
 
 type Telling = (sent: number) => void;
 
-/** Hand one file in. tell: the bytes that the service has confirmed. Gives the id of the upload. */
+/** Hand one file in. tell: the bytes that the service has confirmed. Gives the id of the upload.
+ *
+ * While somebody has to sign in again it waits, and then goes on where it was.
+ */
 export function upload(file: File, name: string, tell: Telling, signal: AbortSignal): Promise<string> {
+  return onceSignedIn(() => sent(file, name, tell, signal), signal);
+}
+
+function sent(file: File, name: string, tell: Telling, signal: AbortSignal): Promise<string> {
   return new Promise((resolve, reject) => {
     const sending = new Upload(file, {
       endpoint: address("api/v1/uploads"),
       metadata: { filename: name },
       chunkSize: PIECE,
+      httpStack: tusByFetch,
       retryDelays: AGAIN_MS,
       fingerprint: async () => [root.pathname, name, file.size, file.lastModified].join("|"),
       removeFingerprintOnSuccess: true,
@@ -28,7 +37,7 @@ export function upload(file: File, name: string, tell: Telling, signal: AbortSig
         answered();
         tell(confirmed);
       },
-      onShouldRetry: (error) => mayHelp(error.originalResponse?.getStatus() ?? 0),
+      onShouldRetry: (error) => !refusalFrom(error).signedOut && mayHelp(error.originalResponse?.getStatus() ?? 0),
       onSuccess: () => resolve(idOf(sending.url)),
       onError: (error) => {
         const refusal = refusalFrom(error);
@@ -56,7 +65,8 @@ function idOf(url: string | null): string {
 }
 
 function refusalFrom(error: Error | DetailedError): Refusal {
-  const response = error instanceof DetailedError ? error.originalResponse : null;
+  const { originalResponse: response = null, causingError: cause = null } = error instanceof DetailedError ? error : {};
+  if (cause instanceof Refusal) return cause;
   if (!response) return noAnswer();
   let body: unknown = null;
   try {

@@ -1,9 +1,11 @@
 import { Button, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { useClipboard } from "@mantine/hooks";
 import { useRouteError } from "react-router";
 
 import { Refusal } from "../api/refusal";
 import { LinkButton } from "../parts/LinkButton";
 import { ProblemBox } from "../parts/ProblemBox";
+import styles from "./PageError.module.css";
 
 /** What a page shows when it cannot go on: what happened, and what to do. */
 export function PageError() {
@@ -18,16 +20,41 @@ export function PageError() {
       </Title>
       <Text>
         {outdated
-          ? "The service may have been updated or stopped since the page was opened. Loading it anew helps."
+          ? "The service may have been updated or stopped since the page was opened, or your session has expired. Loading it anew helps."
           : "Your data are safe: nothing was changed by this. Load the page anew; if it fails again, report these words."}
       </Text>
-      {!outdated && <Code block>{error instanceof Error ? `${error.name}: ${error.message}` : String(error)}</Code>}
+      {!outdated && <Code block className={styles.words}>{wordsOf(error)}</Code>}
       <Group>
         <Button onClick={() => window.location.reload()}>Load it anew</Button>
+        {!outdated && <CopyDetails error={error} />}
         <LinkButton to="/studies" variant="default">
           To the studies
         </LinkButton>
       </Group>
     </Stack>
   );
+}
+
+function CopyDetails({ error }: { error: unknown }) {
+  const { copied, error: refused, copy } = useClipboard({ timeout: 2000 });
+  const details = () =>
+    [
+      wordsOf(error),
+      `Page: ${window.location.href}`,
+      `Time: ${new Date().toISOString()}`,
+      `Browser: ${navigator.userAgent}`,
+      error instanceof Error ? (error.stack ?? "") : "",
+    ].join("\n");
+  return (
+    <>
+      <Button variant="default" onClick={() => copy(details())}>
+        {copied ? "Copied" : "Copy the details"}
+      </Button>
+      {refused && <Text size="sm">This browser copies only over https: select the words above and copy them.</Text>}
+    </>
+  );
+}
+
+function wordsOf(error: unknown): string {
+  return error instanceof Error ? `${error.name}: ${error.message}` : String(error);
 }

@@ -29,6 +29,17 @@ export function withStd(value: number | null | undefined, std: number | null | u
   return [fixed(value, place), fixed(std, place)];
 }
 
+/** The two as one text: 5.032 ± 0.041; the value alone, as `figure` writes it, where it has no std. */
+export function plusMinus(value: number | null | undefined, std: number | null | undefined): string {
+  const [shown, doubt] = withStd(value, std);
+  return doubt === NONE ? figure(value) : `${shown} ± ${doubt}`;
+}
+
+/** What somebody chose or wrote: at most so many digits, and no needless zeros. */
+export function figure(value: number | null | undefined, digits = 4): string {
+  return significant(value, digits).replace(/(\.\d*?)0+(?=·|$)/, "$1").replace(/\.(?=·|$)/, "");
+}
+
 /** An interval, both ends to the place of its half width's second digit: 190.71, 200.93 -> 190.7 … 200.9. */
 export function between(low: number | null | undefined, high: number | null | undefined): string {
   if (!isNumber(low) || !isNumber(high) || high <= low) return "no bounds";
@@ -37,7 +48,8 @@ export function between(low: number | null | undefined, high: number | null | un
 }
 
 /** To so many places; a negative number of them rounds to tens, hundreds. */
-export function fixed(value: number, places: number): string {
+export function fixed(value: number | null | undefined, places: number): string {
+  if (!isNumber(value)) return NONE;
   const step = 10 ** Math.max(-places, 0);
   const rounded = step > 1 ? Math.round(value / step) * step : value;
   return minus(rounded.toFixed(Math.max(places, 0)));

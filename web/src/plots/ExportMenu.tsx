@@ -8,12 +8,12 @@ import { drawing } from "./drawing";
 import { savePng, saveSvg } from "./picture";
 import type { Window } from "./Plot";
 import { drawable } from "./polyline";
-import type { Tiles } from "./series";
+import type { Source, Tiles } from "./series";
 
-type Props = { jobId: string; log: string; panels: Panel[]; hidden: readonly string[]; doubts: boolean; window: Window };
+type Props = { source: Source; log: string; panels: Panel[]; hidden: readonly string[]; doubts: boolean; window: Window };
 
 /** What is on show, as a file: every sample from the service, or the picture as it is. */
-export function ExportMenu({ jobId, log, panels, hidden, doubts, window }: Props) {
+export function ExportMenu({ source, log, panels, hidden, doubts, window }: Props) {
   const cache = useQueryClient();
   const scheme = useComputedColorScheme("light");
   const shown = panels.map((panel) => ({ panel, lines: panel.lines.filter((line) => !hidden.includes(line.channel)) }));
@@ -21,7 +21,7 @@ export function ExportMenu({ jobId, log, panels, hidden, doubts, window }: Props
 
   const picture = () => {
     const pictured = shown.map(({ panel, lines }) => {
-      const asked = ["tiles", jobId, log, needed(panel.lines), window.from, window.to];
+      const asked = ["tiles", source.id, log, needed(panel.lines), window.from, window.to];
       const found = cache.getQueriesData<Tiles>({ queryKey: asked }).find(([, tiles]) => tiles)?.[1];
       return { panel, lines, drawn: drawable(found, lines, doubts) };
     });
@@ -37,10 +37,10 @@ export function ExportMenu({ jobId, log, panels, hidden, doubts, window }: Props
       </Menu.Target>
       <Menu.Dropdown>
         <Menu.Label>Every sample of what is shown</Menu.Label>
-        <Menu.Item component="a" href={rows(jobId, log, shown, window, "csv")} download>
+        <Menu.Item component="a" href={rows(source, log, shown, window, "csv")} download>
           CSV
         </Menu.Item>
-        <Menu.Item component="a" href={rows(jobId, log, shown, window, "parquet")} download>
+        <Menu.Item component="a" href={rows(source, log, shown, window, "parquet")} download>
           Parquet
         </Menu.Item>
         <Menu.Label>The picture</Menu.Label>
@@ -58,8 +58,8 @@ export function ExportMenu({ jobId, log, panels, hidden, doubts, window }: Props
   );
 }
 
-function rows(jobId: string, log: string, shown: { lines: Panel["lines"] }[], window: Window, format: string): string {
+function rows({ of, id }: Source, log: string, shown: { lines: Panel["lines"] }[], window: Window, format: string): string {
   const asked = new URLSearchParams({ start: String(window.from), end: String(window.to), format });
   for (const channel of shown.flatMap(({ lines }) => needed(lines))) asked.append("channels", channel);
-  return address(`api/v1/jobs/${jobId}/series/${encodeURIComponent(log)}/window?${asked}`);
+  return address(`api/v1/${of}/${id}/series/${encodeURIComponent(log)}/window?${asked}`);
 }

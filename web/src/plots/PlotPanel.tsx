@@ -9,7 +9,7 @@ import styles from "./PlotPanel.module.css";
 import { Plot, type Window } from "./Plot";
 import { drawable } from "./polyline";
 import { Readings, readingWords } from "./Readings";
-import { useSample, useTiles } from "./series";
+import { useSample, useTiles, type Source } from "./series";
 
 const HEIGHT = 210;
 const AXIS_NAME = 20; // below the last plot
@@ -17,7 +17,7 @@ const STEP = 200; // a plot that grows a little need not ask again
 const REST_MS = 120;
 
 type Props = {
-  jobId: string;
+  source: Source;
   log: string;
   panel: Panel;
   hidden: readonly string[];
@@ -33,15 +33,15 @@ type Props = {
 
 /** A plot with its name, and beside it what its lines are at the cursor. */
 export function PlotPanel(props: Props) {
-  const { jobId, log, panel, hidden, doubts, last, window, cursor, onZoom, onWhole, onKey, onToggle } = props;
+  const { source, log, panel, hidden, doubts, last, window, cursor, onZoom, onWhole, onKey, onToggle } = props;
   const { ref, width } = useElementSize<HTMLDivElement>();
   const shown = useMemo(() => panel.lines.filter((line) => !hidden.includes(line.channel)), [panel, hidden]);
   const channels = useMemo(() => needed(panel.lines), [panel]);
   const pixels = Math.min(STEP * Math.ceil((width * globalThis.devicePixelRatio) / STEP), 8000);
-  const tiles = useTiles({ jobId, name: log, channels, start: window.from, end: window.to, width: pixels });
+  const tiles = useTiles({ source, name: log, channels, start: window.from, end: window.to, width: pixels });
   const drawn = useMemo(() => drawable(tiles.data, shown, doubts), [tiles.data, shown, doubts]);
   const at = useRestingTime(cursor, REST_MS);
-  const sample = useSample(jobId, log, channels, at);
+  const sample = useSample(source, log, channels, at);
   return (
     <section className={styles.panel} aria-label={panel.title}>
       <Title order={3} size="h5" className={styles.title}>

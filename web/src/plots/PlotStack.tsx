@@ -8,7 +8,7 @@ import type { Window } from "./Plot";
 import { PlotPanel } from "./PlotPanel";
 import styles from "./PlotStack.module.css";
 import { PlotTools } from "./PlotTools";
-import type { SeriesFacts } from "./series";
+import type { SeriesFacts, Source } from "./series";
 import { isWhole, panned, stepped, within, zoomed } from "./steps";
 import type { View } from "./view";
 
@@ -17,7 +17,7 @@ const FAR = 10; // samples per step with Shift
 const REST_MS = 400;
 
 type Props = {
-  jobId: string;
+  source: Source;
   series: SeriesFacts;
   view: View;
   first: string[];
@@ -26,10 +26,11 @@ type Props = {
 };
 
 /** Plots of one series below each other, over the same time and with one cursor. first: plots shown by default. */
-export function PlotStack({ jobId, series, view, first, cursor, onView }: Props) {
+export function PlotStack({ source, series, view, first, cursor, onView }: Props) {
   const panels = useMemo(() => panelsOf(series), [series]);
   const keys = (view.show ?? first).filter((key) => panels.some((panel) => panel.key === key));
   const shown = keys.map((key) => panels.find((panel) => panel.key === key)!);
+  const doubtful = panels.some(({ lines }) => lines.some(({ std }) => std));
   const whole = { from: series.start, to: series.end };
   const [from, to] = [view.from ?? whole.from, view.to ?? whole.to];
   const window = to > from ? within({ from, to }, whole) : whole;
@@ -77,23 +78,26 @@ export function PlotStack({ jobId, series, view, first, cursor, onView }: Props)
         nothingFoundMessage="This log has no such channel"
       />
       <PlotTools window={window} whole={whole} cursor={cursor} onWindow={show}>
-        <Switch
-          size="sm"
-          label="Uncertainty (± 2 std)"
-          checked={view.doubts}
-          onChange={(event) => onView({ doubts: event.currentTarget.checked })}
-        />
-        <ExportMenu jobId={jobId} log={series.name} panels={shown} hidden={view.hide} doubts={view.doubts} window={window} />
+        {doubtful && (
+          <Switch
+            size="sm"
+            label="Uncertainty (± 2 std)"
+            checked={view.doubts}
+            onChange={(event) => onView({ doubts: event.currentTarget.checked })}
+          />
+        )}
+        <ExportMenu source={source} log={series.name} panels={shown} hidden={view.hide} doubts={view.doubts} window={window} />
       </PlotTools>
       <Text size="xs" c="dimmed">
         Drag across a plot to zoom, double-click for the whole log. In a plot: ← → move the cursor (Shift: ten times as
-        far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window. A wide shade: the joint rests, and friction leaves an interval only.
+        far), + − zoom, 0 shows the whole, Page ↑ ↓ move the window.
+        {doubtful && " A wide shade: the joint rests, and friction leaves an interval only."}
       </Text>
       <div className={styles.stack}>
         {shown.map((panel, k) => (
           <PlotPanel
             key={panel.key}
-            jobId={jobId}
+            source={source}
             log={series.name}
             panel={panel}
             hidden={view.hide}

@@ -1,8 +1,10 @@
 /** What a channel of a series shows, from its name: which plot it belongs to, what it is called, how it looks.
 
-Names are those of `docs/study.md`: `measured.tau.torso_pitch`, `support_a.torso_pitch`, `band.A_left.tension`.
+Names are those of `docs/study.md`: `measured.tau.torso_pitch`, `support_a.torso_pitch`, `band.A_left.tension`; of a log
+as it was read those of its channels.
 */
 
+import { rawLine } from "./raw";
 import type { SeriesFacts } from "./series";
 
 type Channel = SeriesFacts["channels"][number];
@@ -34,7 +36,20 @@ const APPROACHES: [string, string, Look][] = [
 ];
 const BAND = /^band\.(.+)\.(tension|length)$/;
 const SENSOR = /^(.+)\.([fm])([xyz])$/;
-export const GROUPS = ["Supporting torque", "Joint torque", "Base", "Sensors", "Bands", "Other"] as const;
+export const GROUPS = [
+  "Supporting torque",
+  "Joint torque",
+  "Motor current",
+  "Joint position",
+  "Joint velocity",
+  "Joint acceleration",
+  "Temperature",
+  "Base",
+  "IMU",
+  "Sensors",
+  "Bands",
+  "Other",
+] as const;
 
 /** Every plot that a series has channels for. */
 export function panelsOf(series: SeriesFacts): Panel[] {
@@ -50,6 +65,7 @@ export function panelsOf(series: SeriesFacts): Panel[] {
     const model = MODELS.find(([part]) => part === head);
     const approach = APPROACHES.find(([part]) => part === head);
     const band = BAND.exec(channel.name);
+    const raw = rawLine(channel.name);
     if (model) add(channel, bodyPanel(rest), { words: model[1], look: model[2] });
     else if (approach) {
       const ends = { std: `${head}_std.${rest}`, low: `${head}_low.${rest}`, high: `${head}_high.${rest}` };
@@ -60,6 +76,9 @@ export function panelsOf(series: SeriesFacts): Panel[] {
       const title = tension ? "Tension of the bands" : "Length of the bands";
       const panel = { key: tension ? "tension" : "length", title, group: "Bands" };
       add(channel, panel, { words: band[1] as string, look: other(panels.get(panel.key)?.lines.length ?? 0) });
+    } else if (raw) {
+      const { words, ...panel } = raw;
+      add(channel, panel, { words, look: other(panels.get(panel.key)?.lines.length ?? 0) });
     } else if (!/^support_\w+_(std|low|high)$/.test(head)) {
       add(channel, { key: channel.name, title: channel.name, group: "Other" }, { words: channel.name, look: other(0) });
     }

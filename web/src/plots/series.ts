@@ -1,4 +1,4 @@
-/** A series of a job: what it holds, tiles of them to draw, single samples to read. */
+/** A series: what it holds, tiles of them to draw, single samples to read. */
 
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 
@@ -9,22 +9,30 @@ export type Tiles = Schemas["TilesOut"];
 export type SeriesFacts =
   paths["/api/v1/jobs/{job_id}/series"]["get"]["responses"]["200"]["content"]["application/json"]["items"][number];
 
+/** A job that made series, or a study, whose logs are series as they were read. */
+export type Source = { of: "jobs" | "studies"; id: string };
+
 /** What one series holds; null where the job made none of that name. */
-export function useSeries(jobId: string, name: string | undefined) {
+export function useSeries(source: Source, name: string | undefined) {
   return useQuery({
-    queryKey: ["series", jobId, name],
-    queryFn: async ({ signal }): Promise<SeriesFacts | null> => {
-      const asked = { path: { job_id: jobId }, query: { name } };
-      const { items } = await answer(api.GET("/api/v1/jobs/{job_id}/series", { params: asked, signal }));
-      return items[0] ?? null;
-    },
+    queryKey: ["series", source.id, name],
+    queryFn: ({ signal }) => factsOf(source, name ?? "", signal),
     staleTime: Infinity,
     enabled: name !== undefined,
   });
 }
 
+async function factsOf({ of, id }: Source, name: string, signal: AbortSignal): Promise<SeriesFacts | null> {
+  if (of === "studies") {
+    return answer(api.GET("/api/v1/studies/{study_id}/series/{name}", { params: { path: { study_id: id, name } }, signal }));
+  }
+  const asked = { path: { job_id: id }, query: { name } };
+  const { items } = await answer(api.GET("/api/v1/jobs/{job_id}/series", { params: asked, signal }));
+  return items[0] ?? null;
+}
+
 export type TilesAsked = {
-  jobId: string;
+  source: Source;
   name: string;
   channels: string[];
   start: number;
@@ -35,7 +43,7 @@ export type TilesAsked = {
 /** Minimum and maximum of each stretch of the window; what was shown before stays until they are there. */
 export function useTiles(asked: TilesAsked) {
   return useQuery({
-    queryKey: ["tiles", asked.jobId, asked.name, asked.channels, asked.start, asked.end, asked.width],
+    queryKey: ["tiles", asked.source.id, asked.name, asked.channels, asked.start, asked.end, asked.width],
     queryFn: ({ signal }) => tilesOf(asked, signal),
     placeholderData: keepPreviousData,
     staleTime: Infinity,
@@ -44,24 +52,25 @@ export function useTiles(asked: TilesAsked) {
   });
 }
 
-function tilesOf({ jobId, name, channels, start, end, width }: TilesAsked, signal: AbortSignal): Promise<Tiles> {
-  return answer(
-    api.GET("/api/v1/jobs/{job_id}/series/{name}/tiles", {
-      params: { path: { job_id: jobId, name }, query: { channels, start, end, width } },
-      signal,
-    }),
-  );
+function tilesOf({ source, name, channels, start, end, width }: TilesAsked, signal: AbortSignal): Promise<Tiles> {
+  const query = { channels, start, end, width };
+  if (source.of === "studies") {
+    const path = { study_id: source.id, name };
+    return answer(api.GET("/api/v1/studies/{study_id}/series/{name}/tiles", { params: { path, query }, signal }));
+  }
+  const path = { job_id: source.id, name };
+  return answer(api.GET("/api/v1/jobs/{job_id}/series/{name}/tiles", { params: { path, query }, signal }));
 }
 
 export type Sample = { t: number; values: Record<string, number | null> };
 
 /** The sample next to a time, from the file itself: what a reader may write down. */
-export function useSample(jobId: string, name: string, channels: string[], at: number | null) {
+export function useSample(source: Source, name: string, channels: string[], at: number | null) {
   return useQuery({
-    queryKey: ["sample", jobId, name, channels, at],
+    queryKey: ["sample", source.id, name, channels, at],
     queryFn: async ({ signal }): Promise<Sample | null> => {
       const time = at ?? 0;
-      const found = await tilesOf({ jobId, name, channels, start: time, end: time, width: 8 }, signal);
+      const found = await tilesOf({ source, name, channels, start: time, end: time, width: 8 }, signal);
       const k = nearest(found.t, time);
       if (k < 0) return null;
       const values = Object.fromEntries(channels.map((each) => [each, found.channels[each]?.min[k] ?? null]));

@@ -18,10 +18,13 @@ export type View = {
 
 const NOTHING = "none";
 
-/** Changes that follow each other closely add up: each starts from the last one, whether or not that is shown yet. */
-export function useView(): [View, (change: Partial<View>) => void] {
+/** Changes that follow each other closely add up: each starts from the last one, whether or not that is shown yet.
+
+prefix: of the names in the address, where a page has other plots beside.
+*/
+export function useView(prefix = ""): [View, (change: Partial<View>) => void] {
   const [search, setSearch] = useSearchParams();
-  const view = useMemo(() => read(search), [search]);
+  const view = useMemo(() => read(search, prefix), [search, prefix]);
   const latest = useRef(search);
   const mine = useRef(new Set<string>());
   useEffect(() => {
@@ -31,35 +34,36 @@ export function useView(): [View, (change: Partial<View>) => void] {
   }, [search]);
   const change = useCallback(
     (wanted: Partial<View>) => {
-      const next = written(latest.current, { ...read(latest.current), ...wanted });
+      const next = written(latest.current, prefix, { ...read(latest.current, prefix), ...wanted });
       latest.current = next;
       mine.current.add(next.toString());
       setSearch(next, { replace: true, preventScrollReset: true });
     },
-    [setSearch],
+    [setSearch, prefix],
   );
   return [view, change];
 }
 
-function read(search: URLSearchParams): View {
-  const show = search.getAll("show");
+function read(search: URLSearchParams, prefix: string): View {
+  const one = (key: string) => search.get(prefix + key);
+  const show = search.getAll(`${prefix}show`);
   return {
-    log: search.get("log"),
+    log: one("log"),
     show: show.length === 0 ? null : show.filter((each) => each !== NOTHING),
-    hide: search.getAll("hide"),
-    from: number(search.get("from")),
-    to: number(search.get("to")),
-    at: number(search.get("at")),
-    doubts: search.get("doubts") !== "no",
-    robot: search.get("robot") === "yes",
+    hide: search.getAll(`${prefix}hide`),
+    from: number(one("from")),
+    to: number(one("to")),
+    at: number(one("at")),
+    doubts: one("doubts") !== "no",
+    robot: one("robot") === "yes",
   };
 }
 
-function written(now: URLSearchParams, view: View): URLSearchParams {
+function written(now: URLSearchParams, prefix: string, view: View): URLSearchParams {
   const next = new URLSearchParams(now);
   const set = (key: string, values: (string | number | null)[]) => {
-    next.delete(key);
-    for (const value of values) if (value !== null) next.append(key, String(value));
+    next.delete(prefix + key);
+    for (const value of values) if (value !== null) next.append(prefix + key, String(value));
   };
   set("log", [view.log]);
   set("show", view.show === null ? [] : view.show.length ? view.show : [NOTHING]);

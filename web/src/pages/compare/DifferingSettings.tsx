@@ -1,7 +1,7 @@
 import { Code, Stack, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison } from "../../api/compare";
-import { NO_VALUE } from "../../parts/number";
+import { NONE } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
 import { jobNames } from "./heads";
 
@@ -43,7 +43,7 @@ export function DifferingSettings({ comparison }: { comparison: Comparison }) {
 }
 
 function shown(name: string, value: unknown) {
-  if (value === null || value === undefined) return NO_VALUE;
+  if (value === null || value === undefined) return NONE;
   const text = typeof value === "string" ? value : JSON.stringify(value);
   return name.startsWith("inputs.") ? <Code>{text.slice(0, 12)}…</Code> : text;
 }

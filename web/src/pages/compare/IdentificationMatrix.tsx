@@ -1,7 +1,7 @@
 import { Stack, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison } from "../../api/compare";
-import { figure, fixed } from "../../parts/number";
+import { fixed, NONE } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
 import { titleOf } from "../study/words";
 import { jobNames } from "./heads";
@@ -47,7 +47,7 @@ export function IdentificationMatrix({ comparison }: { comparison: Comparison })
               </Table.Th>
               {row.cells.map((cell, k) => (
                 <Table.Td key={k} data-number>
-                  {cell ? `${fixed(cell.rmse_prior, 3)} → ${fixed(cell.rmse_identified, 3)}, floor ${fixed(cell.noise_floor, 3)}` : figure(null)}
+                  {cell ? `${fixed(cell.rmse_prior, 3)} → ${fixed(cell.rmse_identified, 3)}, floor ${fixed(cell.noise_floor, 3)}` : NONE}
                 </Table.Td>
               ))}
             </Table.Tr>

@@ -1,7 +1,7 @@
 import { Stack, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison } from "../../api/compare";
-import { fixed, NO_VALUE, withStd } from "../../parts/number";
+import { fixed, NONE, plusMinus } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
 import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
 import styles from "./Matrix.module.css";
@@ -74,7 +74,7 @@ export function StiffnessMatrix({ comparison, differing }: { comparison: Compari
 }
 
 function words(cell: Comparison["stiffness"][number]["cells"][number]): string {
-  if (!cell) return NO_VALUE;
+  if (!cell) return NONE;
   const { value, std } = cell.stiffness_n_per_m;
-  return cell.identifiable ? withStd(value, std) : `${withStd(value, std)}, not decided`;
+  return cell.identifiable ? plusMinus(value, std) : `${plusMinus(value, std)}, not decided`;
 }

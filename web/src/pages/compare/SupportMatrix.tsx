@@ -1,7 +1,7 @@
 import { Group, NativeSelect, Stack, Switch, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison, SupportRow } from "../../api/compare";
-import { figure, fixed, NO_VALUE, withStd } from "../../parts/number";
+import { fixed, NONE, plusMinus } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
 import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
 import type { Quantity, Selection } from "./selection";
@@ -103,10 +103,10 @@ export function SupportMatrix({ comparison, selection, select }: Props) {
 }
 
 function words(cell: Cell, quantity: Quantity): string {
-  if (!cell) return NO_VALUE;
-  if (quantity === "rmse") return cell.rmse === null ? NO_VALUE : fixed(cell.rmse, 3);
+  if (!cell) return NONE;
+  if (quantity === "rmse") return cell.rmse === null ? NONE : fixed(cell.rmse, 3);
   const found = cell[quantity];
-  return found ? withStd(found.value, found.std) : figure(null);
+  return found ? plusMinus(found.value, found.std) : NONE;
 }
 
 function unitOf(comparison: Comparison, quantity: Quantity): string {

@@ -1,7 +1,7 @@
 import { Radio, Table, VisuallyHidden } from "@mantine/core";
 
 import type { RobotModel } from "../../api/robots";
-import { figure, fixed } from "../../parts/number";
+import { figure, fixed, NONE } from "../../parts/digits";
 import { lengthOf, linkNamed, placeOn } from "../../parts/place";
 import { BAND_COLOURS } from "../../parts/StickFigure";
 import { Unit, WideTable } from "../../parts/WideTable";
@@ -61,7 +61,7 @@ export function BandTable({ device, model, chosen, choose }: Props) {
               <Table.Td data-number>{figure(stiffnessOf(device, groupOf(band)))}</Table.Td>
               <Table.Td data-number>{fixed(band.natural_length_m, 3)}</Table.Td>
               <Table.Td data-number>{fixed(length, 3)}</Table.Td>
-              <Table.Td data-number>{stretch === null ? figure(null) : `${fixed(stretch, 1)}${stretch > 0 ? "" : " slack"}`}</Table.Td>
+              <Table.Td data-number>{stretch === null ? NONE : `${fixed(stretch, 1)}${stretch > 0 ? "" : " slack"}`}</Table.Td>
             </Table.Tr>
           );
         })}

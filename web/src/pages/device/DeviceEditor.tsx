@@ -5,6 +5,7 @@ import { lazy, useMemo, useState } from "react";
 
 import type { Device } from "../../api/devices";
 import type { Robot, RobotModel } from "../../api/robots";
+import { useKeep } from "../../app/kept";
 import { linkNamed, placeOn } from "../../parts/place";
 import { count } from "../../parts/size";
 import { BAND_COLOURS, StickFigure, type DrawnBand } from "../../parts/StickFigure";
@@ -28,6 +29,7 @@ type Props = { device: Device; robot: Robot; text: string };
 export function DeviceEditor({ device, robot, text }: Props) {
   const saved = useMemo(() => readDevice(text), [text]);
   const history = useHistory(saved);
+  useKeep("device", history.now === saved ? null : history.now, (changed) => changed && history.set(changed, "kept"));
   const [band, setBand] = useState(saved.bands[0]?.name ?? "");
   const [point, setPoint] = useState(0);
   const [saving, setSaving] = useState(false);

@@ -1,14 +1,15 @@
-import { Button, Paper, Text, Title } from "@mantine/core";
+import { Button, Text, Title } from "@mantine/core";
 import { useNavigate } from "react-router";
 
 import type { Device } from "../../api/devices";
 import { useStudies, type Study } from "../../api/studies";
 import { partsOf, useTakeDevice } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
-import styles from "./DeviceList.module.css";
+import { Row, Rows } from "../../parts/Rows";
+import { isFound } from "../../parts/useSought";
 
-/** Devices that came with studies and are not in the list. */
-export function DevicesOfStudies({ devices }: { devices: Device[] }) {
+/** Devices that came with studies and are not in the list, of those that are searched for. words: of the search, may be empty. */
+export function DevicesOfStudies({ devices, words }: { devices: Device[]; words: string }) {
   const { data } = useStudies();
   const take = useTakeDevice();
   const navigate = useNavigate();
@@ -16,7 +17,7 @@ export function DevicesOfStudies({ devices }: { devices: Device[] }) {
   const found = new Map<string, { study: Study; file: string }>();
   for (const study of data?.pages.flatMap((page) => page.items) ?? []) {
     for (const { name, file } of partsOf(study).devices ?? []) {
-      if (!listed.has(name) && !found.has(name)) found.set(name, { study, file });
+      if (!listed.has(name) && !found.has(name) && isFound(words, name)) found.set(name, { study, file });
     }
   }
   if (found.size === 0) return null;
@@ -26,15 +27,19 @@ export function DevicesOfStudies({ devices }: { devices: Device[] }) {
         In your studies
       </Title>
       {take.error && <ProblemBox error={take.error} />}
-      <ul className={styles.list}>
+      <Rows>
         {[...found].map(([name, from]) => (
-          <Paper withBorder component="li" className={styles.row} key={name}>
-            <div>
-              <Text fw={600}>{name}</Text>
-              <Text size="sm" c="dimmed">
-                {from.file} of the study {from.study.name}
-              </Text>
-            </div>
+          <Row
+            key={name}
+            words={
+              <>
+                <Text fw={600}>{name}</Text>
+                <Text size="sm" c="dimmed">
+                  {from.file} of the study {from.study.name}
+                </Text>
+              </>
+            }
+          >
             <Button
               variant="default"
               aria-label={`Add it to the list: ${name}`}
@@ -43,9 +48,9 @@ export function DevicesOfStudies({ devices }: { devices: Device[] }) {
             >
               Add it to the list
             </Button>
-          </Paper>
+          </Row>
         ))}
-      </ul>
+      </Rows>
     </section>
   );
 }

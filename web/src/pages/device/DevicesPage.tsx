@@ -1,4 +1,4 @@
-import { Anchor, Badge, Paper, Stack, Text, Title } from "@mantine/core";
+import { Anchor, Badge, Group, Stack, Text, Title } from "@mantine/core";
 import { useEffect } from "react";
 import { Link } from "react-router";
 
@@ -7,14 +7,17 @@ import { Empty } from "../../parts/Empty";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
+import { AtRight, Row, Rows } from "../../parts/Rows";
+import { NothingFound, SearchBox } from "../../parts/SearchBox";
 import { count } from "../../parts/size";
+import { useSought, type Sought } from "../../parts/useSought";
 import { When } from "../../parts/When";
-import styles from "./DeviceList.module.css";
 import { DevicesOfStudies } from "./DevicesOfStudies";
 import { HandInDevice } from "./HandInDevice";
 
 export function Component() {
-  const { data: devices, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useDevices();
+  const sought = useSought();
+  const { data: devices, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useDevices(sought.words ? { search: sought.words } : {});
   useEffect(() => {
     if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage(); // versions of one device stand together
   }, [hasNextPage, error, isFetchingNextPage, fetchNextPage]);
@@ -28,27 +31,33 @@ export function Component() {
         <Loading what="the devices" />
       ) : (
         <Stack gap="xl" mt="xl">
-          {devices.length > 0 ? <DeviceList devices={devices} /> : <NoDevices />}
-          <DevicesOfStudies devices={devices} />
+          {devices.length > 0 || sought.words ? <DeviceList devices={devices} sought={sought} /> : <NoDevices />}
+          <DevicesOfStudies devices={devices} words={sought.words} />
         </Stack>
       )}
     </>
   );
 }
 
-function DeviceList({ devices }: { devices: Device[] }) {
+function DeviceList({ devices, sought }: { devices: Device[]; sought: Sought }) {
   const names = [...new Set(devices.map((device) => device.name))];
   return (
     <section aria-labelledby="devices">
-      <Title order={2} size="h3" id="devices" mb="sm">
-        Handed in
-      </Title>
-      <ul className={styles.list}>
+      <Group justify="space-between" align="flex-end" mb="sm">
+        <Title order={2} size="h3" id="devices">
+          Handed in
+        </Title>
+        <SearchBox what="devices" placeholder="Name of a device or robot" sought={sought} />
+      </Group>
+      {devices.length === 0 && (
+        <NothingFound sentence={`No device has “${sought.words}” in its name or its robot’s.`} clear={sought.clear} />
+      )}
+      <Rows>
         {names.map((name) => {
           const versions = devices.filter((device) => device.name === name);
           return <DeviceRow key={name} device={versions[0] as Device} versions={versions.length} />;
         })}
-      </ul>
+      </Rows>
     </section>
   );
 }
@@ -56,27 +65,29 @@ function DeviceList({ devices }: { devices: Device[] }) {
 function DeviceRow({ device, versions }: { device: Device; versions: number }) {
   const { bands, groups, joints, robot, warnings } = device.summary;
   const facts = [count(bands.length, "band"), count(groups.length, "group"), `acts on ${count(joints.length, "joint")}`, `on ${robot}`];
+  const words = (
+    <>
+      <Anchor component={Link} to={`/devices/${device.id}`} fw={600}>
+        {device.name}
+      </Anchor>
+      <Text size="sm" c="dimmed">
+        {facts.join(" · ")}
+      </Text>
+    </>
+  );
   return (
-    <Paper withBorder component="li" className={styles.row}>
-      <div>
-        <Anchor component={Link} to={`/devices/${device.id}`} fw={600}>
-          {device.name}
-        </Anchor>
-        <Text size="sm" c="dimmed">
-          {facts.join(" · ")}
-        </Text>
-      </div>
+    <Row words={words}>
       {warnings.length > 0 && (
         <Badge variant="default" tt="none">
           {count(warnings.length, "doubt")}
         </Badge>
       )}
-      <Text size="sm" c="dimmed" className={styles.right}>
+      <AtRight>
         {versions > 1 ? `version ${device.version} of ${versions}` : "one version"}
         <br />
         <When at={device.created_at} />
-      </Text>
-    </Paper>
+      </AtRight>
+    </Row>
   );
 }
 

@@ -1,7 +1,7 @@
 import { Table, Text, Title } from "@mantine/core";
 
 import type { Device } from "../../api/devices";
-import { fixed } from "../../parts/number";
+import { fixed } from "../../parts/digits";
 import { Unit, WideTable } from "../../parts/WideTable";
 
 /** Which way the saved band pulls, as the service's check says in words. */

@@ -6,6 +6,7 @@ import { useAddDevice, type Device } from "../../api/devices";
 import { fetchFile } from "../../api/files";
 import { fileAddress } from "../../api/robots";
 import { ProblemBox } from "../../parts/ProblemBox";
+import { useDeed } from "../../parts/useDeed";
 import { writeDevice, type DeviceContent } from "./deviceFile";
 
 type Props = {
@@ -21,29 +22,24 @@ type Props = {
 export function SaveDevice({ opened, close, device, text, content, changes }: Props) {
   const [name, setName] = useState(content.name);
   const add = useAddDevice();
-  const [error, setError] = useState<unknown>(null);
   const navigate = useNavigate();
+  const { start, busy, error } = useDeed();
   const save = async () => {
-    setError(null);
-    try {
-      const files = new Map<string, Blob>();
-      for (const file of device.files ?? []) {
-        if (file.path !== "device.yaml") files.set(file.path, await fetchFile(fileAddress("devices", device.id, file.path)));
-      }
-      files.set("device.yaml", new Blob([writeDevice(text, { ...content, name: name.trim() || content.name })]));
-      const made = await add.mutateAsync({ files, robot: device.robot_id });
-      close();
-      await navigate(`/devices/${made.id}`);
-    } catch (refused) {
-      setError(refused);
+    const files = new Map<string, Blob>();
+    for (const file of device.files ?? []) {
+      if (file.path !== "device.yaml") files.set(file.path, await fetchFile(fileAddress("devices", device.id, file.path)));
     }
+    files.set("device.yaml", new Blob([writeDevice(text, { ...content, name: name.trim() || content.name })]));
+    const made = await add.mutateAsync({ files, robot: device.robot_id });
+    close();
+    await navigate(`/devices/${made.id}`);
   };
   return (
     <Modal opened={opened} onClose={close} title="Save as a new version" centered closeButtonProps={{ "aria-label": "Close" }}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
-          void save();
+          start(save);
         }}
       >
         <Stack>
@@ -69,7 +65,7 @@ export function SaveDevice({ opened, close, device, text, content, changes }: Pr
             <Button variant="default" onClick={close}>
               Not now
             </Button>
-            <Button type="submit" loading={add.isPending}>
+            <Button type="submit" loading={busy}>
               Save
             </Button>
           </Group>

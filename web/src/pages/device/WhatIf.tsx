@@ -8,7 +8,7 @@ import { useStudies, type Study } from "../../api/studies";
 import { partsOf } from "../../api/studyParts";
 import { useWhatIf, type Change, type WhatIf as Answer } from "../../api/whatIf";
 import { Loading } from "../../parts/Loading";
-import { figure, fixed } from "../../parts/number";
+import { fixed, NONE } from "../../parts/digits";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { TimePlot, type TimeLine } from "../../parts/TimePlot";
 import { Unit, WideTable } from "../../parts/WideTable";
@@ -153,7 +153,7 @@ function Figures({ answer, joint, choose }: { answer: Answer; joint: string; cho
 }
 
 function percent(value: number | null): string {
-  if (value === null) return figure(null);
+  if (value === null) return NONE;
   return `${value > 0.05 ? "+" : ""}${fixed(value, 1)} %`;
 }
 

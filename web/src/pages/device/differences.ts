@@ -1,6 +1,6 @@
 /** What differs between a device and the one it was made of, in sentences. */
 
-import { figure } from "../../parts/number";
+import { figure } from "../../parts/digits";
 import { groupOf, groupsOf, stiffnessOf, type DeviceContent } from "./deviceFile";
 
 export function differences(before: DeviceContent, after: DeviceContent): string[] {

@@ -2,7 +2,7 @@ import { Autocomplete, Button, NativeSelect, Table, Text } from "@mantine/core";
 
 import type { Column } from "../../api/imports";
 import type { ProblemError } from "../../api/refusal";
-import { figure } from "../../parts/number";
+import { figure, NONE } from "../../parts/digits";
 import { channelOf, NOTHING, type Choice } from "./choices";
 import styles from "./ColumnRow.module.css";
 import { POSE, QUANTITIES, unitsOf, unitWords, WRENCH, XYZ, type Quantity } from "./quantities";
@@ -40,7 +40,7 @@ export function ColumnRow({ column, choice, set, joints, sensors, errors }: Prop
         {column.dtype === "array" ? `${column.shape.join(" × ")} values` : column.samples.slice(0, 3).map((each) => figure(each, 4)).join("  ")}
       </Table.Td>
       <Table.Td data-number>
-        {figure(column.min, 4)}, {figure(column.max, 4)}
+        {column.min === null ? NONE : `${figure(column.min, 4)}, ${figure(column.max, 4)}`}
       </Table.Td>
       <Table.Td>
         <NativeSelect

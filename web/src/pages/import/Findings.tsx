@@ -2,7 +2,7 @@ import { Badge, Paper, Radio, SimpleGrid, Stack, Table, Text, Title } from "@man
 import { useMemo, useState } from "react";
 
 import type { Finding } from "../../api/imports";
-import { figure, fixed } from "../../parts/number";
+import { figure, fixed, NONE } from "../../parts/digits";
 import { TimePlot } from "../../parts/TimePlot";
 import { Unit, WideTable } from "../../parts/WideTable";
 
@@ -47,7 +47,7 @@ export function Findings({ findings }: { findings: Finding[] }) {
                   </Badge>
                   {sentence(each.detail)} {sentence(each.advice)}
                 </Table.Td>
-                <Table.Td data-number>{each.t === null ? figure(null) : fixed(each.t, 3)}</Table.Td>
+                <Table.Td data-number>{each.t === null ? NONE : fixed(each.t, 3)}</Table.Td>
               </Table.Tr>
             ))}
           </Table.Tbody>

@@ -1,9 +1,10 @@
 import { Alert, Anchor, Button, Code, Group, NativeSelect, Paper, Progress, Stack, Text, Title } from "@mantine/core";
-import { useMemo, useState } from "react";
+import { useMemo } from "react";
 import { Link, useSearchParams } from "react-router";
 
 import type { Schemas } from "../../api/client";
 import { useRobot, useRobots } from "../../api/robots";
+import { useKept } from "../../app/kept";
 import { DropFiles } from "../../parts/DropFiles";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
@@ -24,11 +25,11 @@ const FORMATS = ".csv,.txt,.tsv,.gz,.parquet,.mat,.h5,.hdf5,.npz,.npy";
 export function Component() {
   const [search] = useSearchParams();
   const { data: robots = [] } = useRobots();
-  const [chosen, choose] = useState(search.get("robot") ?? "");
+  const [chosen, choose] = useKept("robot", search.get("robot") ?? "");
   const robot = useRobot(chosen || robots[0]?.id);
   const robotId = chosen === "none" ? undefined : robot.data?.id;
   const { sending, uploadId, send, stop, forget } = useUploading();
-  const [stored, setStored] = useState<Schemas["LogOut"][]>([]);
+  const [stored, setStored] = useKept<Schemas["LogOut"][]>("stored", []);
   return (
     <>
       <PageTitle

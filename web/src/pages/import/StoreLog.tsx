@@ -1,9 +1,10 @@
 import { Button, Checkbox, Group, Stack, Text } from "@mantine/core";
-import { useState } from "react";
 
 import type { Schemas } from "../../api/client";
 import { useCreateLog, useKeepMapping } from "../../api/imports";
+import { useKept } from "../../app/kept";
 import { ProblemBox } from "../../parts/ProblemBox";
+import { useDeed } from "../../parts/useDeed";
 
 type Props = {
   uploadId: string;
@@ -15,9 +16,10 @@ type Props = {
 
 /** The file with its mapping becomes a log, and the mapping is kept for the robot's next one. */
 export function StoreLog({ uploadId, robotId, mapping, ready, stored }: Props) {
-  const [keep, setKeep] = useState(true);
+  const [keep, setKeep] = useKept("keep", true);
   const create = useCreateLog();
   const remember = useKeepMapping();
+  const { start, busy, error } = useDeed();
   const store = async () => {
     if (keep && robotId && mapping) await remember.mutateAsync({ robotId, mapping });
     stored(await create.mutateAsync({ uploadId, robotId, mapping }));
@@ -25,7 +27,7 @@ export function StoreLog({ uploadId, robotId, mapping, ready, stored }: Props) {
   return (
     <Stack gap="sm">
       <Group gap="lg">
-        <Button disabled={!ready} loading={create.isPending || remember.isPending} onClick={() => void store().catch(() => undefined)}>
+        <Button disabled={!ready} loading={busy} onClick={() => start(store)}>
           Store the log
         </Button>
         {robotId && (
@@ -37,7 +39,7 @@ export function StoreLog({ uploadId, robotId, mapping, ready, stored }: Props) {
           </Text>
         )}
       </Group>
-      {(create.error ?? remember.error) && <ProblemBox error={create.error ?? remember.error} />}
+      {error !== null && <ProblemBox error={error} />}
     </Stack>
   );
 }

@@ -1,16 +1,18 @@
 import { Button, Checkbox, Group, NativeSelect, Paper, Stack, Table, Text, TextInput, Title } from "@mantine/core";
-import { useEffect, useState } from "react";
+import { useEffect } from "react";
 import { useNavigate } from "react-router";
 
 import type { Schemas } from "../../api/client";
 import { useDevices } from "../../api/devices";
 import { useCreateStudy, useLogs, type LogSummary } from "../../api/imports";
 import { useSubmitJob } from "../../api/studies";
+import { useKept } from "../../app/kept";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { count } from "../../parts/size";
+import { useDeed } from "../../parts/useDeed";
 import { When } from "../../parts/When";
 import { WideTable } from "../../parts/WideTable";
-import { fixed } from "../../parts/number";
+import { fixed } from "../../parts/digits";
 
 type Role = Schemas["LogPart"]["role"];
 type Use = { role: Role | ""; motion: string };
@@ -28,13 +30,14 @@ const MOVES = ["without_device", "with_device"];
 export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fresh: string[] }) {
   const { data: logs } = useLogs();
   const { data: devices = [] } = useDevices({ robot_id: robotId });
-  const [uses, setUses] = useState<Record<string, Use>>({});
-  const [name, setName] = useState("");
-  const [device, setDevice] = useState("");
-  const [evaluate, setEvaluate] = useState(true);
+  const [uses, setUses] = useKept<Record<string, Use>>("uses", {});
+  const [name, setName] = useKept("name", "");
+  const [device, setDevice] = useKept("device", "");
+  const [evaluate, setEvaluate] = useKept("evaluate", true);
   const create = useCreateStudy();
   const submit = useSubmitJob();
   const navigate = useNavigate();
+  const { start, busy, error } = useDeed();
   useEffect(() => {
     setUses((before) => ({ ...Object.fromEntries(fresh.map((id) => [id, { role: "identification" as const, motion: "" }])), ...before }));
   }, [fresh.join()]);
@@ -119,7 +122,7 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
               ]}
             />
             <Checkbox label="Evaluate at once" checked={evaluate} onChange={(event) => setEvaluate(event.currentTarget.checked)} mb={8} />
-            <Button disabled={missing !== null} loading={create.isPending || submit.isPending} onClick={() => void build().catch(() => undefined)}>
+            <Button disabled={missing !== null} loading={busy} onClick={() => start(build)}>
               Make the study
             </Button>
           </Group>
@@ -129,7 +132,7 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
             </Text>
           )}
         </Paper>
-        {(create.error ?? submit.error) && <ProblemBox error={create.error ?? submit.error} />}
+        {error !== null && <ProblemBox error={error} />}
       </Stack>
     </section>
   );

@@ -1,10 +1,11 @@
 /** One file from its upload to the log: what is said of its columns, and what the service says to that. */
 
 import { useDebouncedValue } from "@mantine/hooks";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useMemo, useRef, useState } from "react";
 
 import { usePreview, type Preview } from "../../api/imports";
 import { upload } from "../../api/upload";
+import { useKeep, useKept } from "../../app/kept";
 import { choicesOf, mappingOf, type Mapping, type Whole } from "./choices";
 
 const PAUSE_MS = 350;
@@ -13,7 +14,7 @@ export type Sending = { file: File; sent: number; error: unknown } | null;
 
 export function useUploading() {
   const [sending, setSending] = useState<Sending>(null);
-  const [uploadId, setUploadId] = useState<string>();
+  const [uploadId, setUploadId] = useKept<string | undefined>("upload", undefined);
   const [stopper, setStopper] = useState<AbortController | null>(null);
   async function send(file: File): Promise<void> {
     const stop = new AbortController();
@@ -31,6 +32,8 @@ export function useUploading() {
   return { sending, uploadId, send, stop: () => stopper?.abort(), forget: () => setUploadId(undefined) };
 }
 
+type Said = { whole: Whole | null; text: string | null };
+
 /** text: a mapping as somebody writes it, which then counts instead of the table. */
 export function useMapping(uploadId: string | undefined, robotId: string | undefined, joints: string[]) {
   const first = usePreview(uploadId, robotId, undefined);
@@ -38,11 +41,13 @@ export function useMapping(uploadId: string | undefined, robotId: string | undef
   const [text, setText] = useState<string | null>(null);
   const preview = first.data;
   const fresh = preview?.upload_id === uploadId && !first.isPlaceholderData;
+  const kept = useRef<Said | null>(null);
+  useKeep<Said>(`mapping of ${uploadId}`, { whole, text }, (said) => (kept.current = said));
   useEffect(() => {
     if (!preview || !fresh) return setWhole(null);
-    const start = startOf(preview);
-    setWhole(start);
-    setText(null);
+    setWhole(kept.current?.whole ?? startOf(preview));
+    setText(kept.current?.text ?? null);
+    kept.current = null;
   }, [preview, fresh]);
   const mapping = useMemo(() => text ?? (whole && preview ? mappingOf(whole, preview, joints) : undefined), [text, whole, preview, joints]);
   const [settled] = useDebouncedValue(mapping, PAUSE_MS);

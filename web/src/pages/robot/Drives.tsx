@@ -7,7 +7,7 @@ import type { Robot, RobotJoint } from "../../api/robots";
 import { useStudies, useStudy } from "../../api/studies";
 import { partsOf } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
-import { withStd } from "../../parts/number";
+import { plusMinus } from "../../parts/digits";
 import { Unit, WideTable } from "../../parts/WideTable";
 import styles from "./Drives.module.css";
 
@@ -78,7 +78,7 @@ export function Drives({ robot, joints }: { robot: Robot; joints: RobotJoint[] }
                 <Table.Th scope="row">{joint.name}</Table.Th>
                 {columns.map(([key]) => (
                   <Table.Td key={key} data-number>
-                    {joint.prior[key] === undefined && joint.actuation === "torque" && key === "k_T" ? "1, known" : withStd(joint.prior[key], joint.prior_std[key])}
+                    {joint.prior[key] === undefined && joint.actuation === "torque" && key === "k_T" ? "1, known" : plusMinus(joint.prior[key], joint.prior_std[key])}
                     <Identified of={found.get(joint.name)?.[key]} />
                   </Table.Td>
                 ))}
@@ -99,7 +99,7 @@ function Identified({ of }: { of: JointResult[string] }) {
   if (!of || typeof of === "string" || of.value === null) return null;
   return (
     <div className={styles.identified} data-decided={of.identifiable || undefined}>
-      {of.identifiable ? withStd(of.value, of.std) : "not decided"}
+      {of.identifiable ? plusMinus(of.value, of.std) : "not decided"}
     </div>
   );
 }

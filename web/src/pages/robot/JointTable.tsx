@@ -1,7 +1,7 @@
 import { Table, Text, Title } from "@mantine/core";
 
 import type { RobotJoint } from "../../api/robots";
-import { figure } from "../../parts/number";
+import { figure } from "../../parts/digits";
 import { Unit, WideTable } from "../../parts/WideTable";
 
 const LOGGED = { current: "motor current", torque: "torque", none: "position only" };

@@ -2,7 +2,7 @@ import { Switch, Group, Table, Title, Text } from "@mantine/core";
 import { useState } from "react";
 
 import type { RobotModel } from "../../api/robots";
-import { figure, fixed } from "../../parts/number";
+import { figure, fixed, NONE } from "../../parts/digits";
 import { Unit, WideTable } from "../../parts/WideTable";
 import styles from "./LinkTable.module.css";
 
@@ -58,7 +58,7 @@ export function LinkTable({ model, marked, mark }: Props) {
               ))}
               <Table.Td>{[0, 1, 2].map((k) => way([0, 1, 2].map((row) => link.turn[3 * row + k] ?? 0))).join(", ")}</Table.Td>
               <Table.Td data-number>{figure(link.mass_kg, 3)}</Table.Td>
-              <Table.Td data-number>{link.centre ? link.centre.map((each) => fixed(each, 3)).join(", ") : figure(null)}</Table.Td>
+              <Table.Td data-number>{link.centre ? link.centre.map((each) => fixed(each, 3)).join(", ") : NONE}</Table.Td>
             </Table.Tr>
           ))}
         </Table.Tbody>

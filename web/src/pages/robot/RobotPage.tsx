@@ -10,7 +10,7 @@ import { FactList } from "../../parts/FactList";
 import { FileTable } from "../../parts/FileTable";
 import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
-import { figure, fixed } from "../../parts/number";
+import { figure, fixed } from "../../parts/digits";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { StickFigure } from "../../parts/StickFigure";

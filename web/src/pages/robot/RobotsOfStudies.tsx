@@ -1,14 +1,15 @@
-import { Button, Paper, Text, Title } from "@mantine/core";
+import { Button, Text, Title } from "@mantine/core";
 import { useNavigate } from "react-router";
 
 import type { Robot } from "../../api/robots";
 import { useStudies, type Study } from "../../api/studies";
 import { partsOf, useTakeRobot } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
-import styles from "./RobotList.module.css";
+import { Row, Rows } from "../../parts/Rows";
+import { isFound } from "../../parts/useSought";
 
-/** Robots that came with studies and are not in the list. */
-export function RobotsOfStudies({ robots }: { robots: Robot[] }) {
+/** Robots that came with studies and are not in the list, of those that are searched for. words: of the search, may be empty. */
+export function RobotsOfStudies({ robots, words }: { robots: Robot[]; words: string }) {
   const { data } = useStudies();
   const take = useTakeRobot();
   const navigate = useNavigate();
@@ -16,7 +17,7 @@ export function RobotsOfStudies({ robots }: { robots: Robot[] }) {
   const found = new Map<string, Study>();
   for (const study of data?.pages.flatMap((page) => page.items) ?? []) {
     const name = partsOf(study).robot?.name;
-    if (name && !listed.has(name) && !found.has(name)) found.set(name, study);
+    if (name && !listed.has(name) && !found.has(name) && isFound(words, name)) found.set(name, study);
   }
   if (found.size === 0) return null;
   return (
@@ -25,15 +26,19 @@ export function RobotsOfStudies({ robots }: { robots: Robot[] }) {
         In your studies
       </Title>
       {take.error && <ProblemBox error={take.error} />}
-      <ul className={styles.list}>
+      <Rows>
         {[...found].map(([name, study]) => (
-          <Paper withBorder component="li" className={styles.row} key={name}>
-            <div>
-              <Text fw={600}>{name}</Text>
-              <Text size="sm" c="dimmed">
-                of the study {study.name}
-              </Text>
-            </div>
+          <Row
+            key={name}
+            words={
+              <>
+                <Text fw={600}>{name}</Text>
+                <Text size="sm" c="dimmed">
+                  of the study {study.name}
+                </Text>
+              </>
+            }
+          >
             <Button
               variant="default"
               loading={take.isPending && take.variables.id === study.id}
@@ -41,9 +46,9 @@ export function RobotsOfStudies({ robots }: { robots: Robot[] }) {
             >
               Add it to the list
             </Button>
-          </Paper>
+          </Row>
         ))}
-      </ul>
+      </Rows>
     </section>
   );
 }

@@ -1,4 +1,4 @@
-import { Anchor, Paper, Stack, Text, Title } from "@mantine/core";
+import { Anchor, Group, Stack, Text, Title } from "@mantine/core";
 import { useEffect } from "react";
 import { Link } from "react-router";
 
@@ -7,15 +7,18 @@ import { Empty } from "../../parts/Empty";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
+import { AtRight, Row, Rows } from "../../parts/Rows";
+import { NothingFound, SearchBox } from "../../parts/SearchBox";
 import { count } from "../../parts/size";
+import { useSought, type Sought } from "../../parts/useSought";
 import { When } from "../../parts/When";
-import { fixed } from "../../parts/number";
+import { fixed } from "../../parts/digits";
 import { HandInRobot } from "./HandInRobot";
-import styles from "./RobotList.module.css";
 import { RobotsOfStudies } from "./RobotsOfStudies";
 
 export function Component() {
-  const { data: robots, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useRobots();
+  const sought = useSought();
+  const { data: robots, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useRobots(sought.words ? { search: sought.words } : {});
   useEffect(() => {
     if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage(); // versions of one robot stand together
   }, [hasNextPage, error, isFetchingNextPage, fetchNextPage]);
@@ -29,27 +32,33 @@ export function Component() {
         <Loading what="the robots" />
       ) : (
         <Stack gap="xl" mt="xl">
-          {robots.length > 0 ? <RobotList robots={robots} /> : <NoRobots />}
-          <RobotsOfStudies robots={robots} />
+          {robots.length > 0 || sought.words ? <RobotList robots={robots} sought={sought} /> : <NoRobots />}
+          <RobotsOfStudies robots={robots} words={sought.words} />
         </Stack>
       )}
     </>
   );
 }
 
-function RobotList({ robots }: { robots: Robot[] }) {
+function RobotList({ robots, sought }: { robots: Robot[]; sought: Sought }) {
   const names = [...new Set(robots.map((robot) => robot.name))];
   return (
     <section aria-labelledby="robots">
-      <Title order={2} size="h3" id="robots" mb="sm">
-        Handed in
-      </Title>
-      <ul className={styles.list}>
+      <Group justify="space-between" align="flex-end" mb="sm">
+        <Title order={2} size="h3" id="robots">
+          Handed in
+        </Title>
+        <SearchBox what="robots" placeholder="Name of a robot" sought={sought} />
+      </Group>
+      {robots.length === 0 && (
+        <NothingFound sentence={`No robot has “${sought.words}” in its name.`} clear={sought.clear} />
+      )}
+      <Rows>
         {names.map((name) => {
           const versions = robots.filter((robot) => robot.name === name);
           return <RobotRow key={name} robot={versions[0] as Robot} versions={versions.length} />;
         })}
-      </ul>
+      </Rows>
     </section>
   );
 }
@@ -62,22 +71,24 @@ function RobotRow({ robot, versions }: { robot: Robot; versions: number }) {
     `${fixed(mass_kg, 1)} kg`,
     count(sensors.length, "force/torque sensor"),
   ];
+  const words = (
+    <>
+      <Anchor component={Link} to={`/robots/${robot.id}`} fw={600}>
+        {robot.name}
+      </Anchor>
+      <Text size="sm" c="dimmed">
+        {facts.join(" · ")}
+      </Text>
+    </>
+  );
   return (
-    <Paper withBorder component="li" className={styles.row}>
-      <div>
-        <Anchor component={Link} to={`/robots/${robot.id}`} fw={600}>
-          {robot.name}
-        </Anchor>
-        <Text size="sm" c="dimmed">
-          {facts.join(" · ")}
-        </Text>
-      </div>
-      <Text size="sm" c="dimmed" className={styles.right}>
+    <Row words={words}>
+      <AtRight>
         {versions > 1 ? `version ${robot.version} of ${versions}` : "one version"}
         <br />
         <When at={robot.created_at} />
-      </Text>
-    </Paper>
+      </AtRight>
+    </Row>
   );
 }
 

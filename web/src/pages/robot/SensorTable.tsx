@@ -2,7 +2,7 @@ import { Stack, Table, Text, Title } from "@mantine/core";
 
 import type { RobotModel } from "../../api/robots";
 import { FactList } from "../../parts/FactList";
-import { figure, fixed } from "../../parts/number";
+import { figure, fixed } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
 
 const SEES: Record<string, string> = {

@@ -1,11 +1,11 @@
-import { Button, Checkbox, FileButton, Group, Text } from "@mantine/core";
+import { Alert, Button, Checkbox, FileButton, Group, Text } from "@mantine/core";
 import { Dropzone } from "@mantine/dropzone";
 import { IconFiles, IconFolder } from "@tabler/icons-react";
-import { useState } from "react";
 
 import { limits } from "../../api/limits";
+import { useKept } from "../../app/kept";
 import { ProblemBox } from "../../parts/ProblemBox";
-import { limitOf } from "../../parts/size";
+import { count, limitOf } from "../../parts/size";
 import styles from "./HandIn.module.css";
 import { picked } from "./picked";
 import { SendingFiles } from "./SendingFiles";
@@ -13,8 +13,8 @@ import { useHandIn } from "./useHandIn";
 
 /** Where a study is handed in: by a drop, or by a choice of files or of a folder. */
 export function HandIn() {
-  const [evaluate, setEvaluate] = useState(true);
-  const { state, handIn, stop } = useHandIn(evaluate);
+  const [evaluate, setEvaluate] = useKept("evaluate", true);
+  const { state, broken, handIn, stop } = useHandIn(evaluate);
   const take = (files: File[]) => void handIn(picked(files));
 
   if (state.step === "sending") return <SendingFiles files={state.files} progress={state.progress} stop={stop} />;
@@ -63,6 +63,13 @@ export function HandIn() {
           </Text>
         )}
       </Dropzone>
+      {state.step === "idle" && broken && (
+        <Alert color="gray" variant="outline" title="Choose the same files again" className={styles.refusal}>
+          {broken.path}
+          {broken.files > 1 && ` and ${count(broken.files - 1, "other file")}`} had not arrived when your session ended. Chosen
+          again, sending goes on where it was.
+        </Alert>
+      )}
       {state.step === "refused" && (
         <div className={styles.refusal}>
           <ProblemBox error={state.error} problem={state.problem} />

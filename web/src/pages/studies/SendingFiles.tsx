@@ -1,5 +1,6 @@
 import { Button, Group, Paper, Progress, Stack, Text, Title } from "@mantine/core";
 
+import { useAway } from "../../api/reachable";
 import { count, sizeOf } from "../../parts/size";
 import { totalSize, type Picked } from "./picked";
 import type { Progress as Sent } from "./send";
@@ -11,6 +12,7 @@ type Props = { files: Picked[]; progress: Sent; stop: () => void };
 
 /** What is on its way: all of it in one bar, and the files that are next, each with its own. */
 export function SendingFiles({ files, progress, stop }: Props) {
+  const waiting = useAway()?.signedOut;
   const size = totalSize(files);
   const sent = progress.sent.reduce((sum, part) => sum + part, 0);
   const rows = files.map(({ file, path }, k) => ({ path, size: file.size, sent: progress.sent[k] ?? 0 }));
@@ -23,7 +25,7 @@ export function SendingFiles({ files, progress, stop }: Props) {
       <Group justify="space-between" align="flex-start">
         <div>
           <Title order={2} size="h3" id="sending">
-            {progress.reading ? "The service reads the files …" : "Sending"}
+            {waiting ? "Waiting until you have signed in" : progress.reading ? "The service reads the files …" : "Sending"}
           </Title>
           <Text size="sm" c="dimmed" role="status">
             {progress.reading

@@ -1,17 +1,17 @@
-import { Button, Code, Group, NativeSelect, Stack, Text, TextInput, Title } from "@mantine/core";
-import { IconSearch } from "@tabler/icons-react";
-import { useEffect, useState } from "react";
+import { Button, Code, Group, NativeSelect, Stack, Text, Title } from "@mantine/core";
 
-import { useStudies, type Study } from "../../api/studies";
+import { useStudies, type StateSought } from "../../api/studies";
 import { Empty } from "../../parts/Empty";
 import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
+import { Rows } from "../../parts/Rows";
+import { NothingFound, SearchBox } from "../../parts/SearchBox";
 import { count } from "../../parts/size";
-import { factsOf } from "./facts";
+import { useInAddress, useSought } from "../../parts/useSought";
 import styles from "./StudyList.module.css";
 import { StudyRow } from "./StudyRow";
 
-const STATES = [
+const STATES: { value: StateSought | ""; label: string }[] = [
   { value: "", label: "Any state" },
   { value: "none", label: "Not run yet" },
   { value: "queued", label: "Waiting" },
@@ -22,20 +22,16 @@ const STATES = [
 ];
 
 export function StudyList() {
-  const { data, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useStudies();
-  const [words, setWords] = useState("");
-  const [state, setState] = useState("");
-  const seeking = words.trim() !== "" || state !== "";
-
-  useEffect(() => {
-    if (seeking && hasNextPage && !isFetchingNextPage && !error) void fetchNextPage(); // what is sought may be older
-  }, [seeking, hasNextPage, isFetchingNextPage, error, fetchNextPage, data]);
+  const sought = useSought();
+  const [said, setState] = useInAddress("state");
+  const state = STATES.find(({ value }) => value === said) ?? { value: "" as const, label: "" };
+  const { data, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useStudies(sought.words, state.value);
+  const seeking = sought.words !== "" || state.value !== "";
 
   if (error && !data) return <ProblemBox error={error} retry={() => void refetch()} />;
   if (!data) return <Loading what="the studies" />;
-  const all = data.pages.flatMap((page) => page.items);
-  if (all.length === 0) return <NoStudies />;
-  const shown = all.filter((study) => holds(study, words) && isIn(study, state));
+  const studies = data.pages.flatMap((page) => page.items);
+  if (studies.length === 0 && !seeking) return <NoStudies />;
   return (
     <Stack component="section" gap="sm" mt="xl" aria-labelledby="studies">
       <Group justify="space-between" align="flex-end">
@@ -43,40 +39,39 @@ export function StudyList() {
           Handed in
         </Title>
         <Group gap="sm" className={styles.search} wrap="nowrap">
-          <TextInput
-            aria-label="Search studies"
-            placeholder="Name, robot or wear"
-            type="search"
-            className={styles.sought}
-            leftSection={<IconSearch size={16} aria-hidden />}
-            value={words}
-            onChange={(event) => setWords(event.currentTarget.value)}
-          />
+          <SearchBox what="studies" placeholder="Name, robot or wear" sought={sought} />
           <NativeSelect
             aria-label="State"
             data={STATES}
-            value={state}
+            value={state.value}
             onChange={(event) => setState(event.currentTarget.value)}
           />
         </Group>
       </Group>
-      <Text size="sm" c="dimmed" role="status">
-        {seeking
-          ? `${shown.length} of ${count(all.length, "study", "studies")}${hasNextPage ? ", looking further …" : ""}`
-          : ""}
-      </Text>
-      <ul className={styles.list}>
-        {shown.map((study) => (
+      {studies.length > 0 ? (
+        <Text size="sm" c="dimmed" role="status">
+          {seeking ? `${count(studies.length, "study", "studies")} found${hasNextPage ? ", and more" : ""}` : ""}
+        </Text>
+      ) : (
+        <NothingFound sentence={nothing(sought.words, state)} clear={sought.clear} />
+      )}
+      <Rows>
+        {studies.map((study) => (
           <StudyRow key={study.id} study={study} />
         ))}
-      </ul>
-      {hasNextPage && !seeking && (
+      </Rows>
+      {hasNextPage && (
         <Button variant="default" onClick={() => void fetchNextPage()} loading={isFetchingNextPage} mx="auto">
           Show older studies
         </Button>
       )}
     </Stack>
   );
+}
+
+function nothing(words: string, state: { value: string; label: string }): string {
+  const which = state.value ? ` in the state “${state.label}”` : "";
+  return words ? `No study${which} has “${words}” in its name, robot or wear.` : `No study is${which}.`;
 }
 
 function NoStudies() {
@@ -93,16 +88,4 @@ function NoStudies() {
       </Empty>
     </Stack>
   );
-}
-
-function holds(study: Study, words: string): boolean {
-  const text = [study.name, study.content_hash, ...factsOf(study)].join(" ").toLowerCase();
-  return words
-    .toLowerCase()
-    .split(/\s+/)
-    .every((word) => text.includes(word));
-}
-
-function isIn(study: Study, state: string): boolean {
-  return state === "" || (study.latest_job?.state ?? "none") === state;
 }

@@ -1,7 +1,8 @@
-import { Anchor, Group, Paper, Progress, Text } from "@mantine/core";
+import { Anchor, Group, Progress, Text } from "@mantine/core";
 import { Link } from "react-router";
 
 import type { Study } from "../../api/studies";
+import { Row } from "../../parts/Rows";
 import { StateBadge } from "../../parts/StateBadge";
 import { When } from "../../parts/When";
 import { factsOf } from "./facts";
@@ -10,21 +11,23 @@ import styles from "./StudyList.module.css";
 export function StudyRow({ study }: { study: Study }) {
   const job = study.latest_job;
   const running = job?.state === "running";
-  return (
-    <Paper withBorder component="li" className={styles.row}>
-      <div className={styles.words}>
-        <Anchor component={Link} to={`/studies/${study.id}`} fw={600} className={styles.name}>
-          {study.name}
-        </Anchor>
-        <Text size="sm" c="dimmed">
-          {factsOf(study).join(" · ")}
+  const words = (
+    <>
+      <Anchor component={Link} to={`/studies/${study.id}`} fw={600}>
+        {study.name}
+      </Anchor>
+      <Text size="sm" c="dimmed">
+        {factsOf(study).join(" · ")}
+      </Text>
+      {job?.state === "failed" && job.reason && (
+        <Text size="sm" lineClamp={2} className={styles.reason}>
+          {job.reason}
         </Text>
-        {job?.state === "failed" && job.reason && (
-          <Text size="sm" lineClamp={2} className={styles.reason}>
-            {job.reason}
-          </Text>
-        )}
-      </div>
+      )}
+    </>
+  );
+  return (
+    <Row words={words}>
       <div className={styles.state}>
         <Group gap="xs" justify="flex-end">
           {running && <Text size="sm">{Math.round(job.progress * 100)} %</Text>}
@@ -35,6 +38,6 @@ export function StudyRow({ study }: { study: Study }) {
           <When at={study.created_at} />
         </Text>
       </div>
-    </Paper>
+    </Row>
   );
 }

@@ -1,6 +1,7 @@
 /** Hand files in: each by a resumable upload, a few at a time; then they become a study. */
 
 import { answer, api } from "../../api/client";
+import { onceSignedIn } from "../../api/reachable";
 import type { Study } from "../../api/studies";
 import { upload } from "../../api/upload";
 import type { Picked } from "./picked";
@@ -39,5 +40,5 @@ export async function send(files: readonly Picked[], tell: Telling, signal: Abor
   }
   tell({ sent, reading: true });
   const body = { upload_ids: ids, paths: files.map(({ path }) => path) };
-  return answer(api.POST("/api/v1/studies/from-upload", { body, signal }));
+  return onceSignedIn(() => answer(api.POST("/api/v1/studies/from-upload", { body, signal })), signal);
 }

@@ -5,8 +5,10 @@ import { useEffect, useRef, useState } from "react";
 import { useNavigate } from "react-router";
 
 import { limits } from "../../api/limits";
+import { onceSignedIn } from "../../api/reachable";
 import type { Problem } from "../../api/refusal";
 import { useSubmitJob } from "../../api/studies";
+import { useKeep } from "../../app/kept";
 import { refusedBeforehand, type Picked } from "./picked";
 import { send, type Progress } from "./send";
 
@@ -15,8 +17,14 @@ type State =
   | { step: "sending"; files: Picked[]; progress: Progress }
   | { step: "refused"; error?: unknown; problem?: Problem };
 
+/** What was on its way when somebody had to sign in. */
+export type Broken = { path: string; files: number };
+
 export function useHandIn(evaluate: boolean) {
   const [state, setState] = useState<State>({ step: "idle" });
+  const [broken, setBroken] = useState<Broken | null>(null);
+  const onItsWay = state.step === "sending" ? { path: state.files[0]?.path ?? "", files: state.files.length } : null;
+  useKeep("sending", onItsWay, setBroken);
   const sending = useRef<AbortController | null>(null);
   const navigate = useNavigate();
   const cache = useQueryClient();
@@ -34,7 +42,8 @@ export function useHandIn(evaluate: boolean) {
     try {
       const study = await send(files, tell, stopper.signal);
       if (evaluate && !study.latest_job) {
-        await submit.mutateAsync({ study_id: study.id, kind: "evaluate", settings: {} });
+        const wanted = { study_id: study.id, kind: "evaluate", settings: {} } as const;
+        await onceSignedIn(() => submit.mutateAsync(wanted), stopper.signal);
       }
       void cache.invalidateQueries({ queryKey: ["studies"] });
       sending.current = null;
@@ -45,5 +54,5 @@ export function useHandIn(evaluate: boolean) {
     }
   }
 
-  return { state, handIn, stop: () => sending.current?.abort() };
+  return { state, broken, handIn, stop: () => sending.current?.abort() };
 }

@@ -1,21 +1,24 @@
 import { List, Stack, Table, Text, Title } from "@mantine/core";
 
+import type { Study } from "../../api/studies";
 import { isNumber, NONE, significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
 import { WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { Chain } from "./Chain";
 import { FindingStory } from "./FindingStory";
+import type { Job } from "./jobs";
 import type { Discrepancy, Excess, Measured, Results } from "./results";
 import { Skipped } from "./Skipped";
 import { counted, leftOf, verdictOf } from "./verdict";
 import { count } from "../../parts/size";
+import { Versions } from "./Versions";
 import { capital, channelWords, typeset } from "./words";
 
 const CHANGED = 0.1;
 
 /** From the first gap to the noise floor: what was missing, why that is believed, what it was not, what is left. */
-export function DisagreementSection({ results }: { results: Results }) {
+export function DisagreementSection({ study, job, results }: { study: Study; job: Job; results: Results }) {
   const found = results.discrepancy;
   if (!found)
     return <Skipped results={results} step="discrepancy" advice="It needs a log that is not fitted: role validation or without_device." />;
@@ -40,7 +43,7 @@ export function DisagreementSection({ results }: { results: Results }) {
         <Chain id="wear-chain" title="The model of the wear, down to the noise floor" chain={found.wear_chain} findings={found.findings} />
       )}
       {found.findings.map((each) => (
-        <FindingStory key={each.rank} finding={each} />
+        <FindingStory key={each.rank} finding={each} jobId={job.id} />
       ))}
       <section aria-labelledby="left">
         <Title order={2} size="h3" id="left" mb={4}>
@@ -66,7 +69,7 @@ export function DisagreementSection({ results }: { results: Results }) {
         </section>
       )}
       <Consequences found={found} />
-      <Lineage found={found} />
+      <Versions study={study} job={job} results={results} found={found} />
       {found.notes.length > 0 && (
         <List size="sm">
           {[...new Set(found.notes)].map((note) => (
@@ -177,28 +180,4 @@ function changeOf(before: Measured, after: Measured): string {
   if (!isNumber(before.value) || !isNumber(after.value) || before.value === 0) return NONE;
   const percent = Math.round(100 * (Math.abs(after.value) / Math.abs(before.value) - 1));
   return `${percent > 0 ? "+" : percent < 0 ? "−" : ""}${Math.abs(percent)} %`;
-}
-
-/** Which model came from which. */
-function Lineage({ found }: { found: Discrepancy }) {
-  if (found.lineage.length < 2) return null;
-  return (
-    <section aria-labelledby="lineage">
-      <Title order={2} size="h3" id="lineage" mb={4}>
-        Versions of the model
-      </Title>
-      <List type="ordered" size="sm" spacing={2}>
-        {found.lineage.map(({ version, parent, added }) => (
-          <List.Item key={version}>
-            <code>{version}</code>
-            {parent && (
-              <>
-                : <code>{parent}</code> with <code>{added}</code>
-              </>
-            )}
-          </List.Item>
-        ))}
-      </List>
-    </section>
-  );
 }

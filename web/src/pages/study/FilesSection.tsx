@@ -11,6 +11,8 @@ import { useArtifacts } from "./results";
 
 const ABOUT: Record<string, string> = {
   "report.html": "everything to read and to print, in one file",
+  "summary.html": "one page: scope, findings, configuration",
+  "summary.pdf": "the same page, to print and to send",
   "results.json": "every number, to compute with",
   "parameters.csv": "parameters of the robot, with standard deviations",
   "validation.csv": "errors per channel and log",
@@ -18,6 +20,12 @@ const ABOUT: Record<string, string> = {
   "stiffness.csv": "stiffness and natural length of the bands",
   "identified.urdf": "the maker’s URDF with identified inertias",
 };
+
+function aboutOf(name: string): string {
+  if (name.startsWith("series/")) return "the log’s channels, with what the models say";
+  if (name.startsWith("planned_motion_")) return "joint positions of a motion that would tell effects apart";
+  return ABOUT[name] ?? "";
+}
 
 /** What the job made, to take away. */
 export function FilesSection({ job }: { job: Job }) {
@@ -61,7 +69,7 @@ export function FilesSection({ job }: { job: Job }) {
                   {file.name}
                 </Anchor>
               </Table.Th>
-              <Table.Td>{ABOUT[file.name] ?? (file.name.startsWith("series/") ? "the log’s channels, with what the models say" : "")}</Table.Td>
+              <Table.Td>{aboutOf(file.name)}</Table.Td>
               <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
               <Table.Td>
                 <Text size="xs" ff="monospace" title={file.sha256}>

@@ -1,8 +1,8 @@
-import { Alert, Paper, Stack, Table, Text, Title } from "@mantine/core";
+import { Alert, Anchor, Paper, Stack, Table, Text, Title } from "@mantine/core";
 import { IconBulb } from "@tabler/icons-react";
 
-import { percent, significant, unitOf } from "../../parts/digits";
-import { figure } from "../../parts/number";
+import { address } from "../../app/base";
+import { figure, percent, significant, unitOf } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
 import { WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
@@ -13,7 +13,7 @@ import { channelWords, titleOf, typeset } from "./words";
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
 
 /** A named effect: the sentence, its evidence, its parameters, what it beat, and what it may still be. */
-export function FindingStory({ finding }: { finding: Finding }) {
+export function FindingStory({ finding, jobId }: { finding: Finding; jobId: string }) {
   const { held_out: held } = finding;
   const title = titleOf(finding);
   const key = `finding-${finding.rank}`;
@@ -26,7 +26,7 @@ export function FindingStory({ finding }: { finding: Finding }) {
         {typeset(finding.evidence)}
       </Text>
       <Text size="sm" c="dimmed" mb="sm">
-        {channelWords(held.channel)}, held-out logs: {significant(held.rmse_before)} → {significant(held.rmse_after)} {held.unit} RMSE, noise
+        {channelWords(held.channel)}, {held.log ? `${held.log} alone` : "held-out logs"}: {significant(held.rmse_before)} → {significant(held.rmse_after)} {held.unit} RMSE, noise
         floor {significant(held.noise_floor)}; it explains {percent(finding.score)} of the excess.
       </Text>
       <Stack gap="lg">
@@ -63,6 +63,14 @@ export function FindingStory({ finding }: { finding: Finding }) {
             {finding.motion && (
               <Text size="sm" mt="xs">
                 <strong>The motion that would tell:</strong> {typeset(finding.motion)}
+                {finding.planned?.map(({ file }) => (
+                  <span key={file}>
+                    {" "}
+                    <Anchor inherit href={address(`api/v1/jobs/${jobId}/artifacts/${file}`)} download>
+                      {file}
+                    </Anchor>
+                  </span>
+                ))}
               </Text>
             )}
           </Alert>

@@ -8,6 +8,7 @@ import { ChannelErrors } from "./ChannelErrors";
 import { ParameterTable } from "./ParameterTable";
 import type { Identification } from "./results";
 import type { StudyLog } from "./summary";
+import { SensorZeros } from "./SensorZeros";
 import { Unknowns } from "./Unknowns";
 import { POOLED } from "./words";
 
@@ -38,6 +39,7 @@ export function IdentificationSection({ found, logs }: { found: Identification; 
         />
       </section>
       <ChannelErrors fits={found.validation} heldOut={heldOut} samples={samples} />
+      <SensorZeros sensors={found.sensors ?? []} />
       <Unknowns found={found} />
       <ParameterTable parameters={found.parameters} />
       <Text size="sm" c="dimmed">

@@ -5,6 +5,7 @@ import { useEffect, useState } from "react";
 import { isActive } from "../../api/studies";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { StateBadge } from "../../parts/StateBadge";
+import { useDeed } from "../../parts/useDeed";
 import { useCancel, useRetry, type Job } from "./jobs";
 import styles from "./JobBar.module.css";
 import { phrase } from "./stages";
@@ -23,7 +24,9 @@ const STATES: Record<Job["state"], string> = {
 /** Which job is looked at, how it stands, and what can be done with it. */
 export function JobBar({ job, jobs, onChoose }: Props) {
   const cancel = useCancel(job.id);
-  const retry = useRetry(job.id, (made) => onChoose(made.id));
+  const retry = useRetry(job.id);
+  const { start, busy, error } = useDeed();
+  const again = async () => onChoose((await retry.mutateAsync()).id);
   const ended = job.state === "failed" || job.state === "cancelled";
   return (
     <div className={styles.bar}>
@@ -55,8 +58,8 @@ export function JobBar({ job, jobs, onChoose }: Props) {
             <Button
               size="xs"
               leftSection={<IconRefresh size={16} aria-hidden />}
-              loading={retry.isPending}
-              onClick={() => retry.mutate()}
+              loading={busy}
+              onClick={() => start(again)}
             >
               Run it again
             </Button>
@@ -64,7 +67,7 @@ export function JobBar({ job, jobs, onChoose }: Props) {
         </Group>
       </Group>
       {isActive(job.state) && <Live job={job} />}
-      {(cancel.error || retry.error) && <ProblemBox error={cancel.error ?? retry.error} />}
+      {(cancel.error ?? error) !== null && <ProblemBox error={cancel.error ?? error} />}
     </div>
   );
 }

@@ -3,18 +3,17 @@ import { IconLink } from "@tabler/icons-react";
 import { lazy, Suspense, useMemo } from "react";
 
 import type { Study } from "../../api/studies";
-import { significant } from "../../parts/digits";
 import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Cursor } from "../../plots/cursor";
 import { PlotStack } from "../../plots/PlotStack";
-import { useSeries, type SeriesFacts } from "../../plots/series";
+import { useSeries, type SeriesFacts, type Source } from "../../plots/series";
 import { useView } from "../../plots/view";
 import type { Job } from "./jobs";
 import styles from "./PlotsSection.module.css";
 import { useArtifacts, type Results } from "./results";
-import { counted } from "./verdict";
-import { ROLES, summaryOf, type StudyLog } from "./summary";
+import { factsOf, optionsOf } from "./logFacts";
+import { summaryOf, type StudyLog } from "./summary";
 
 const RobotView = lazy(() => import("../../view3d/RobotView").then((module) => ({ default: module.RobotView })));
 
@@ -27,7 +26,8 @@ export default function PlotsSection({ study, job, results }: Props) {
   const files = useArtifacts(job.id, job.state === "succeeded");
   const names = useMemo(() => seriesNames(files.data?.items ?? []), [files.data]);
   const name = view.log !== null && names.includes(view.log) ? view.log : firstOf(names, logs, results);
-  const { data: series, error, refetch } = useSeries(job.id, name);
+  const source: Source = { of: "jobs", id: job.id };
+  const { data: series, error, refetch } = useSeries(source, name);
   const cursor = useMemo(() => new Cursor(view.at), [name]);
   const first = useMemo(() => (series ? plotsFor(series, results) : []), [series, results]);
 
@@ -81,7 +81,7 @@ export default function PlotsSection({ study, job, results }: Props) {
           </div>
         )}
         {series ? (
-          <PlotStack key={name} jobId={job.id} series={series} view={view} first={first} cursor={cursor} onView={change} />
+          <PlotStack key={name} source={source} series={series} view={view} first={first} cursor={cursor} onView={change} />
         ) : (
           <Loading what="the series" />
         )}
@@ -100,29 +100,6 @@ function firstOf(names: string[], logs: StudyLog[], results: Results): string | 
   const worn = results.support.find((each) => each.main)?.logs[0];
   const heldOut = logs.find((log) => log.role !== "identification")?.name;
   return [worn, heldOut].find((each) => each !== undefined && names.includes(each)) ?? names[0];
-}
-
-function factsOf(series: SeriesFacts, logs: StudyLog[]): string {
-  const log = logs.find((each) => each.name === series.name);
-  const facts = [
-    log && (ROLES[log.role] ?? log.role),
-    log?.motion && `motion ${log.motion}`,
-    `${significant(series.end - series.start, 4)} s`,
-    `${counted(series.samples)} samples`,
-    series.rate_hz !== null && `${significant(series.rate_hz, 4)} Hz`,
-  ];
-  return facts.filter(Boolean).join(" · ");
-}
-
-function optionsOf(names: string[], logs: StudyLog[]) {
-  const roles = new Map(logs.map((log) => [log.name, log]));
-  const groups = new Map<string, { value: string; label: string }[]>();
-  for (const name of names) {
-    const log = roles.get(name);
-    const group = log ? [log.motion && `Motion ${log.motion}`, ROLES[log.role] ?? log.role].filter(Boolean).join(", ") : "Logs";
-    groups.set(group, [...(groups.get(group) ?? []), { value: name, label: name }]);
-  }
-  return [...groups].map(([group, items]) => ({ group, items }));
 }
 
 /** What a reader most likely wants first: the joints that the wear acts on, else those that were in question. */

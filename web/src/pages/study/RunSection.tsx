@@ -1,12 +1,16 @@
-import { Anchor, Code, ScrollArea, Stack, Table, Title } from "@mantine/core";
+import { Anchor, Button, Code, ScrollArea, Stack, Table, Title } from "@mantine/core";
+
+import { lazy, Suspense } from "react";
 
 import { isActive, type Study } from "../../api/studies";
 import { address } from "../../app/base";
 import { NONE, significant } from "../../parts/digits";
+import { Loading } from "../../parts/Loading";
 import { sizeOf } from "../../parts/size";
 import { When } from "../../parts/When";
 import { FactList } from "../../parts/FactList";
 import { WideTable } from "../../parts/WideTable";
+import { useView } from "../../plots/view";
 import { SignalDoubts } from "./SignalDoubts";
 import type { Job } from "./jobs";
 import { Pipeline } from "./Pipeline";
@@ -15,6 +19,8 @@ import styles from "./RunSection.module.css";
 import { phrase, stagesOf } from "./stages";
 import { ROLES, summaryOf, type StudySummary } from "./summary";
 import { capital, KINDS } from "./words";
+
+const RawPlots = lazy(() => import("./RawPlots"));
 
 type Props = { study: Study; job: Job | null; results?: Results };
 
@@ -38,6 +44,7 @@ export function RunSection({ study, job, results }: Props) {
           Logs
         </Title>
         <Logs study={study} summary={summary} />
+        <RawLogs study={study} />
       </section>
       {job && <Facts study={study} job={job} results={results} />}
     </Stack>
@@ -54,7 +61,7 @@ function Said({ job }: { job: Job }) {
         What the job did
       </Title>
       <ScrollArea.Autosize mah={320} type="auto" viewportProps={{ tabIndex: 0, role: "region", "aria-label": "Log of the job" }}>
-        {job.log && <Code block>{job.log}</Code>}
+        {job.log && <Code block className={styles.log}>{job.log}</Code>}
         <ul className={styles.said}>
           {steps.map(({ started_at, message, seconds }, k) => (
             <li key={k}>
@@ -95,7 +102,7 @@ function Logs({ study, summary: { logs = [], devices = [] } }: { study: Study; s
             <Table.Th scope="row">{log.name}</Table.Th>
             <Table.Td>{ROLES[log.role] ?? log.role}</Table.Td>
             <Table.Td>{log.motion ?? NONE}</Table.Td>
-            <Table.Td>{log.device ? (worn.get(log.device) ?? log.device) : NONE}</Table.Td>
+            <Table.Td miw={log.device ? "9rem" : undefined}>{log.device ? (worn.get(log.device) ?? log.device) : NONE}</Table.Td>
             <Table.Td data-number>{significant(log.duration_s, 4)} s</Table.Td>
             <Table.Td data-number>{significant(log.rate_hz, 4)} Hz</Table.Td>
             <Table.Td data-number>{log.samples.toLocaleString("en").replaceAll(",", "\u202f")}</Table.Td>
@@ -111,6 +118,30 @@ function Logs({ study, summary: { logs = [], devices = [] } }: { study: Study; s
         ))}
       </Table.Tbody>
     </WideTable>
+  );
+}
+
+/** Plots of the logs, whatever became of the job; each is read when it is first asked for. */
+function RawLogs({ study }: { study: Study }) {
+  const [view, change] = useView("raw_");
+  const names = (summaryOf(study).logs ?? []).map((log) => log.name);
+  if (names.length === 0) return null;
+  if (view.log === null || !names.includes(view.log)) {
+    return (
+      <Button mt="sm" variant="default" onClick={() => change({ log: names[0] ?? null })}>
+        Plot the logs as they were read
+      </Button>
+    );
+  }
+  return (
+    <section aria-labelledby="raw" style={{ marginTop: "var(--mantine-spacing-xl)" }}>
+      <Title order={2} size="h3" id="raw" mb="sm">
+        Logs as they were read
+      </Title>
+      <Suspense fallback={<Loading what="the plots" />}>
+        <RawPlots study={study} log={view.log} view={view} change={change} />
+      </Suspense>
+    </section>
   );
 }
 

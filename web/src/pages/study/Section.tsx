@@ -9,6 +9,7 @@ import { IdentificationSection } from "./IdentificationSection";
 import type { Job } from "./jobs";
 import { isEvaluation, type Results } from "./results";
 import { RunSection } from "./RunSection";
+import { ScopeSection } from "./ScopeSection";
 import type { SectionKey } from "./sections";
 import { StiffnessSection } from "./StiffnessSection";
 import { SummarySection } from "./SummarySection";
@@ -43,7 +44,9 @@ function Part({ name, study, job, results }: Props) {
     case "stiffness":
       return <StiffnessSection results={results} />;
     case "disagreement":
-      return <DisagreementSection results={results} />;
+      return <DisagreementSection study={study} job={job} results={results} />;
+    case "scope":
+      return <ScopeSection job={job} results={results} />;
     case "plots":
       return (
         <Suspense fallback={<Loading what="the plots" />}>

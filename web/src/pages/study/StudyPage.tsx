@@ -1,4 +1,4 @@
-import { Text } from "@mantine/core";
+import { Anchor, Text } from "@mantine/core";
 import { useCallback } from "react";
 import { Link, useParams, useSearchParams } from "react-router";
 
@@ -64,7 +64,11 @@ function Outcome({ study, job }: { study: Study; job: Job }) {
   const sections = sectionsFor(job, results);
   const wanted = rest.split("/")[0] || sections[0]!.key;
   const section = sections.find((each) => each.key === wanted);
-  const log = <Link to={{ pathname: `/studies/${study.id}/run`, search: search.toString() }}>Log and raw data</Link>;
+  const log = (
+    <Anchor component={Link} inherit underline="always" to={{ pathname: `/studies/${study.id}/run`, search: search.toString() }}>
+      Log and raw data
+    </Anchor>
+  );
   return (
     <>
       <JobTrouble job={job} onLog={log} />

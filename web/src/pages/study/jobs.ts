@@ -62,14 +62,13 @@ export function useCancel(jobId: string) {
   });
 }
 
-export function useRetry(jobId: string, done: (job: Job) => void) {
+export function useRetry(jobId: string) {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: () => answer(api.POST("/api/v1/jobs/{job_id}/retry", { params: { path: { job_id: jobId } } })),
-    onSuccess: async (job) => {
+    onSuccess: async () => {
       await cache.invalidateQueries({ queryKey: ["jobs"] });
       await cache.invalidateQueries({ queryKey: ["studies"] });
-      done(job);
     },
   });
 }

@@ -3,6 +3,7 @@
 import { useQuery } from "@tanstack/react-query";
 
 import { answer, api } from "../../api/client";
+import type { Configuration, Scope } from "./scope";
 
 export type Num = number | null;
 export type Measured = { value: Num; std: Num; unit: string };
@@ -40,10 +41,14 @@ export type Parameter = {
   combination?: Record<string, number>;
 };
 
+/** A sensor inside the robot: the bodies beyond it, and its zero, by component fx … mz. */
+export type SensorFound = { sensor: string; carries: string[]; zero: Record<string, Measured & { identifiable: boolean }> };
+
 export type Identification = {
   summary: Pooled[];
   validation: Fit[];
   parameters: Parameter[];
+  sensors?: SensorFound[];
   unidentifiable: string[];
   consistent_links: Record<string, boolean>;
   prior_strength: Num;
@@ -117,12 +122,13 @@ export type Finding = {
   where: Place;
   title?: string;
   parameters: Record<string, Measured>;
-  held_out: { channel: string; unit: string; rmse_before: Num; rmse_after: Num; noise_floor: Num };
+  held_out: { channel: string; unit: string; rmse_before: Num; rmse_after: Num; noise_floor: Num; log?: string };
   score: Num;
   evidence: string;
   alternatives: Candidate[];
   also_possible: Candidate[];
   motion: string;
+  planned?: { file: string; joint: string }[];
   curve: Curve;
 };
 
@@ -165,6 +171,8 @@ export type Doubt = {
 export type Results = {
   name: string;
   robot: string;
+  scope?: Scope;
+  configuration?: Configuration;
   software: Record<string, string>;
   inputs: { file: string; sha256: string; bytes: number }[];
   steps: { step: string; status: "done" | "skipped"; reason?: string }[];

@@ -10,6 +10,7 @@ export type SectionKey =
   | "stiffness"
   | "disagreement"
   | "plots"
+  | "scope"
   | "files"
   | "run";
 
@@ -20,6 +21,7 @@ export const NAMES: Record<SectionKey, string> = {
   stiffness: "Bands",
   disagreement: "Disagreement",
   plots: "Plots",
+  scope: "Scope",
   files: "Files",
   run: "Run and logs",
 };
@@ -33,6 +35,6 @@ export function sectionsFor(job: Job, results: Results | undefined): SectionLink
       ? ["run"]
       : results && !isEvaluation(results)
         ? ["files", "run"]
-        : ["summary", "identification", "support", "stiffness", "disagreement", "plots", "files", "run"];
+        : ["summary", "identification", "support", "stiffness", "disagreement", "plots", "scope", "files", "run"];
   return keys.map((key) => ({ key, name: NAMES[key] }));
 }

@@ -26,13 +26,18 @@ function effects({ findings }: Discrepancy): string {
     const { channel, unit, rmse_before, rmse_after, noise_floor } = first.held_out;
     const verb = (rmse_after ?? 0) > (rmse_before ?? 0) ? "rises" : "falls";
     const change = `${verb} from ${significant(rmse_before)} to ${significant(rmse_after)} ${unit} RMSE`;
-    return `The identified model lacks ${lower(titleOf(first))}. With it the error of ${channelWords(channel)} on held-out logs ${change} (noise floor ${significant(noise_floor)}).`;
+    return `The identified model does not know of ${lower(titleOf(first))}. With it the error of ${channelWords(channel)} ${judgedOn(first)} ${change} (noise floor ${significant(noise_floor)}).`;
   }
   const named = findings.slice(0, NAMED).map((each) => `${lower(titleOf(each))} (${changeOf(each)})`);
   const more = findings.length - named.length;
   const words = more ? [...named, `${more} more`] : named;
   const list = `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
-  return `The identified model lacks ${findings.length} effects: ${list}. The errors are those on held-out logs, without and with the effect.`;
+  return `The identified model does not know of ${findings.length} effects: ${list}. The errors are those on held-out logs, without and with the effect.`;
+}
+
+/** The logs that the errors are about: held-out ones, or the one log that has the effect. */
+export function judgedOn({ held_out: held }: Finding): string {
+  return held.log ? `in ${held.log}, the one log that has it,` : "on held-out logs";
 }
 
 /** `2.25 → 1.08 N·m, noise floor 1.02`; with the channel where it is not named like the place. */

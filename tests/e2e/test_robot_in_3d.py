@@ -1,0 +1,120 @@
+"""The robot in 3D beside the plots: it is drawn, it stands where the cursor is, and the cursor goes where it plays."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from playwright.sync_api import expect
+from tests.e2e.robot_in_3d import differing, drawn, listen, picture, said, wait_until_drawn
+from tests.e2e.test_review import LOG, time_axis
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+TITLE = "Supporting torque at torso_pitch"
+SAMPLE_S = 1 / 200
+
+
+@pytest.fixture
+def robot(page: Page, study: dict[str, Any]) -> Page:
+    """The page of the plots with the robot of a bend beside them."""
+    listen(page)
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{study['path']}/plots?log={LOG}&show=support.torso_pitch&show=tension&robot=yes&at=0")
+    wait_until_drawn(page)
+    expect(page.locator(".u-over")).to_have_count(2)
+    return page
+
+
+def hover(page: Page, share: float) -> float:
+    """Move the pointer over the last plot; the time [s] there, as the plot's axis has it."""
+    over = page.locator(".u-over").last
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+    axis = time_axis(page, TITLE)
+    low, high = (float(axis.get_attribute(f"aria-value{end}") or "nan") for end in ("min", "max"))
+    return low + share * (high - low)
+
+
+def shown_time(page: Page) -> float:
+    """What the 3D view's own clock says [s]."""
+    found = re.search(r"([\d.]+) / [\d.]+ s", page.get_by_role("region", name="3D view of").inner_text())
+    assert found is not None
+    return float(found.group(1))
+
+
+def read_at(page: Page) -> list[float]:
+    """The times [s] at which the tables beside the plots read."""
+    captions = page.locator("caption").filter(has_text=re.compile(r"At \d")).all_inner_texts()
+    return [float(re.sub(r"[^\d.]", "", text)) for text in captions]
+
+
+def test_it_is_drawn_and_stands_where_the_cursor_is(robot: Page) -> None:
+    hover(robot, 0.02)
+    upright = picture(robot)
+    assert drawn(upright) > 0.03
+    wanted = hover(robot, 0.5)
+    bent = picture(robot)
+    assert shown_time(robot) == pytest.approx(wanted, abs=0.05)
+    expect(robot.locator("caption").filter(has_text=re.compile(r"At \d"))).to_have_count(2)
+    assert read_at(robot) == pytest.approx([wanted] * 2, abs=0.05)
+    assert differing(upright, bent) > 0.01
+    hover(robot, 0.02)
+    assert differing(upright, picture(robot)) < 0.001
+
+
+def test_keys_in_a_plot_move_it_too(robot: Page) -> None:
+    hover(robot, 0.02)
+    upright = picture(robot)
+    axis = time_axis(robot, TITLE)
+    axis.focus()
+    axis.press("End")
+    end = float(axis.get_attribute("aria-valuemax") or "nan")
+    expect(robot.get_by_role("region", name="3D view of")).to_contain_text(f"{end:.2f} / ")
+    assert differing(upright, picture(robot)) > 0.0
+
+
+def test_while_it_plays_the_cursor_of_every_plot_goes_along(robot: Page) -> None:
+    start = hover(robot, 0.1)
+    robot.get_by_label("Speed").select_option("0.1")
+    robot.get_by_role("button", name="Play").click()
+    robot.wait_for_function(
+        "(start) => window.heard.some(({type, time}) => type === 'time' && time > start + 0.2)", arg=start
+    )
+    robot.get_by_role("button", name="Pause").click()
+    expect(robot.get_by_role("button", name="Play")).to_be_visible()
+    stood = said(robot, "time")["time"]
+    assert stood > start + 0.2
+    assert shown_time(robot) == pytest.approx(stood, abs=0.05)
+    expect(robot).to_have_url(re.compile(r"[?&]at=\d"))
+    robot.wait_for_timeout(1_000)
+    assert read_at(robot) == pytest.approx([stood] * 2, abs=0.05)
+    kept = re.search(r"[?&]at=([\d.]+)", robot.url)
+    assert kept is not None
+    assert float(kept.group(1)) == pytest.approx(stood, abs=0.05)
+
+
+def test_the_joint_where_the_model_lacked_something_is_marked(
+    robot: Page,
+    study: dict[str, Any],
+    screenshot: Callable[..., None],
+) -> None:
+    (finding,) = study["results"]["discrepancy"]["findings"]
+    marked = said(robot, "loaded")["about"]["marked"]
+    assert [each["joint"] for each in marked] == [finding["where"]["joint"]]
+    assert "stribeck" in marked[0]["effect"].lower()
+    marks = robot.get_by_label("joints that the model does not explain")
+    expect(marks).to_be_checked()
+    marks.uncheck()
+    without = picture(robot)
+    marks.check()
+    assert 0.0001 < differing(without, picture(robot)) < 0.2
+    marks.uncheck()
+    assert differing(without, picture(robot)) < 0.001
+    marks.check()
+    screenshot("review-3d", without=("iframe",))

@@ -1,0 +1,95 @@
+import { Table, Text, Title } from "@mantine/core";
+
+import type { Study } from "../../api/studies";
+import { WideTable } from "../../parts/WideTable";
+import { When } from "../../parts/When";
+import { count } from "../../parts/size";
+import type { Job } from "./jobs";
+import type { Discrepancy, Finding, Results } from "./results";
+import { summaryOf } from "./summary";
+import { capital, pointOf, titleOf } from "./words";
+
+const LISTED = 4;
+
+type Props = { study: Study; job: Job; results: Results; found: Discrepancy };
+
+/** Which model came from which: what was added and where, from which logs, and when. */
+export function Versions({ study, job, results, found }: Props) {
+  if (found.lineage.length < 2) return null;
+  const { validation } = results.identification;
+  const fitted = namesOf(validation.filter((fit) => !fit.held_out));
+  const judged = namesOf(validation.filter((fit) => fit.held_out));
+  const worn = (summaryOf(study).logs ?? []).filter((log) => log.role === "with_device").map((log) => log.name);
+  const rows = found.lineage.map(({ version, added }) => {
+    const finding = found.findings.find((each) => isOf(added, each));
+    return { version, added, finding, logs: finding && isOfWear(finding) ? worn : judged };
+  });
+  return (
+    <section aria-labelledby="lineage">
+      <Title order={2} size="h3" id="lineage" mb={4}>
+        Versions of the model
+      </Title>
+      <Text size="sm" c="dimmed" mb="xs">
+        Made <When at={job.finished_at ?? job.created_at} />. Each is the one above it with one effect more, fitted anew.
+      </Text>
+      <WideTable label="Versions of the model">
+        <Table.Thead>
+          <Table.Tr>
+            {["Version", "What was added", "From which logs", "Identifier"].map((head) => (
+              <Table.Th key={head} scope="col">
+                {head}
+              </Table.Th>
+            ))}
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {rows.map(({ version, added, finding, logs }, k) => (
+            <Table.Tr key={version}>
+              <Table.Td>{k + 1}</Table.Td>
+              <Table.Th scope="row">{finding ? titleOf(finding) : k === 0 ? "Nothing: the robot as identified" : capital(added)}</Table.Th>
+              <Table.Td>
+                {k === 0 ? (
+                  <>
+                    fitted to <Logs names={fitted} />
+                  </>
+                ) : (
+                  <>
+                    judged on <Logs names={finding?.held_out.log ? [finding.held_out.log] : logs} />
+                  </>
+                )}
+              </Table.Td>
+              <Table.Td>
+                <Text component="code" size="xs" c="dimmed" style={{ overflowWrap: "anywhere" }}>
+                  {k === 0 ? version : `+ ${added}`}
+                </Text>
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </WideTable>
+    </section>
+  );
+}
+
+function Logs({ names }: { names: string[] }) {
+  const more = names.length - LISTED;
+  if (more <= 1) return <>{names.join(", ")}</>;
+  return (
+    <span title={names.join(", ")}>
+      {names.slice(0, LISTED).join(", ")} and {count(more, "log")} more
+    </span>
+  );
+}
+
+function namesOf(fits: { log: string }[]): string[] {
+  return [...new Set(fits.map((fit) => fit.log))];
+}
+
+/** `stribeck@torso_pitch` is what the finding of that effect at that place added. */
+function isOf(added: string, { effect, where }: Finding): boolean {
+  return added === `${effect}@${pointOf(where)}`;
+}
+
+function isOfWear({ where }: Finding): boolean {
+  return "band" in where || "device" in where;
+}
