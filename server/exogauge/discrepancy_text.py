@@ -17,6 +17,7 @@ from exogauge.studies.discrepancy_sentences import (
     left_sentence,
     looked_at,
     moves,
+    step_words,
     verdict_sentence,
 )
 from exogauge.studies.effect_words import capital, listed
@@ -54,7 +55,9 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
 
 def chain(links: Sequence[Mapping[str, Any]]) -> str:
     """RMSE of each model, and the channel furthest above its floor."""
-    rows = [[each["step"], figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links]
+    rows = [
+        [step_words(each["step"]), figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links
+    ]
     unit = links[-1]["unit"]
     columns = ("model", f"RMSE {chain_unit(unit)}", "noise floor", "furthest above its floor", "RMSE", "floor")
     table = text_table(columns, rows, widest=60)
@@ -81,6 +84,9 @@ def finding(found: Mapping[str, Any]) -> Iterator[str]:
     if found["motion"]:
         told = "The motion that would tell" if found["also_possible"] else "To be surer"
         yield filled(f"{told}: {found['motion']}", "   ", "   ")
+    if found.get("planned"):
+        files = listed([each["file"] for each in found["planned"]])
+        yield filled(f"Every joint's position over it: {files}.", "   ", "   ")
 
 
 def next_best(found: Mapping[str, Any]) -> str:

@@ -12,6 +12,8 @@ import pytest
 import exogauge
 from exogauge.client import Client, ClientProblem, transport
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_package_is_light_until_the_client_is_asked_for():
     code = "import sys, exogauge; assert 'httpx' not in sys.modules; exogauge.Client; assert 'httpx' in sys.modules"

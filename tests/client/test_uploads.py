@@ -15,6 +15,8 @@ import pytest
 
 from exogauge.client import Client, ClientProblem, client, resumable
 
+pytestmark = pytest.mark.slow
+
 MIB = 1 << 20
 TUS = {"Tus-Resumable": "1.0.0"}
 

@@ -27,8 +27,10 @@ def test_the_service_finds_the_stiffness_of_a_worn_band(client, worn_study, tmp_
     (support,) = result["support"]
     assert (support["motion"], support["joint"]) == ("bend", "elbow")
     assert support["rmse_a"] < support["rmse_prior"]
-    names = {artifact.name for artifact in client.artifacts(job)}
-    assert names >= {"results.json", "report.html", "support.csv", "stiffness.csv", "series/worn.parquet"}
+    kinds = {artifact.name: artifact.media_type for artifact in client.artifacts(job)}
+    assert kinds.keys() >= {"results.json", "report.html", "support.csv", "stiffness.csv", "series/worn.parquet"}
+    assert kinds["summary.html"].startswith("text/html")
+    assert kinds["summary.pdf"] == "application/pdf"
     (written,) = client.download(job, tmp_path, ["stiffness.csv"])
     assert written.read_text().startswith("device,approach,band")
 

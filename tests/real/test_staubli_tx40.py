@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -139,3 +140,45 @@ def test_stribeck_which_is_not_in_this_recording_is_not_even_a_candidate_worth_j
     discrepancy: Mapping[str, Any],
 ) -> None:
     assert "stribeck" not in {each["effect"] for each in discrepancy["rejected"]}
+
+
+@pytest.fixture(scope="module")
+def uncoupled(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Mapping[str, Any]:
+    """The same rows as joint angles and joint torques, and a robot.yaml that does not know of the coupled wrist."""
+    gears = np.diag(GEARS)
+    gears[5, 4] = 32.0
+    motor, current = (
+        np.loadtxt(folder / f"{name}.csv.gz", delimiter=",", skiprows=1) for name in ("pos_read_data", "curr_data")
+    )
+    q, tau = motor @ np.linalg.inv(gears).T + [0.0, -np.pi / 2, np.pi / 2, 0.0, 0.0, 0.0], current @ gears
+    for name, rows in (("train", slice(0, 24750)), ("held_out", slice(29250, 45000))):
+        columns = {"t": np.arange(len(q[rows])) / 5000.0}
+        columns |= {
+            f"{kind}.{j}": values[rows, k] for kind, values in (("q", q), ("tau", tau)) for k, j in enumerate(JOINTS)
+        }
+        pq.write_table(pa.table(columns), folder / f"{name}.parquet")
+    (folder / "robot_uncoupled.yaml").write_text(ROBOT.split("transmission:")[0])
+    (folder / "uncoupled.yaml").write_text(
+        "version: 1\nname: TX40, coupling withheld\nrobot: robot_uncoupled.yaml\nlogs:\n"
+        "  - {file: train.parquet, role: identification}\n  - {file: held_out.parquet, role: validation}\n"
+        "steps: [identify, discrepancy]\n"
+    )
+    found: Mapping[str, Any] = answer(folder / "uncoupled.yaml")["discrepancy"]
+    return found
+
+
+def test_a_wrist_whose_coupling_is_withheld_is_seen_but_cannot_be_judged_on_this_split(
+    uncoupled: Mapping[str, Any],
+) -> None:
+    tried = {(each["effect"], each["where"]["joint"]): each for each in uncoupled["rejected"]}
+    wrist = tried["coupling", "joint_6"]
+    assert wrist["score"] > 0.8
+    assert wrist["score"] == max(each["score"] for each in tried.values())
+    assert "too little steady motion in logs that were not fitted" in wrist["reason"]
+    above = {each["channel"]: each["rmse"] for each in uncoupled["unexplained"]}
+    assert above["tau.joint_5"] > 5.0
+
+
+def test_a_wrist_whose_coupling_is_stated_is_not_coupled_once_more(discrepancy: Mapping[str, Any]) -> None:
+    again = [each for each in discrepancy["rejected"] if each["effect"] == "coupling"]
+    assert all(each["score"] < 0.5 for each in again)

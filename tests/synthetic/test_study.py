@@ -17,6 +17,8 @@ from exogauge.synthetic.robot_facts import FEET, JOINT_NAMES
 from exogauge.synthetic.simulation import LOG_RATE_HZ
 from exogauge.synthetic.study import write_study
 
+pytestmark = pytest.mark.slow
+
 ONE_SHORT_LOG = (LogPlan("id_1", "identification", "excitation", 7.0),)
 BENDS = tuple(
     replace(plan, duration_s=7.0)

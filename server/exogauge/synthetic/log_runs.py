@@ -12,6 +12,7 @@ from typing import final
 
 import numpy as np
 
+from exogauge.blas_threads import limit_children
 from exogauge.synthetic import motion
 from exogauge.synthetic.log_file import write_log
 from exogauge.synthetic.log_plans import LogPlan
@@ -82,6 +83,7 @@ def _make(folder: Path, bench: Bench, plan: LogPlan, tell: Tell) -> None:
 
 def _make_in_pool(folder: Path, bench: Bench, plans: Sequence[LogPlan], tell: Tell, processes: int) -> None:
     """Processes that are started anew, so that no thread or lock of this one comes along."""
+    limit_children()
     context = get_context("spawn")
     told: SimpleQueue[tuple[str, float]] = context.SimpleQueue()
     with ProcessPoolExecutor(processes, context, initializer=_speak_into, initargs=(told,)) as pool:
