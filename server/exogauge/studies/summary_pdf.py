@@ -1,11 +1,14 @@
-"""summary.pdf: the one-page report as one sheet of A4, with the fonts that come with matplotlib embedded.
+"""summary.pdf: the one-page report as one sheet of A4, with its fonts embedded.
 
+Letters are those of the font that comes with matplotlib; Japanese and traditional Chinese, which it lacks, are those of
+IPAexGothic, which comes with matplotlib-fontja.
 Equal pages give equal bytes: no clock is read, so the document's date is that of no day.
 """
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from importlib.util import find_spec
 from pathlib import Path
 from typing import final
 
@@ -24,8 +27,10 @@ GAP = 2.6  # [mm] between rows
 GUTTER = 5.0  # between blocks
 TERM = 27.0  # width of a fact's name
 POINT = 25.4 / 72.0  # [mm]
+BASELINE = 0.8  # of a cell as high as its letters, from above
 FONT = "DejaVu"
 FACES = {"": "DejaVuSans.ttf", "B": "DejaVuSans-Bold.ttf"}
+EAST = "IPAexGothic"  # one face, also in bold text
 COLOURS = {
     "ink": (0, 0, 0), "muted": (74, 79, 85), "line": (201, 200, 195), "measured": (143, 149, 156),
     "identified": (10, 92, 145), "prior": (176, 71, 27), "doubt": (138, 90, 0),
@@ -56,6 +61,7 @@ class _Sheet:
         for style, file in FACES.items():
             self.pdf.add_font(FONT, style, folder / file)
         self.glyphs = {style: set(self.pdf.fonts[FONT.lower() + style].cmap) for style in FACES}  # type: ignore[union-attr]
+        self.east: set[int] | None = None
         self.pdf.add_page()
 
     def bytes(self) -> bytes:
@@ -80,7 +86,7 @@ class _Sheet:
     def _what_lacks(self) -> str:
         some = [f"U+{ord(sign):04X}" for sign in list(self.lacking)[:12]]
         codes = ", ".join(some) + (" …" if len(self.lacking) > len(some) else "")
-        return f"{UNPRINTED}: characters that this document’s font lacks ({codes}); summary.html shows them."
+        return f"{UNPRINTED}: characters that this document’s fonts lack ({codes}); summary.html shows them."
 
     def _label(self, y: float, text: str) -> float:
         self._font(1.0, "B")
@@ -167,8 +173,10 @@ class _Sheet:
         self.pdf.set_font(FONT, "", k * mark.size / POINT)
         self.pdf.set_text_color(*COLOURS[mark.colour])
         text = self._printed(mark.text, "")
-        back = {"start": 0.0, "middle": 0.5, "end": 1.0}[mark.anchor] * self.pdf.get_string_width(text)
-        self.pdf.text(x + k * mark.x - back, y + k * mark.y, text)
+        width, height = self.pdf.get_string_width(text), k * mark.size
+        back = {"start": 0.0, "middle": 0.5, "end": 1.0}[mark.anchor] * width
+        self.pdf.set_xy(x + k * mark.x - back, y + k * mark.y - BASELINE * height)
+        self.pdf.cell(width, height, text)
 
     def text(
         self, x: float, y: float, width: float, text: str, *, size: float = 1.0, style: str = "", colour: str = "ink",
@@ -195,9 +203,24 @@ class _Sheet:
         self.pdf.line(x, y, x + width, y)
 
     def _printed(self, text: str, style: str) -> str:
-        """With a box for every character that the font lacks."""
-        known = self.glyphs[style]
-        for sign in text:
-            if ord(sign) not in known:
-                self.lacking[sign] = None
-        return "".join(sign if ord(sign) in known else UNPRINTED for sign in text)
+        """With a box for every character that the fonts lack."""
+        missing = {sign for sign in text if ord(sign) not in self.glyphs[style]}
+        lacking = {sign for sign in missing if ord(sign) not in self._east()} if missing else missing
+        self.lacking |= dict.fromkeys(sign for sign in text if sign in lacking)
+        return "".join(UNPRINTED if sign in lacking else sign for sign in text)
+
+    def _east(self) -> set[int]:
+        """What the second font has. It is large, and read only where the first one lacks something."""
+        if self.east is None:
+            self.pdf.add_font(EAST, "", _file_of_east())
+            self.pdf.set_fallback_fonts([EAST], exact_match=False)
+            self.east = set(self.pdf.fonts[EAST.lower()].cmap)  # type: ignore[union-attr]
+        return self.east
+
+
+def _file_of_east() -> Path:
+    """The package is not imported: it would change matplotlib's settings."""
+    found = find_spec("matplotlib_fontja")
+    assert found is not None
+    assert found.origin is not None
+    return Path(found.origin).parent / "fonts" / "ipaexg.ttf"

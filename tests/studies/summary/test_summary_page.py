@@ -146,14 +146,23 @@ def test_equal_results_give_equal_bytes_at_any_time(made: SummaryPage, content: 
 
 def test_letters_beyond_latin_print_and_what_the_font_lacks_is_said(content: dict[str, Any]) -> None:
     content["name"] = "Γιάννης τ ± 3° · Łódź Ж"
-    content["robot"] = "人型ロボット"
+    content["robot"] = "로봇-1"
     made = summary_page(content)
     text = printed(made)
     assert "Γιάννηςτ±3°·ŁódźЖ" in text
-    assert "U+4EBA" in text
-    assert "□□□□□□" in text
-    assert "人型ロボット" in shown(made)
-    assert "U+4EBA" not in shown(made)
+    assert "U+B85C" in text
+    assert "□□-1" in text
+    assert "로봇-1" in shown(made)
+    assert "U+B85C" not in shown(made)
+
+
+@pytest.mark.parametrize("name", ["人型ロボット 1", "人形機器人 1"], ids=["japanese", "chinese"])
+def test_east_asian_names_print_in_every_place(content: dict[str, Any], name: str) -> None:
+    made = summary_page(renamed(content, name))
+    text = printed(made)
+    assert text.count(name.replace(" ", "")) > 3
+    assert "□" not in text
+    assert len(made.pdf) < 300_000  # of the font what is used, not all of its 6 MB
 
 
 HOSTILE = (
