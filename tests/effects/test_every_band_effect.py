@@ -178,11 +178,29 @@ def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(
     whole = replace(whole, segment_length=np.hstack([0.2 + stretching, np.tile([0.1, 0.15, 0.15], (4000, 1))]))
     seen = WireMotion(whole.time, whole.length, whole.rate, whole.segment_length, whole.wrap)
     law = all_laws()["via_friction"].tension(seen, K, 0.5, {"friction": mu}) - whole.tension[:, None]
-    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu,))[:, :, 0]
+    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 1.0))[:, :, 0]
     slides = np.abs(whole.rate) > 0.03  # after a turn the law lets go from point to point, the effect at each by itself
     off = np.abs(law - effect)[slides].max(axis=1) / np.abs(law[slides]).max(axis=1)
     assert np.median(off) < 0.03
     assert np.mean(off < 0.1) > 0.5
+
+
+def test_a_via_point_that_gives_way_itself_takes_longer_to_let_the_band_slide():
+    effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
+    stiff, soft = (np.abs(effect.added_tension(whole, (0.2, give))).sum() for give in (0.1, 5.0))
+    assert soft < 0.8 * stiff
+
+
+@pytest.mark.parametrize("name", ["band_hardening", "band_viscous"])
+def test_the_curve_has_the_power_that_is_asked_for_and_the_size_of_its_coefficient(name):
+    effect, whole = EFFECTS[name], signals(l_0=0.4)  # taut throughout
+    over, at, size = {
+        "band_hardening": (whole.stretch, whole.travel, whole.travel**2),
+        "band_viscous": (np.abs(whole.rate), 0.1, 0.1),
+    }[name]
+    for power in (1.5, 2.0):
+        pull = np.abs(effect.added_tension(whole, (power,))[:, 0])
+        np.testing.assert_allclose(pull, size * (over / at) ** power, atol=1e-12)
 
 
 def test_a_slip_lasts_to_the_end_of_its_log_or_beyond_it():

@@ -23,6 +23,7 @@ from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whiten
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
 from exogauge.discrepancy.band_model import Wear, fit
 from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
+from exogauge.discrepancy.band_shape import with_best_shape
 from exogauge.discrepancy.band_stated import contradicted
 from exogauge.discrepancy.block_gains import summed, sureness
 from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Lineage, Link, Verdict
@@ -40,6 +41,7 @@ JUDGED = 8  # candidates per round
 ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 SURE = 3.0  # standard errors above the floor
 REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
+OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
 CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
 UNCLEAR = (
     "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
@@ -115,6 +117,7 @@ def search_wear(
         winner = next((each for each in judged if not each.objection), None)
         if winner is None or len(findings) >= MOST_EFFECTS:
             break
+        winner, judged = _sharpened(ground, winner, judged, folds)
         findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
         explained = np.maximum(explained, winner.gone)
         ground = weighed(ground, winner.fitted)
@@ -180,10 +183,19 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     return ground, sorted(likely, key=lambda one: -one.evidence), tried
 
 
+def _sharpened(
+    ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds
+) -> tuple[BandJudgement, list[BandJudgement]]:
+    """The winner with its best shape, and in its place among the others."""
+    again = with_best_shape(ground, winner, folds)
+    return again, [again if each is winner else each for each in judged]
+
+
 def _remainder(judged: BandJudgement, explained: Array) -> str:
     """Why it may be what an effect that was named leaves because real bands follow no formula, or "". explained: (D,)
     [N·m] RMS that the largest of those explained."""
-    if judged.gone[judged.joint] < REMAINDER * explained[judged.joint]:
+    share = OF_A_WIRE if judged.added.effect.sort == "wire" else REMAINDER
+    if judged.gone[judged.joint] < share * explained[judged.joint]:
         return "it is small beside what was named before, and may be what that one's formula does not hold"
     return ""
 

@@ -7,16 +7,19 @@ from collections.abc import Sequence, Set
 import numpy as np
 
 from exogauge.discrepancy.locate import pooled
-from exogauge.discrepancy.result import Finding, Lineage, Link
+from exogauge.discrepancy.result import Lineage, Link, Place
 from exogauge.identification.result import Identification
 from exogauge.identification.validate import unit_of
 
 FLOORS = "floors"
 
+Addition = tuple[str, Place]  # an effect, and where
 
-def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[str], logs: Set[str]) -> Link:
-    """channels: those in question, none for all joint torques. logs: that errors are told of."""
-    step = f"+ {so_far[-1].effect} at {so_far[-1].place.words}" if so_far else "identified model"
+
+def link(found: Identification, added: Addition | None, channels: Sequence[str], logs: Set[str]) -> Link:
+    """added: what was added last. channels: those in question, none for all joint torques. logs: that errors are told
+    of."""
+    step = f"+ {added[0]} at {added[1].words}" if added else "identified model"
     joints = [f"tau.{joint.name}" for joint in found.model.robot.joints]
     asked = list(dict.fromkeys(channels)) or joints
     each = {name: pooled([fit for fit in found.validation if fit.log in logs and fit.channel == name])
@@ -33,11 +36,11 @@ def link(found: Identification, so_far: Sequence[Finding], channels: Sequence[st
     return Link(step, rmse, 1.0, worst, worst_rmse, worst_floor, FLOORS)
 
 
-def lineage(findings: Sequence[Finding]) -> tuple[Lineage, ...]:
+def lineage(additions: Sequence[Addition]) -> tuple[Lineage, ...]:
     names = ["identified"]
     lines = [Lineage(names[0], None, "")]
-    for each in findings:
-        added = f"{each.effect}@{each.place.words}"
+    for effect, place in additions:
+        added = f"{effect}@{place.words}"
         names.append(f"{names[-1]}+{added}")
         lines.append(Lineage(names[-1], names[-2], added))
     return tuple(lines)

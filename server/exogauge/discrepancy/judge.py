@@ -82,8 +82,8 @@ class _Change:
             yield (self.rows.log, int(place)), weight * float(value)
 
 
-def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgement:
-    """rows: of the candidate's site, in all logs."""
+def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float = SURE) -> Judgement:
+    """rows: of the candidate's site, in all logs. sure: standard errors by which held-out error must fall."""
     candidate, weights = score.candidate, model.solution.weights
     own = model.equations.columns()
     changes = []
@@ -109,7 +109,7 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows]) -> Judgemen
         for values in ([each.before for each in shown], [each.after for each in shown])
     )
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
-    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else SURE)
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else sure)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, blocks, logs, once, objection)
 
@@ -138,7 +138,7 @@ def _objection(
     if explained < LEAST:
         return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
     if z < sure:
-        where = "on held-out logs" if sure == SURE else "in the log that has it"
+        where = "in the log that has it" if sure == ONCE else "on held-out logs"
         return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.0f} are asked for)"
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]

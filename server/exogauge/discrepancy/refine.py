@@ -7,7 +7,8 @@ really gain, falls there, and the search turns back.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from scipy.optimize import minimize
 
 from exogauge.discrepancy.score import Score, score
 from exogauge.discrepancy.site_rows import SiteRows, sums_of
-from exogauge.effects.shaped import Shape
 from exogauge.identification.model import RobotModel
 
 Array = NDArray[np.float64]
@@ -23,8 +23,24 @@ Array = NDArray[np.float64]
 TRIALS = 40  # of the search, per shape
 
 
-def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score:
-    """The candidate with its shapes searched from the grid's best, within their bounds."""
+@final
+@dataclass(frozen=True)
+class Pace:
+    """first, last: step of a shape, in shares of its range. last_gain: of the gain, that a last step is worth."""
+
+    first: float
+    last: float
+    last_gain: float
+
+
+BROADLY = Pace(0.08, 0.01, 1e-3)
+CLOSELY = Pace(0.004, 1e-4, 1e-5)  # a wave's length over a wide range must be known far better than to a hundredth
+
+
+def refined(
+    model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float], pace: Pace = BROADLY
+) -> Score:
+    """The candidate with its shapes searched from those it has, within their bounds."""
     candidate = first.candidate
     shapes = candidate.effect.shapes
     free = [k for k, one in enumerate(shapes) if not one.choice]
@@ -34,7 +50,7 @@ def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: M
     def at(values: Array) -> Score | None:
         shape = list(candidate.shape)
         for k, u in zip(free, values, strict=True):
-            shape[k] = _value(u, shapes[k])
+            shape[k] = shapes[k].at(u)
         sums = sums_of(rows, candidate.effect, tuple(shape))
         return score(model, replace(candidate, shape=tuple(shape)), sums, memory)
 
@@ -42,27 +58,17 @@ def refined(model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: M
         found = at(np.clip(values, 0.0, 1.0))
         return 0.0 if found is None or found.evidence < first.evidence else -found.gain
 
-    start = np.array([_unit(candidate.shape[k], shapes[k]) for k in free])
+    start = np.array([shapes[k].share(candidate.shape[k]) for k in free])
     simplex = np.vstack(
-        [start, *(start + (0.08 if u < 0.9 else -0.08) * np.eye(len(start))[k] for k, u in enumerate(start))]
+        [
+            start,
+            *(start + (pace.first if u < 0.9 else -pace.first) * np.eye(len(start))[k] for k, u in enumerate(start)),
+        ]
     )
     best = minimize(
         cost, start, method="Nelder-Mead", options={"maxfev": TRIALS * len(free), "initial_simplex": simplex,
-                                                    "xatol": 0.01, "fatol": 1e-3 * first.gain},
+                                                    "xatol": pace.last, "fatol": pace.last_gain * first.gain},
     )  # fmt: skip
     found = at(np.clip(best.x, 0.0, 1.0))
     better = found is not None and found.evidence >= first.evidence and found.gain > first.gain
     return found if found is not None and better else first
-
-
-def _unit(value: float, shape: Shape) -> float:
-    """0…1 between the bounds; in logarithms where both are positive."""
-    if shape.low > 0.0:
-        return float(np.log(value / shape.low) / np.log(shape.high / shape.low))
-    return (value - shape.low) / (shape.high - shape.low)
-
-
-def _value(unit: float, shape: Shape) -> float:
-    if shape.low > 0.0:
-        return float(shape.low * (shape.high / shape.low) ** unit)
-    return float(shape.low + unit * (shape.high - shape.low))

@@ -16,7 +16,7 @@ from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
 from exogauge.discrepancy.locate import pooled
-from exogauge.discrepancy.refine import refined
+from exogauge.discrepancy.refine import CLOSELY, refined
 from exogauge.discrepancy.result import Alternative, Finding
 from exogauge.discrepancy.score import Score, score
 from exogauge.discrepancy.site_rows import SiteRows, collect_rows, sums_of
@@ -107,11 +107,13 @@ class Search:
         judged = [self._weighed(each) for each in judged]
         self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
-        for winner in claimed if len(self.steps) < MOST_EFFECTS else []:
+        for first in claimed if len(self.steps) < MOST_EFFECTS else []:
+            winner = with_closest_shape(ground, first, rows)
+            judged = [winner if each is first else each for each in judged]
             candidate = winner.score.candidate
             self._tell(self.done + 0.05, f"adding {candidate.effect.name}")
             added = as_added(candidate)
-            found = self._identified([*(step.added for step in self.steps), added])
+            found = self.identified([*(step.added for step in self.steps), added])
             following = self._lay(found)
             without, with_it = (low_passed(each, winner) for each in (ground, following))
             size = gone(without, with_it)
@@ -150,7 +152,7 @@ class Search:
         site = step.added.site
         if not any(each.site == site for each in others):
             return False
-        without = self._identified(others)
+        without = self.identified(others)
         ground = self._lay(without, site)
         judged, _ = judge_best(ground, self.recordings, self.effects, site)
         named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
@@ -174,7 +176,7 @@ class Search:
             if not any(each.added.site == step.added.site for each in later):
                 continue
             kept = [each for each in self.steps if each is not step]
-            without = self._identified([each.added for each in kept])
+            without = self.identified([each.added for each in kept])
             channel = step.finding.held_out.channel
             now, then = (_held_out_rmse(each, channel) for each in (self.current, without))
             if then <= NO_BETTER * now:
@@ -188,11 +190,11 @@ class Search:
         """The same steps without the one that was taken out; their findings keep what was said of them."""
         self.steps = []
         for each in kept:
-            found = self._identified([*(step.added for step in self.steps), each.added])
+            found = self.identified([*(step.added for step in self.steps), each.added])
             finding = replace(each.finding, rank=len(self.steps) + 1)
             self.steps.append(Step(each.added, finding, found, each.gone))
 
-    def _identified(self, effects: Sequence[AddedEffect]) -> Identification:
+    def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = {(fit.log, fit.channel): fit.noise_floor for fit in self.base.validation}
         found = self.base
         for _ in range(1 if all(isinstance(each.site, AxisSite | PairSite) for each in effects) else RELINEARISED):
@@ -238,6 +240,13 @@ def judge_best(
         finer = refined(ground.model, each, rows[site], ground.memory)
         judged.append(judge(ground.model, finer, rows[site]))
     return sorted(judged, key=lambda one: -one.score.evidence), rows
+
+
+def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:
+    """What is to be added, its shapes searched to the end, if that may still be claimed."""
+    own = rows[judged.score.candidate.site]
+    closer = judge(ground.model, refined(ground.model, judged.score, own, ground.memory, CLOSELY), own)
+    return judged if closer.objection else closer
 
 
 def as_added(candidate: Candidate) -> AddedEffect:

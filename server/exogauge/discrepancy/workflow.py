@@ -16,11 +16,13 @@ from exogauge.discrepancy.contact import contacts
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
+from exogauge.discrepancy.ground import lay_ground
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.odd_log import look_into_odd_logs
+from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
-from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.search import Search, Step
 from exogauge.discrepancy.with_motions import with_motions
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
@@ -59,15 +61,19 @@ def find_missing_effects(
     search, joined = look_into_odd_logs(search)
     assert search.first is not None
     assert search.last is not None
-    findings += [replace(step.finding, rank=len(findings) + n) for n, step in enumerate(search.steps, 1)]
-    models = [*models[:-1], search.base, *(step.found for step in search.steps)]
-    current, equations = search.current, search.base.model.equations
+    bends, equations = own_curves(search), search.base.model.equations
+    findings += _with_bends(len(findings), search.steps, bends)
+    models = [*models[:-1], search.base, *(step.found for step in search.steps), *(bend.found for bend in bends)]
+    additions = [(each.effect, each.place) for each in findings]
+    additions += [(f"own curve of {bend.finding.effect}", bend.finding.place) for bend in bends]
+    current, left = models[-1], search.last.residuals
+    if bends:
+        left = lay_ground(current.model, search.recordings, (), lambda _fraction, _phrase: None).residuals
     before = located(equations, search.base, search.first.residuals)
-    unexplained = located(equations, current, search.last.residuals)
+    unexplained = located(equations, current, left)
     channels = [finding.held_out.channel for finding in findings] or [each.channel for each in before]
     logs = {each.log.name for each in recordings if each.held_out}
-    chain = tuple(link(each, findings[:k], channels, logs) for k, each in enumerate(models))
-    family = lineage(findings)
+    chain = tuple(link(each, added, channels, logs) for each, added in zip(models, [None, *additions], strict=True))
     fitted = [each.log for each in search.recordings if not each.held_out]
     for odd in contradicted(current.model, fitted):
         findings.append(name_contradiction(len(findings) + 1, current, search.recordings, settings, odd))
@@ -82,7 +88,7 @@ def find_missing_effects(
             located=before,
             unexplained=unexplained,
             rejected=(*search.failed.values(), *search.rejected),
-            lineage=family,
+            lineage=lineage(additions),
             candidates=search.tried,
             notes=notes,
             before_after={},
@@ -90,6 +96,13 @@ def find_missing_effects(
         current,
         tuple(recordings),
     )
+
+
+def _with_bends(named: int, steps: Sequence[Step], bends: Sequence[Bend]) -> list[Finding]:
+    """The steps' findings, as their bends tell them; named: findings before them."""
+    bent = {(each.finding.effect, each.finding.place): each.finding for each in bends}
+    told = [bent.get((each.finding.effect, each.finding.place), each.finding) for each in steps]
+    return [replace(each, rank=named + n) for n, each in enumerate(told, 1)]
 
 
 def _filtered_alike(

@@ -1,4 +1,4 @@
-"""A second spring in a band that lets go with time."""
+"""Further springs in a band that let go with time."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.presliding import relaxed
 from exogauge.effects.shaped import Shape
 
+SLOWER = 5.0  # times as long the second branch takes
+
 
 @final
 class BandRelaxation:
-    """T = k_M s where taut, on top of k x (Maxwell): ṡ = ẋ - s/τ_r, x the stretch, s from 0 at the log's start.
+    """T = k_M s + k_S s' where taut, on top of k x (Maxwell): ṡ = ẋ - s/τ_r, x the stretch, s from 0 at the log's
+    start; s' the same with 5 τ_r, because rubber lets go over decades of time.
 
     τ_r is not below 0.15 s: what lets go faster than people move is a damper, k_M τ_r.
     The step is exact for a stretch that changes evenly between samples: s ← E s + τ_r (1 - E) Δx/h, E = e^{-h/τ_r}.
@@ -23,7 +26,7 @@ class BandRelaxation:
     name = "band_relaxation"
     place = "band"
     sentence = "Held at one stretch, the band's pull falls off with time; stretched fast, it is stiffer."
-    coefficients = (Quantity("branch_stiffness", "N/m", low=0.0),)
+    coefficients = (Quantity("branch_stiffness", "N/m", low=0.0), Quantity("slow_branch_stiffness", "N/m", low=0.0))
     shapes = (Shape("relaxation_time", "s", 0.15, 60.0, (0.3, 0.8, 2.0, 6.0, 20.0)),)
     confounds = ("band_viscous", "stiffness")
     needs = "Quick stretches that are then held for several times as long as the pull takes to settle."
@@ -33,15 +36,19 @@ class BandRelaxation:
     sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
-        (tau,) = shape
-        step = np.diff(signals.time, prepend=signals.time[:1]) / tau
-        kept = np.exp(-step)
-        driven = np.divide(-np.expm1(-step), step, out=np.ones_like(step), where=step > 0.0)
-        rise = np.diff(signals.stretch, prepend=signals.stretch[:1])
-        return (signals.taut * relaxed(kept, driven * rise))[:, None]
+        return np.stack([_let_go(signals, tau) for tau in (shape[0], SLOWER * shape[0])], axis=1)
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(len(signals.time) > 1 and np.ptp(signals.stretch) > 0.0)
+
+
+def _let_go(signals: BandSignals, tau: float) -> Array:
+    """(T,) [m] what is left of the stretch in one branch, where the band is taut."""
+    step = np.diff(signals.time, prepend=signals.time[:1]) / tau
+    kept = np.exp(-step)
+    driven = np.divide(-np.expm1(-step), step, out=np.ones_like(step), where=step > 0.0)
+    rise = np.diff(signals.stretch, prepend=signals.stretch[:1])
+    return np.asarray(signals.taut * relaxed(kept, driven * rise))
 
 
 EFFECT = BandRelaxation()

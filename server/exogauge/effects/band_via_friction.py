@@ -19,14 +19,18 @@ class BandViaFriction:
     some way after each turn, because both sides must first change by what friction held: y ← clip(y + Δu/d, ±φ). u is
     what would slide without friction, l_0 times the share of the length that lies before the point; the sides j and
     j+1, n_j and n_{j+1} of the unstretched band, change their tension by 1/d = (1/n_j + 1/n_{j+1}) l/(l - l_0) / μ per
-    metre that sticks. Every point is taken by itself.
+    metre that sticks, over `give`: 1 where nothing but the band's own stretch gives way, more where the via point does
+    as well. Every point is taken by itself.
     """
 
     name = "band_via_friction"
     place = "band"
     sentence = "The band rubs at its via points, so that its tension differs along its way."
     coefficients = (Quantity("friction", "1", low=0.0),)
-    shapes = (Shape("stick", "1", 0.01, 0.6, (0.05, 0.1, 0.2, 0.4)),)
+    shapes = (
+        Shape("stick", "1", 0.01, 0.8, (0.05, 0.1, 0.2, 0.4)),
+        Shape("give", "1", 0.03, 10.0, (0.1, 1.0)),
+    )
     confounds = ("band_viscous", "stiffness")
     needs = "The same stretches at several speeds in both directions, with turns at several lengths."
     coordinate = "rate"
@@ -38,12 +42,12 @@ class BandViaFriction:
         L, phi = signals.segment_length, signals.wrap
         if L is None or phi is None:
             return np.zeros((len(signals.time), 1, 1))
-        (mu,) = shape
+        mu, give = shape
         total = np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
         u = signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / total
         n = signals.natural_length * np.maximum(L, 1e-9) / total
         strain = np.maximum(signals.stretch / max(signals.natural_length, 1e-9), 1e-6)[:, None]
-        per_metre = (1.0 / n[:, :-1] + 1.0 / n[:, 1:]) * (1.0 + strain) / (mu * strain)
+        per_metre = (1.0 / n[:, :-1] + 1.0 / n[:, 1:]) * (1.0 + strain) / (give * mu * strain)
         held = phi * signals.taut[:, None]
         y = clipped_sum(np.diff(u, axis=0, prepend=u[:1]) * per_metre, held)
         ratio = np.exp(-mu * np.concatenate([np.zeros((len(L), 1)), np.cumsum(y, axis=1)], axis=1))

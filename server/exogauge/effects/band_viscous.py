@@ -10,16 +10,22 @@ from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
+USUAL = 0.1  # [m/s] of a band on a body that moves
+
 
 @final
 class BandViscous:
-    """T = c l̇ where taut, on top of k x (Kelvin and Voigt). A cycle of amplitude A, always taut, costs π A² c ω."""
+    """T = c v |l̇/v|^p sgn l̇ where taut, v = 0.1 m/s, on top of k x.
+
+    With p = 1 it is c l̇ (Kelvin and Voigt), and a cycle of amplitude A, always taut, costs π A² c ω. Whatever p, c is
+    what the band pulls more at v, over v. A p near 0 would be friction, which is `band_via_friction`.
+    """
 
     name = "band_viscous"
     place = "band"
     sentence = "The band pulls more while it is stretched than while it shortens, in proportion to speed."
     coefficients = (Quantity("damping", "N·s/m", low=0.0),)
-    shapes: tuple[Shape, ...] = ()
+    shapes = (Shape("power", "1", 0.5, 2.0, (0.7, 1.0, 1.4)),)
     confounds = ("band_via_friction", "band_relaxation")
     needs = "The same stretches slowly and fast, in both directions."
     coordinate = "rate"
@@ -28,7 +34,8 @@ class BandViscous:
     sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
-        return (signals.taut * signals.rate)[:, None]
+        (power,) = shape
+        return np.asarray(signals.taut * np.sign(signals.rate) * USUAL * np.abs(signals.rate / USUAL) ** power)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
         taut = signals.stretch > 0.0

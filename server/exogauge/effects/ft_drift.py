@@ -26,6 +26,7 @@ class FtDrift:
     place = "sensor"
     sentence = "The zero of one axis of the force/torque sensor moves while the robot runs."
     coefficients = (Quantity("ramp", "reading/s"), Quantity("settling", "reading"))
+    departing = (Quantity("slow_settling", "reading"), Quantity("slowest_settling", "reading"))
     shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)), one_log())
     confounds = ("zero",)
     needs = "The same posture at the start and at the end of a log, and after minutes."
@@ -35,6 +36,11 @@ class FtDrift:
         t_d, log = shape
         here = float(log < 0.0 or signals.number in (-1, int(log)))
         return here * np.stack([signals.time, 1.0 - np.exp(-signals.time / t_d)], axis=1)
+
+    def departures(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 2) the same with three and nine times the time constant."""
+        t_d, log = shape
+        return np.hstack([self.columns(signals, (slower * t_d, log))[:, 1:] for slower in (3.0, 9.0)])
 
     def applies(self, signals: SensorSignals) -> bool:
         return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION

@@ -21,7 +21,7 @@ class KtSaturation:
     place = "joint"
     sentence = "At high current the motor gives less torque per ampere."
     coefficients = (Quantity("g", "1", low=0.0, high=0.5),)
-    shapes = (Shape("power", "1", 1.5, 4.0, (2.0, 3.0)),)
+    shapes = (Shape("power", "1", 1.5, 6.0, (2.0, 3.0, 4.5)),)
     confounds = ("motor_gain",)
     needs = "Loads from low to the highest current: a payload, or fast starts."
     coordinate = "drive"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,18 @@ class Shape:
     high: float
     grid: tuple[float, ...]
     choice: bool = False
+
+    def share(self, value: float) -> float:
+        """0…1 between the bounds; in logarithms where both are positive."""
+        if self.low > 0.0:
+            return float(np.log(value / self.low) / np.log(self.high / self.low))
+        return (value - self.low) / (self.high - self.low)
+
+    def at(self, share: float) -> float:
+        """The value that has this `share`."""
+        if self.low > 0.0:
+            return float(self.low * (self.high / self.low) ** share)
+        return float(self.low + share * (self.high - self.low))
 
 
 @final
@@ -63,14 +75,29 @@ class MissingEffect(Protocol):
     evidence plot.
     """
 
-    name: ClassVar[str]
-    place: ClassVar[str]
-    sentence: ClassVar[str]
-    coefficients: ClassVar[tuple[Quantity, ...]]
-    shapes: ClassVar[tuple[Shape, ...]]
-    confounds: ClassVar[tuple[str, ...]]
-    needs: ClassVar[str]
-    coordinate: ClassVar[str]
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def place(self) -> str: ...
+
+    @property
+    def sentence(self) -> str: ...
+
+    @property
+    def coefficients(self) -> tuple[Quantity, ...]: ...
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]: ...
+
+    @property
+    def confounds(self) -> tuple[str, ...]: ...
+
+    @property
+    def needs(self) -> str: ...
+
+    @property
+    def coordinate(self) -> str: ...
 
 
 class ShapedEffect(MissingEffect, Protocol):

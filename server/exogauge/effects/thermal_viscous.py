@@ -28,17 +28,18 @@ class ThermalViscous:
     sentence = "Viscous friction falls as the joint warms up."
     coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
     shapes = (Shape("t_w", "s", 5.0, 1800.0, (20.0, 100.0, 500.0)),)
+    departing = (Quantity("k_w_quadratic", "N·m·s/rad"), Quantity("k_w_cubic", "N·m·s/rad"))
     confounds = ("viscous",)
     needs = "The same motion cold and warm, or for minutes on end; a logged temperature helps."
     coordinate = "temperature"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        (t_w,) = shape
-        if signals.temperature is None:
-            cold = np.exp(-signals.time / t_w)
-        else:
-            cold = np.exp(-PER_KELVIN * (_followed(signals.temperature, signals.time, t_w) - REFERENCE))
-        return -(signals.velocity * cold)[:, None]
+        return -(signals.velocity * _cold(signals, shape))[:, None]
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 2) with c² and c³ in place of c."""
+        cold = _cold(signals, shape)
+        return -signals.velocity[:, None] * np.stack([cold**2, cold**3], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
         if not np.any(signals.direction != 0.0):
@@ -46,6 +47,13 @@ class ThermalViscous:
         if signals.temperature is not None:
             return bool(np.all(np.isfinite(signals.temperature)))
         return float(np.ptp(signals.time)) >= LEAST_DURATION
+
+
+def _cold(signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+    (t_w,) = shape
+    if signals.temperature is None:
+        return np.asarray(np.exp(-signals.time / t_w))
+    return np.asarray(np.exp(-PER_KELVIN * (_followed(signals.temperature, signals.time, t_w) - REFERENCE)))
 
 
 def _followed(values: Array, time: Array, time_constant: float) -> Array:

@@ -23,6 +23,7 @@ class TorqueOffsetDrift:
     place = "joint"
     sentence = "The offset of the torque changes slowly while the robot runs."
     coefficients = (Quantity("ramp", "N·m/s"), Quantity("settling", "N·m"))
+    departing = (Quantity("slow_settling", "N·m"), Quantity("slowest_settling", "N·m"))
     shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)),)
     confounds = ("motor_offset",)
     needs = "The same motion again after minutes, and a moment in a known posture at the start and the end."
@@ -33,6 +34,10 @@ class TorqueOffsetDrift:
             return np.zeros((0, 2))
         both = np.stack([signals.time, np.exp(-signals.time / shape[0])], axis=1)
         return np.asarray(both - both.mean(axis=0))
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 2) the same with three and nine times the time constant."""
+        return np.hstack([self.columns(signals, (slower * shape[0],))[:, 1:] for slower in (3.0, 9.0)])
 
     def applies(self, signals: AxisSignals) -> bool:
         return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION

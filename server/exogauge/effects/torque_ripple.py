@@ -32,6 +32,7 @@ class TorqueRipple:
     shapes = (
         Shape("cycles", "cycles per range", SLOWEST, FASTEST, tuple(4.0 + STEP * k for k in range(31))),
     )  # fmt: skip
+    departing = tuple(Quantity(f"{part}_{wave}", "N·m") for part in ("second", "by_load") for wave in ("sin", "cos"))
     confounds = ("motor_offset",)
     needs = "Slow steady motion over a wide range of positions, in both directions."
     coordinate = "position"
@@ -40,6 +41,12 @@ class TorqueRipple:
         (cycles,) = shape
         phase = 2.0 * np.pi * cycles / (signals.range or 1.0) * signals.position
         return np.stack([np.sin(phase), np.cos(phase)], axis=1)
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 4) the second harmonic, and the same waves with the motor's torque over its usual one."""
+        load = np.abs(signals.drive)[:, None] / (signals.torque_scale or 1.0)
+        (cycles,) = shape
+        return np.hstack([self.columns(signals, (2.0 * cycles,)), load * self.columns(signals, shape)])
 
     def applies(self, signals: AxisSignals) -> bool:
         return signals.range > 0.0 and bool(np.any(signals.direction != 0.0))

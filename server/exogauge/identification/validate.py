@@ -76,22 +76,26 @@ def noise_floors(
     prediction: Prediction,
     known: Mapping[str, float],
 ) -> Mapping[str, float]:
-    """Channel -> the RMSE that the sensors' noise alone would leave under a perfect model.
+    """Channel -> the RMSE that the sensors' noise alone would leave in steady motion under a perfect model.
 
     The noise of every logged channel is drawn once more, added, and the log predicted again: what that changes in
-    the residual is as large as what the noise already in it did. Signs of velocities are left as they were. known: of
-    channels that were low-passed before they were stored, from logs that were not (`known_noise`).
+    the residual is as large as what the noise already in it did. Signs of velocities are left as they were. At rest the
+    noise also decides which way friction holds, by twice its size: that says nothing of the sensors and is not counted
+    where there is steady motion. known: of channels that were low-passed before they were stored, from logs that were
+    not (`known_noise`).
     """
     noise = draw_noise(equations.robot, prepared, np.random.default_rng(0), known)
     again = with_noise(equations.robot, prepared, noise, 1.0, at_rest)
     measured = measured_channels(equations, again, k_T)
     predicted = predicted_channels(equations, again, identified)
-    return {
-        channel: rms(
-            (measured[channel] - predicted[channel]) - (prediction.measured[channel] - prediction.predicted[channel])
-        )
-        for channel in measured
-    }
+    moving = steady_samples(equations, prepared)
+
+    def changed(channel: str) -> Array:
+        then = prediction.measured[channel] - prediction.predicted[channel]
+        change = measured[channel] - predicted[channel] - then
+        return np.asarray(change[moving[channel]] if moving[channel].any() else change)
+
+    return {channel: rms(changed(channel)) for channel in measured}
 
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:

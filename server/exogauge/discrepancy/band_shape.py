@@ -1,0 +1,53 @@
+"""The shape of a band's effect, searched once more with the bands' springs fitted to it in full.
+
+Candidates are compared beside springs that move a little; a law that was named moves them by more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from exogauge.discrepancy.band_ground import Ground, weighed
+from exogauge.discrepancy.band_judge import BandJudgement, Folds, judge
+from exogauge.discrepancy.band_model import Added, fit
+from exogauge.discrepancy.band_score import BandScore
+
+Array = NDArray[np.float64]
+
+TRIALS = 14  # fits, per shape
+FIRST_STEP = 0.08  # of a shape's range
+
+
+def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> BandJudgement:
+    """The winner, judged anew with the shape that fits best, if that may still be claimed; else as it was."""
+    added, without = winner.added, ground.fitted.wear
+    shapes = added.effect.shapes
+    free = [k for k, one in enumerate(shapes) if one.grid != (one.low, one.high)]
+    if not free or winner.once:
+        return winner
+    setting = weighed(ground, winner.fitted).setting
+
+    def tried(shares: Array) -> Added:
+        shape = list(added.shape)
+        for k, share in zip(free, np.clip(shares, 0.0, 1.0), strict=True):
+            shape[k] = shapes[k].at(float(share))
+        return replace(added, shape=tuple(shape))
+
+    def cost(shares: Array) -> float:
+        return fit(setting, without.with_added(tried(shares))).cost
+
+    start = np.array([shapes[k].share(added.shape[k]) for k in free])
+    steps = np.where(start < 0.9, FIRST_STEP, -FIRST_STEP)
+    found = minimize(
+        cost, start, method="Nelder-Mead",
+        options={"maxfev": TRIALS * len(free), "initial_simplex": np.vstack([start, start + np.diag(steps)]),
+                 "xatol": 0.005, "fatol": 1.0},
+    )  # fmt: skip
+    if found.fun >= cost(start):
+        return winner
+    again = judge(ground, BandScore(tried(found.x), 0.0, winner.evidence, winner.left), folds)
+    return winner if again.objection else again
