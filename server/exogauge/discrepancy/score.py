@@ -131,6 +131,8 @@ def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Arra
     theta = np.linalg.solve(S, g)
     if np.all(theta >= low) and np.all(theta <= high):
         return np.asarray(theta)
+    if len(theta) == 1:
+        return np.clip(theta, low, high)
     L = np.linalg.cholesky(S)
     return np.asarray(lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high)).x)
 

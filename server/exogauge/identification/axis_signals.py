@@ -24,9 +24,10 @@ CHUNK = 2000
 
 def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> list[AxisSignals]:
     """What shaped effects see of some axes of a log, at the bandwidth that its encoders can bear."""
-    robot, log, C = model.robot, prepared.log, model.robot.axes_from_joints
+    robot, log, C = model.robot, prepared.log, model.robot.axes_from_joints[list(axes)]
+    turning = np.flatnonzero(C.any(axis=0))  # joints that these axes turn
     finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
-    q = finest.apply(log.stack([f"q.{joint.name}" for joint in robot.joints])) @ C.T[:, list(axes)]
+    q = finest.apply(log.stack([f"q.{robot.joints[joint].name}" for joint in turning])) @ C[:, turning].T
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
     load = loads(model, prepared)[:, list(axes)]
     drive = load - _beside_the_motor(model, prepared, axes)
@@ -71,11 +72,9 @@ def loads(model: RobotModel, prepared: Prepared) -> Array:
         return known
     equations, first = model.equations, model.equations.first_axis
     phi_base, contacts = equations.base.regroup @ model.identified.phi.ravel(), ContactPaths(model.robot)
-    load = np.empty((prepared.log.samples, len(model.robot.joints)))
+    load = equations.of_bodies(prepared.motion, phi_base)[:, first:]
     for start in range(0, len(load), CHUNK):
         which = slice(start, min(start + CHUNK, len(load)))
-        motion = prepared.motion.rows(which)
-        external = contacts.effect(motion.q, prepared.wrenches[which])
-        load[which] = (equations.blocks.predict(motion, phi_base) - external)[:, first:]
+        load[which] -= contacts.effect(prepared.motion.q[which], prepared.wrenches[which])[:, first:]
     model.computed["load", prepared.log.name] = load
     return load

@@ -12,10 +12,9 @@ from exogauge.effects.link import LinkSignals
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Seen
-from exogauge.robots.cut_rows import in_sensor
 from exogauge.robots.ends import carries_nothing
-from exogauge.robots.kinematics import Kinematics, subtree
-from exogauge.robots.row_blocks import mass_columns
+from exogauge.robots.kinematics import subtree
+from exogauge.robots.motion import Motion
 from exogauge.robots.tree import RigidTree
 
 if TYPE_CHECKING:
@@ -59,29 +58,25 @@ class LinkSite:
         rows: list[Array] = []
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
+            present = effect.present(signals, shape)
+            if not present:
+                return np.zeros((prepared.log.samples, 4, len(self.kinds(model.equations))))
             if not rows:
-                rows.append(self._rows(model.equations, prepared))
-            return np.asarray(-effect.present(signals, shape) * rows[0])
+                rows.append(self._rows(model.equations, prepared.motion))
+            return np.asarray(-present * rows[0])
 
         return Seen(signals, columns)
 
-    def _rows(self, equations: Equations, prepared: Prepared) -> Array:
+    def _rows(self, equations: Equations, motion: Motion) -> Array:
         """(T, 4, kinds) Y φ per kg and kg·m of this link."""
-        robot, tree, motion = equations.robot, equations.robot.tree, prepared.motion
-        sweep = Kinematics(tree).sweep(motion)
-        wrench = mass_columns(4 * self.body + np.arange(4), sweep)  # (6, 4, T)
-        every = np.zeros((equations.kinds, 4, motion.samples))
-        every[: equations.first_axis] = wrench[: equations.first_axis]
-        above = np.flatnonzero(subtree(tree)[:, self.body] & (tree.dof >= 0))
-        joints = np.zeros((len(robot.joints), 4, motion.samples))
-        joints[tree.dof[above]] = np.einsum("bct,ckt->bkt", sweep.S[above], wrench)
-        axes = slice(equations.first_axis, equations.first_axis + len(robot.joints))
-        every[axes] = np.einsum("aj,jkt->akt", np.linalg.inv(robot.axes_from_joints).T, joints)
-        for index, sensor in enumerate(robot.cuts):
-            first = equations.first_cut + 6 * index
-            every[first : first + 6] = in_sensor(tree, sensor.frame, sweep, wrench)
-        rows: Array = np.ascontiguousarray(every[list(self.kinds(equations))].transpose(2, 1, 0))
-        return rows
+        per_unit = equations.base.regroup[:, 10 * self.body : 10 * self.body + 4]
+        rows, kinds = equations.of_bodies(motion, per_unit), np.array(self.kinds(equations), dtype=np.intp)
+        felt = kinds[kinds < equations.first_cut]
+        read = kinds[kinds >= equations.first_cut] - equations.first_cut
+        every = [rows[:, felt]]
+        if len(read):
+            every.append(equations.of_carried(motion, per_unit)[:, read])
+        return np.ascontiguousarray(np.concatenate(every, axis=1).transpose(0, 2, 1))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit

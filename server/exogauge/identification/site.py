@@ -15,7 +15,7 @@ from exogauge.effects.scales import in_si
 from exogauge.effects.sensor import SensorSignals
 from exogauge.effects.shaped import AxisSignals, MissingEffect
 from exogauge.identification.axis_signals import axis_signals
-from exogauge.identification.equations import CHUNK, Equations
+from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.logs.derivatives import differentiate
@@ -176,7 +176,7 @@ def carried(model: RobotModel, prepared: Prepared) -> Array:
     """(T, 6 C) what holds and moves the bodies beyond each sensor, in its frame, without its zero."""
     known = model.computed.get(("carried", prepared.log.name))
     if known is None or len(known) != prepared.log.samples:
-        known = _rows(model, prepared.motion)[:, model.equations.first_cut :]
+        known = model.equations.of_carried(prepared.motion, _phi(model))
         model.computed["carried", prepared.log.name] = known
     return known
 
@@ -208,14 +208,13 @@ def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Arra
 
 def _rows(model: RobotModel, motion: Motion) -> Array:
     """(T, kinds) Y φ of the identified bodies; rows at rest are left zero."""
-    equations = model.equations
-    phi, rows = equations.base.regroup @ model.identified.phi.ravel(), np.zeros((motion.samples, equations.kinds))
-    steady = slice(0, equations.first_axis + len(equations.robot.joints))
-    for start in range(0, motion.samples, CHUNK):
-        which = slice(start, start + CHUNK)
-        part = motion.rows(which)
-        rows[which, steady] = equations.blocks.predict(part, phi)
-        for index, cut in enumerate(equations.cuts):
-            for row, (block, own) in enumerate(zip(cut.fill(part), cut.columns, strict=True)):
-                rows[which, equations.first_cut + 6 * index + row] = block @ phi[own]
+    equations, phi = model.equations, _phi(model)
+    rows = np.zeros((motion.samples, equations.kinds))
+    rows[:, : equations.first_axis + len(equations.robot.joints)] = equations.of_bodies(motion, phi)
+    rows[:, equations.first_cut :] = equations.of_carried(motion, phi)
     return rows
+
+
+def _phi(model: RobotModel) -> Array:
+    """(B,) base parameters of the identified bodies."""
+    return np.asarray(model.equations.base.regroup @ model.identified.phi.ravel())
