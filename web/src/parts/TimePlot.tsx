@@ -3,8 +3,9 @@ import "uplot/dist/uPlot.min.css";
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useLayoutEffect, useRef } from "react";
-import uPlot from "uplot";
+import type uPlot from "uplot";
 
+import { madePlot } from "../plots/made";
 import styles from "./TimePlot.module.css";
 
 /** look: which pen, from 0; old: how it was before, dashed. values: one for each time. */
@@ -51,7 +52,7 @@ export function TimePlot({ label, unit, t, lines, marks = [], height = 240, xLab
 
   useLayoutEffect(() => {
     if (!room.current || width === 0) return;
-    const made = new uPlot(
+    const made = madePlot(
       options(unit, xLabel, lines, scheme, width, height, () => marked.current),
       [t, ...lines.map((line) => line.values)] as uPlot.AlignedData,
       room.current,

@@ -2,11 +2,12 @@ import "uplot/dist/uPlot.min.css";
 
 import { useComputedColorScheme } from "@mantine/core";
 import { useLayoutEffect, useMemo, useRef, type KeyboardEvent } from "react";
-import uPlot from "uplot";
+import type uPlot from "uplot";
 
 import type { Line } from "./channels";
 import type { Cursor } from "./cursor";
 import { ground, type Scheme } from "./looks";
+import { madePlot } from "./made";
 import { optionsOf } from "./options";
 import styles from "./Plot.module.css";
 import type { Drawable } from "./polyline";
@@ -43,7 +44,7 @@ export function Plot(props: Props) {
   const data = useMemo(() => aligned(drawn), [drawn]);
 
   useLayoutEffect(() => {
-    const made = new uPlot(
+    const made = madePlot(
       optionsOf({
         unit,
         lines,
@@ -111,6 +112,7 @@ function follow(made: uPlot, cursor: Cursor, whole: () => void): () => void {
     if (inside) line.style.transform = `translateX(${left}px)`;
   };
   const point = (event: PointerEvent) => {
+    if (event.type === "pointermove" && event.pointerType === "mouse" && event.buttons) return; // it marks a stretch
     const { left, width } = made.over.getBoundingClientRect();
     const place = Math.min(Math.max(event.clientX - left, 0), width);
     cursor.move(made.posToVal(place, "x"));

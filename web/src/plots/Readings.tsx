@@ -2,7 +2,7 @@ import { Checkbox, useComputedColorScheme } from "@mantine/core";
 
 import { NONE, significant, withStd } from "../parts/digits";
 import type { Line, Panel } from "./channels";
-import { useTime, type Cursor } from "./cursor";
+import { useIsSet, type Cursor } from "./cursor";
 import { pen } from "./looks";
 import styles from "./Readings.module.css";
 import type { Sample } from "./series";
@@ -17,11 +17,10 @@ type Props = {
 
 /** What each line is at the cursor: the sample next to it, from the file itself, not what is drawn. */
 export function Readings({ panel, hidden, sample, cursor, onToggle }: Props) {
-  const time = useTime(cursor);
-  const known = time === null ? null : sample;
+  const known = useIsSet(cursor) ? sample : null;
   return (
     <table className={styles.table}>
-      <caption className={styles.caption}>{known ? `At ${known.t.toFixed(3)} s` : "At the cursor"}</caption>
+      <caption className={styles.caption}>{known ? `At ${known.t.toFixed(3)} s` : "Point at a plot to read its values"}</caption>
       <thead className={styles.head}>
         <tr>
           <th scope="col">Shown</th>

@@ -30,6 +30,11 @@ export function useTime(cursor: Cursor): number | null {
   return useSyncExternalStore(cursor.subscribe, () => cursor.time);
 }
 
+/** Whether it is anywhere: asked so, a part is not drawn anew with every move. */
+export function useIsSet(cursor: Cursor): boolean {
+  return useSyncExternalStore(cursor.subscribe, () => cursor.time !== null);
+}
+
 /** The time once it has rested for so long. */
 export function useRestingTime(cursor: Cursor, forMs: number): number | null {
   const [rested, setRested] = useState(cursor.time);

@@ -17,25 +17,15 @@ export function DifferingSettings({ comparison }: { comparison: Comparison }) {
       {comparison.settings.length === 0 ? (
         <Text>Settings, versions and files are the same.</Text>
       ) : (
-        <WideTable label="What else differs" mostHeight="24rem" tight>
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th>Setting</Table.Th>
-              {names.map((name) => (
-                <Table.Th key={name}>{name}</Table.Th>
+        <WideTable label="What else differs" mostHeight="24rem" tight columns={["Setting", ...names]}>
+          {comparison.settings.map(({ name, values }) => (
+            <Table.Tr key={name}>
+              <Table.Th scope="row">{name.replace(/^inputs\./, "file ")}</Table.Th>
+              {values.map((value, k) => (
+                <Table.Td key={k}>{shown(name, value)}</Table.Td>
               ))}
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {comparison.settings.map(({ name, values }) => (
-              <Table.Tr key={name}>
-                <Table.Th scope="row">{name.replace(/^inputs\./, "file ")}</Table.Th>
-                {values.map((value, k) => (
-                  <Table.Td key={k}>{shown(name, value)}</Table.Td>
-                ))}
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
         </WideTable>
       )}
     </Stack>

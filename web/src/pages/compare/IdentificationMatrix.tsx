@@ -2,7 +2,7 @@ import { Stack, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison } from "../../api/compare";
 import { fixed, NONE } from "../../parts/digits";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import { titleOf } from "../study/words";
 import { jobNames } from "./heads";
 
@@ -28,42 +28,30 @@ export function IdentificationMatrix({ comparison }: { comparison: Comparison })
       <Title order={2} size="h3" id="identification">
         The robot’s model
       </Title>
-      <WideTable label="The robot’s model" tight>
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>RMSE</Table.Th>
-            {names.map((name) => (
-              <Table.Th key={name} data-number>
-                {name}
-              </Table.Th>
-            ))}
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {comparison.identification.map((row) => (
-            <Table.Tr key={row.kind}>
-              <Table.Th scope="row">
-                {KINDS[row.kind] ?? row.kind} [{row.unit}]
-              </Table.Th>
-              {row.cells.map((cell, k) => (
-                <Table.Td key={k} data-number>
-                  {cell ? `${fixed(cell.rmse_prior, 3)} → ${fixed(cell.rmse_identified, 3)}, floor ${fixed(cell.noise_floor, 3)}` : NONE}
-                </Table.Td>
-              ))}
-            </Table.Tr>
-          ))}
-          <Table.Tr>
-            <Table.Th scope="row">What it lacks</Table.Th>
-            {comparison.jobs.map((job) => (
-              <Table.Td key={job.id} data-number>
-                {job.verdict === null ? "not searched" : job.effects.map(titleOf).join("; ") || VERDICTS[job.verdict]}
+      <WideTable label="The robot’s model" tight columns={["RMSE", ...names.map((name) => number(name))]}>
+        {comparison.identification.map((row) => (
+          <Table.Tr key={row.kind}>
+            <Table.Th scope="row">
+              {KINDS[row.kind] ?? row.kind} [{row.unit}]
+            </Table.Th>
+            {row.cells.map((cell, k) => (
+              <Table.Td key={k} data-number>
+                {cell ? `${fixed(cell.rmse_prior, 3)} → ${fixed(cell.rmse_identified, 3)}, floor ${fixed(cell.noise_floor, 3)}` : NONE}
               </Table.Td>
             ))}
           </Table.Tr>
-        </Table.Tbody>
+        ))}
+        <Table.Tr>
+          <Table.Th scope="row">What it lacks</Table.Th>
+          {comparison.jobs.map((job) => (
+            <Table.Td key={job.id} data-number>
+              {job.verdict === null ? "not searched" : job.effects.map(titleOf).join("; ") || VERDICTS[job.verdict]}
+            </Table.Td>
+          ))}
+        </Table.Tr>
       </WideTable>
       <Text size="sm" c="dimmed">
-        With the maker’s values → as identified, and the floor that noise sets; on held-out logs where there are some.
+        RMSE, the root mean square error: with the maker’s values → as identified, and the floor that noise sets; on held-out logs where there are some.
       </Text>
     </Stack>
   );

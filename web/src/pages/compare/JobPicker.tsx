@@ -36,45 +36,38 @@ export function JobPicker({ chosen, choose }: { chosen: string[]; choose: (jobs:
       <Title order={2} size="h3" id="jobs" mb="sm">
         Finished evaluations
       </Title>
-      <WideTable label="Finished evaluations" mostHeight="20rem">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Study</Table.Th>
-            <Table.Th>Robot and devices</Table.Th>
-            <Table.Th>Made</Table.Th>
-            <Table.Th>When</Table.Th>
-            <Table.Th>Code</Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {jobs.map((job) => {
-            const study = known.get(job.study_id);
-            const name = study?.name ?? "An older study";
-            return (
-              <Table.Tr key={job.id}>
-                <Table.Th scope="row">
-                  <Checkbox
-                    label={name}
-                    aria-label={`Compare ${name}, ${KINDS[job.kind] ?? job.kind}`}
-                    checked={chosen.includes(job.id)}
-                    disabled={!chosen.includes(job.id) && chosen.length >= MOST}
-                    onChange={() => toggle(job)}
-                  />
-                </Table.Th>
-                <Table.Td>{study ? factsOf(study).join(" · ") : ""}</Table.Td>
-                <Table.Td>
-                  <Anchor component={Link} to={`/studies/${job.study_id}`} size="sm">
-                    {KINDS[job.kind] ?? job.kind}
-                  </Anchor>
-                </Table.Td>
-                <Table.Td>
-                  <When at={job.finished_at ?? job.created_at} />
-                </Table.Td>
-                <Table.Td>{job.code_version}</Table.Td>
-              </Table.Tr>
-            );
-          })}
-        </Table.Tbody>
+      <WideTable
+        label="Finished evaluations"
+        mostHeight="20rem"
+        columns={["Study", "Robot and devices", "Evaluated", "When", "Code"]}
+      >
+        {jobs.map((job) => {
+          const study = known.get(job.study_id);
+          const name = study?.name ?? "An older study";
+          return (
+            <Table.Tr key={job.id}>
+              <Table.Th scope="row">
+                <Checkbox
+                  label={name}
+                  aria-label={`Compare ${name}, ${KINDS[job.kind] ?? job.kind}`}
+                  checked={chosen.includes(job.id)}
+                  disabled={!chosen.includes(job.id) && chosen.length >= MOST}
+                  onChange={() => toggle(job)}
+                />
+              </Table.Th>
+              <Table.Td>{study ? factsOf(study).join(" · ") : ""}</Table.Td>
+              <Table.Td>
+                <Anchor component={Link} to={`/studies/${job.study_id}`} size="sm">
+                  {KINDS[job.kind] ?? job.kind}
+                </Anchor>
+              </Table.Td>
+              <Table.Td>
+                <When at={job.finished_at ?? job.created_at} />
+              </Table.Td>
+              <Table.Td>{job.code_version}</Table.Td>
+            </Table.Tr>
+          );
+        })}
       </WideTable>
     </section>
   );

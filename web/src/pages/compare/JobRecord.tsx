@@ -15,41 +15,33 @@ export function JobRecord({ comparison }: { comparison: Comparison }) {
       <Title order={2} size="h3" id="record">
         Where it comes from
       </Title>
-      <WideTable label="Where it comes from" tight>
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Study</Table.Th>
-            <Table.Th>Robot</Table.Th>
-            <Table.Th>Job</Table.Th>
-            <Table.Th>Asked for</Table.Th>
-            <Table.Th>Code</Table.Th>
-            <Table.Th>To read and print</Table.Th>
+      <WideTable
+        label="Where it comes from"
+        tight
+        columns={["Study", "Robot", "Job", "Asked for", "Code", "To read and print"]}
+      >
+        {comparison.jobs.map((job, k) => (
+          <Table.Tr key={job.id}>
+            <Table.Th scope="row">
+              <Anchor component={Link} to={`/studies/${job.study_id}`} size="sm">
+                {names[k]}
+              </Anchor>
+            </Table.Th>
+            <Table.Td>{job.robot}</Table.Td>
+            <Table.Td>
+              <Code>{job.id}</Code>
+            </Table.Td>
+            <Table.Td>
+              <When at={job.created_at} />
+            </Table.Td>
+            <Table.Td>{job.code_version}</Table.Td>
+            <Table.Td>
+              <Anchor href={address(`api/v1/jobs/${job.id}/artifacts/report.html`)} size="sm" target="_blank">
+                Report of {names[k]}
+              </Anchor>
+            </Table.Td>
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {comparison.jobs.map((job, k) => (
-            <Table.Tr key={job.id}>
-              <Table.Th scope="row">
-                <Anchor component={Link} to={`/studies/${job.study_id}`} size="sm">
-                  {names[k]}
-                </Anchor>
-              </Table.Th>
-              <Table.Td>{job.robot}</Table.Td>
-              <Table.Td>
-                <Code>{job.id}</Code>
-              </Table.Td>
-              <Table.Td>
-                <When at={job.created_at} />
-              </Table.Td>
-              <Table.Td>{job.code_version}</Table.Td>
-              <Table.Td>
-                <Anchor href={address(`api/v1/jobs/${job.id}/artifacts/report.html`)} size="sm" target="_blank">
-                  Report of {names[k]}
-                </Anchor>
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
       <Text size="sm" c="dimmed">
         These figures hold for the robots, devices and motions named here, as they were recorded; they say nothing of others.

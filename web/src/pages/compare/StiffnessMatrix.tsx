@@ -2,8 +2,9 @@ import { Stack, Table, Text, Title } from "@mantine/core";
 
 import type { Comparison } from "../../api/compare";
 import { fixed, NONE, plusMinus } from "../../parts/digits";
-import { WideTable } from "../../parts/WideTable";
-import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
+import { number, WideTable } from "../../parts/WideTable";
+import { approachesOf, differs, jobNames } from "./heads";
+import { jobColumns, JobHeads } from "./JobHeads";
 import styles from "./Matrix.module.css";
 
 /** Stiffness of the bands, by device and band down, jobs and approaches across. */
@@ -24,47 +25,27 @@ export function StiffnessMatrix({ comparison, differing }: { comparison: Compari
       <Title order={2} size="h3" id="stiffness">
         Stiffness of the bands
       </Title>
-      <WideTable label="Stiffness of the bands" mostHeight="30rem" tight>
-        <Table.Thead>
-          {several && (
-            <Table.Tr>
-              <Table.Td colSpan={3} />
-              {names.map((name) => (
-                <Table.Th key={name} colSpan={approaches.length} className={styles.job}>
-                  {name}
-                </Table.Th>
-              ))}
-            </Table.Tr>
-          )}
-          <Table.Tr>
-            <Table.Th>Band</Table.Th>
-            <Table.Th>Device</Table.Th>
-            <Table.Th data-number>Truth</Table.Th>
-            {names.map((name) =>
-              approaches.map((approach, k) => (
-                <Table.Th key={`${name} ${approach}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                  {several ? approachShort(approach) : approachWords(approach)}
-                </Table.Th>
+      <WideTable
+        label="Stiffness of the bands"
+        mostHeight="30rem"
+        tight
+        above={several && <JobHeads names={names} before={3} across={approaches.length} />}
+        columns={["Band", "Device", number("Truth"), ...jobColumns(names, approaches)]}
+      >
+        {kept.map(({ device, band, shown, truth }) => (
+          <Table.Tr key={`${device}|${band}`}>
+            <Table.Th scope="row">{band}</Table.Th>
+            <Table.Td className={styles.device}>{device}</Table.Td>
+            <Table.Td data-number>{fixed(truth, 1)}</Table.Td>
+            {shown.map((cells, job) =>
+              cells.map((cell, k) => (
+                <Table.Td key={`${job} ${k}`} data-number className={several && k === 0 ? styles.job : undefined}>
+                  {words(cell)}
+                </Table.Td>
               )),
             )}
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {kept.map(({ device, band, shown, truth }) => (
-            <Table.Tr key={`${device}|${band}`}>
-              <Table.Th scope="row">{band}</Table.Th>
-              <Table.Td className={styles.device}>{device}</Table.Td>
-              <Table.Td data-number>{fixed(truth, 1)}</Table.Td>
-              {shown.map((cells, job) =>
-                cells.map((cell, k) => (
-                  <Table.Td key={`${job} ${k}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                    {words(cell)}
-                  </Table.Td>
-                )),
-              )}
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
       <Text size="sm" c="dimmed">
         N/m, ± its standard deviation. “Not decided”: the logs do not tell it.

@@ -3,7 +3,8 @@ import { Group, NativeSelect, Stack, Switch, Table, Text, Title } from "@mantine
 import type { Comparison, SupportRow } from "../../api/compare";
 import { fixed, NONE, plusMinus } from "../../parts/digits";
 import { WideTable } from "../../parts/WideTable";
-import { approachesOf, approachShort, approachWords, differs, jobNames } from "./heads";
+import { approachesOf, differs, jobNames } from "./heads";
+import { jobColumns, JobHeads } from "./JobHeads";
 import type { Quantity, Selection } from "./selection";
 import styles from "./Matrix.module.css";
 
@@ -51,51 +52,31 @@ export function SupportMatrix({ comparison, selection, select }: Props) {
       {kept.length === 0 ? (
         <Text>{comparison.support.length === 0 ? "None of these evaluations had a device worn." : "As shown, all rows are the same in every job."}</Text>
       ) : (
-        <WideTable label="Supporting torque" mostHeight="36rem" tight>
-          <Table.Thead>
-            {several && (
-              <Table.Tr>
-                <Table.Td colSpan={3} />
-                {names.map((name) => (
-                  <Table.Th key={name} colSpan={approaches.length} className={styles.job}>
-                    {name}
-                  </Table.Th>
-                ))}
-              </Table.Tr>
-            )}
-            <Table.Tr>
-              <Table.Th>Joint</Table.Th>
-              <Table.Th>Motion</Table.Th>
-              <Table.Th>Device</Table.Th>
-              {names.map((name) =>
-                approaches.map((approach, k) => (
-                  <Table.Th key={`${name} ${approach}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                    {several ? approachShort(approach) : approachWords(approach)}
-                  </Table.Th>
+        <WideTable
+          label="Supporting torque"
+          mostHeight="36rem"
+          tight
+          above={several && <JobHeads names={names} before={3} across={approaches.length} />}
+          columns={["Joint", "Motion", "Device", ...jobColumns(names, approaches)]}
+        >
+          {kept.map(({ device, motion, joint, shown }) => (
+            <Table.Tr key={[device, motion, joint].join("|")}>
+              <Table.Th scope="row">{joint}</Table.Th>
+              <Table.Td>{motion}</Table.Td>
+              <Table.Td className={styles.device}>{device}</Table.Td>
+              {shown.map((cells, job) =>
+                cells.map((cell, k) => (
+                  <Table.Td key={`${job} ${k}`} data-number className={several && k === 0 ? styles.job : undefined}>
+                    {words(cell, quantity)}
+                  </Table.Td>
                 )),
               )}
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {kept.map(({ device, motion, joint, shown }) => (
-              <Table.Tr key={[device, motion, joint].join("|")}>
-                <Table.Th scope="row">{joint}</Table.Th>
-                <Table.Td>{motion}</Table.Td>
-                <Table.Td className={styles.device}>{device}</Table.Td>
-                {shown.map((cells, job) =>
-                  cells.map((cell, k) => (
-                    <Table.Td key={`${job} ${k}`} data-number className={several && k === 0 ? styles.job : undefined}>
-                      {words(cell, quantity)}
-                    </Table.Td>
-                  )),
-                )}
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
         </WideTable>
       )}
       <Text size="sm" c="dimmed">
-        {WORDS[quantity]} in {unitOf(comparison, quantity)}, positive along the joint{quantity === "rmse" ? "" : ", ± its standard deviation"}.
+        {quantity === "rmse" ? "Root mean square error (RMSE) against the band model" : WORDS[quantity]} in {unitOf(comparison, quantity)}, positive along the joint{quantity === "rmse" ? "" : ", ± its standard deviation"}.
         {every ? "" : " Joints that the device is for; “Every joint” shows the others."}
       </Text>
     </Stack>

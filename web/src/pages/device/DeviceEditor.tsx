@@ -17,6 +17,7 @@ import { readDevice, type DeviceContent } from "./deviceFile";
 import { differences, hindrance } from "./differences";
 import { PullTable } from "./PullTable";
 import { SaveDevice } from "./SaveDevice";
+import { SpecimenForm } from "./SpecimenForm";
 import { useHistory } from "./useHistory";
 import { ViaPointTable } from "./ViaPointTable";
 import { WhatIf } from "./WhatIf";
@@ -125,6 +126,7 @@ export function DeviceEditor({ device, robot, text }: Props) {
               choose={setPoint}
               set={history.set}
             />
+            <SpecimenForm device={now} set={history.set} />
           </Stack>
           <WhatIf robot={robot} device={now} hindered={hindered !== null} />
         </SimpleGrid>

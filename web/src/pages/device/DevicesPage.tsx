@@ -96,7 +96,7 @@ function NoDevices() {
     <Empty title="No devices yet">
       <Text>
         A device is one file, <code>device.yaml</code>: for each band the points of the robot’s links that it passes, and, where
-        known, stiffness and natural length. Drop one above, or take one over from a study.
+        known, stiffness and natural length.
       </Text>
     </Empty>
   );

@@ -1,8 +1,8 @@
-import { ActionIcon, Group, NativeSelect, NumberInput, Paper, Radio, Slider, Stack, Table, Text, Tooltip, VisuallyHidden } from "@mantine/core";
+import { ActionIcon, Group, NativeSelect, NumberInput, Paper, Radio, Slider, Stack, Table, Text, Tooltip } from "@mantine/core";
 import { IconPlus, IconTrash } from "@tabler/icons-react";
 
 import type { RobotModel } from "../../api/robots";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, unseen, WideTable } from "../../parts/WideTable";
 import type { DeviceContent } from "./deviceFile";
 import { tidy, withLink, withNewPoint, withoutPoint, withPoint } from "./edits";
 import styles from "./ViaPointTable.module.css";
@@ -34,88 +34,75 @@ export function ViaPointTable({ model, saved, device, band, point, choose, set }
   const before = saved.bands.find((each) => each.name === band)?.via_points[point];
   return (
     <Stack gap="sm">
-      <WideTable label={`Via points of ${band}`} tight>
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Point</Table.Th>
-            <Table.Th>Link</Table.Th>
-            {AXES.map((axis) => (
-              <Table.Th key={axis} data-number>
-                {axis}
-                <Unit>m</Unit>
-              </Table.Th>
-            ))}
-            <Table.Th>
-              <VisuallyHidden>Add or remove</VisuallyHidden>
+      <WideTable
+        label={`Via points of ${band}`}
+        tight
+        columns={["Point", "Link", ...AXES.map((axis) => number(axis, "m")), unseen("Add or remove")]}
+      >
+        {points.map((each, k) => (
+          <Table.Tr key={k}>
+            <Table.Th scope="row">
+              <Radio name="point" label={k + 1} aria-label={`Move point ${k + 1} by sliders`} checked={k === point} onChange={() => choose(k)} />
             </Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {points.map((each, k) => (
-            <Table.Tr key={k}>
-              <Table.Th scope="row">
-                <Radio name="point" label={k + 1} aria-label={`Move point ${k + 1} by sliders`} checked={k === point} onChange={() => choose(k)} />
-              </Table.Th>
-              <Table.Td>
-                <NativeSelect
+            <Table.Td>
+              <NativeSelect
+                size="xs"
+                className={styles.link}
+                aria-label={`Link of point ${k + 1}`}
+                value={each.link}
+                data={links.includes(each.link) ? links : [each.link, ...links]}
+                onChange={(event) => set(withLink(device, model, band, k, event.currentTarget.value), `link ${band} ${k}`)}
+              />
+            </Table.Td>
+            {AXES.map((axis, j) => (
+              <Table.Td key={axis} data-number>
+                <NumberInput
                   size="xs"
-                  className={styles.link}
-                  aria-label={`Link of point ${k + 1}`}
-                  value={each.link}
-                  data={links.includes(each.link) ? links : [each.link, ...links]}
-                  onChange={(event) => set(withLink(device, model, band, k, event.currentTarget.value), `link ${band} ${k}`)}
+                  className={styles.number}
+                  aria-label={`${axis} of point ${k + 1} [m]`}
+                  value={each.xyz[j]}
+                  onChange={(next) => typeof next === "number" && place(k, j, next)}
+                  onFocus={() => choose(k)}
+                  step={0.005}
+                  decimalScale={6}
+                  min={-100}
+                  max={100}
+                  hideControls
                 />
               </Table.Td>
-              {AXES.map((axis, j) => (
-                <Table.Td key={axis} data-number>
-                  <NumberInput
-                    size="xs"
-                    className={styles.number}
-                    aria-label={`${axis} of point ${k + 1} [m]`}
-                    value={each.xyz[j]}
-                    onChange={(next) => typeof next === "number" && place(k, j, next)}
-                    onFocus={() => choose(k)}
-                    step={0.005}
-                    decimalScale={6}
-                    min={-100}
-                    max={100}
-                    hideControls
-                  />
-                </Table.Td>
-              ))}
-              <Table.Td>
-                <Group gap={4} wrap="nowrap">
-                  <Tooltip label="A new point after this one">
-                    <ActionIcon
-                      variant="default"
-                      aria-label={`Add a point after ${k + 1}`}
-                      disabled={points.length >= 50}
-                      onClick={() => {
-                        set(withNewPoint(device, model, band, k), `add ${band} ${k}`);
-                        choose(k + 1);
-                      }}
-                    >
-                      <IconPlus size={14} aria-hidden />
-                    </ActionIcon>
-                  </Tooltip>
-                  <Tooltip label={points.length > 2 ? "Remove it" : "A band has two points at least"}>
-                    <ActionIcon
-                      variant="default"
-                      aria-label={`Remove point ${k + 1}`}
-                      disabled={points.length <= 2}
-                      onClick={() => {
-                        set(withoutPoint(device, band, k), `remove ${band} ${k} ${points.length}`);
-                        choose(Math.max(k - 1, 0));
-                      }}
-                    >
-                      <IconTrash size={14} aria-hidden />
-                    </ActionIcon>
-                  </Tooltip>
-                </Group>
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+            ))}
+            <Table.Td>
+              <Group gap={4} wrap="nowrap">
+                <Tooltip label="A new point after this one">
+                  <ActionIcon
+                    variant="default"
+                    aria-label={`Add a point after ${k + 1}`}
+                    disabled={points.length >= 50}
+                    onClick={() => {
+                      set(withNewPoint(device, model, band, k), `add ${band} ${k}`);
+                      choose(k + 1);
+                    }}
+                  >
+                    <IconPlus size={14} aria-hidden />
+                  </ActionIcon>
+                </Tooltip>
+                <Tooltip label={points.length > 2 ? "Remove it" : "A band has two points at least"}>
+                  <ActionIcon
+                    variant="default"
+                    aria-label={`Remove point ${k + 1}`}
+                    disabled={points.length <= 2}
+                    onClick={() => {
+                      set(withoutPoint(device, band, k), `remove ${band} ${k} ${points.length}`);
+                      choose(Math.max(k - 1, 0));
+                    }}
+                  >
+                    <IconTrash size={14} aria-hidden />
+                  </ActionIcon>
+                </Tooltip>
+              </Group>
+            </Table.Td>
+          </Table.Tr>
+        ))}
       </WideTable>
       {chosen && (
         <Paper withBorder p="md">

@@ -1,4 +1,4 @@
-import { Anchor, Badge, Group, NativeSelect, Paper, Stack, Table, Text, Title } from "@mantine/core";
+import { Anchor, Badge, Group, NativeSelect, Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { useMemo, useState } from "react";
 import { Link } from "react-router";
@@ -11,7 +11,7 @@ import { Loading } from "../../parts/Loading";
 import { fixed, NONE } from "../../parts/digits";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { TimePlot, type TimeLine } from "../../parts/TimePlot";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import { groupOf, stiffnessOf, type DeviceContent } from "./deviceFile";
 
 const PAUSE_MS = 120;
@@ -40,7 +40,7 @@ export function WhatIf({ robot, device, hindered }: Props) {
         </Text>
       ) : (
         <Stack gap="sm">
-          <Group grow align="flex-end">
+          <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
             <NativeSelect
               label="Study"
               value={study.id}
@@ -53,7 +53,7 @@ export function WhatIf({ robot, device, hindered }: Props) {
               onChange={(event) => chooseLog(event.currentTarget.value)}
               data={logs.map((each) => ({ value: each.name, label: each.motion ? `${each.name} (${each.motion})` : each.name }))}
             />
-          </Group>
+          </SimpleGrid>
           <Predicted studyId={study.id} log={log.name} device={device} hindered={hindered} />
         </Stack>
       )}
@@ -115,39 +115,26 @@ function Curve({ answer, joint }: { answer: Answer; joint: string }) {
 
 function Figures({ answer, joint, choose }: { answer: Answer; joint: string; choose: (joint: string) => void }) {
   return (
-    <WideTable label="Torque by joint" mostHeight="18rem">
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th>Joint</Table.Th>
-          <Table.Th data-number>
-            Peak before
-            <Unit>N·m</Unit>
-          </Table.Th>
-          <Table.Th data-number>
-            Peak now
-            <Unit>N·m</Unit>
-          </Table.Th>
-          <Table.Th data-number>
-            Mean now
-            <Unit>N·m</Unit>
-          </Table.Th>
-          <Table.Th data-number>
-            RMS
-            <Unit>change</Unit>
-          </Table.Th>
+    <WideTable
+      label="Torque by joint"
+      mostHeight="18rem"
+      columns={[
+        "Joint",
+        number("Peak before", "N·m"),
+        number("Peak now", "N·m"),
+        number("Mean now", "N·m"),
+        number("Change of RMS"),
+      ]}
+    >
+      {answer.joints.map((each) => (
+        <Table.Tr key={each.joint} aria-current={each.joint === joint || undefined} onClick={() => choose(each.joint)}>
+          <Table.Th scope="row">{each.joint}</Table.Th>
+          <Table.Td data-number>{fixed(each.before.peak, 2)}</Table.Td>
+          <Table.Td data-number>{fixed(each.after.peak, 2)}</Table.Td>
+          <Table.Td data-number>{fixed(each.after.mean, 2)}</Table.Td>
+          <Table.Td data-number>{percent(each.percent.rms)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {answer.joints.map((each) => (
-          <Table.Tr key={each.joint} aria-current={each.joint === joint || undefined} onClick={() => choose(each.joint)}>
-            <Table.Th scope="row">{each.joint}</Table.Th>
-            <Table.Td data-number>{fixed(each.before.peak, 2)}</Table.Td>
-            <Table.Td data-number>{fixed(each.after.peak, 2)}</Table.Td>
-            <Table.Td data-number>{fixed(each.after.mean, 2)}</Table.Td>
-            <Table.Td data-number>{percent(each.percent.rms)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

@@ -1,6 +1,6 @@
 /** device.yaml as it is edited: its values, and the same file with changed values, comments and all. */
 
-import { parseDocument, type Document } from "yaml";
+import { isMap, isScalar, parseDocument, type Document } from "yaml";
 
 export type ViaPoint = { link: string; xyz: [number, number, number] };
 export type Band = {
@@ -14,11 +14,16 @@ export type Band = {
   law_values?: Record<string, number>;
   bench?: { file: string; is_truth?: boolean };
 };
-export type DeviceContent = { name: string; bands: Band[]; tied?: string[] };
+
+/** Which specimen is worn, and how: `record` of device.yaml, for the configuration record of a study. */
+export const RECORD = ["model", "size", "serial", "straps", "pretension", "garment"] as const;
+export type Specimen = Partial<Record<(typeof RECORD)[number], string>>;
+export type DeviceContent = { name: string; bands: Band[]; tied?: string[]; record: Specimen };
 
 export function readDevice(text: string): DeviceContent {
-  const { name, bands, tied } = parseDocument(text).toJS() as DeviceContent;
-  return { name, bands, ...(tied && { tied }) };
+  const page = parseDocument(text);
+  const { name, bands, tied } = page.toJS() as DeviceContent;
+  return { name, bands, ...(tied && { tied }), record: readRecord(page) };
 }
 
 /** The file with what differs changed in place; comments elsewhere stay. */
@@ -27,6 +32,7 @@ export function writeDevice(text: string, content: DeviceContent): string {
   const before = page.toJS() as DeviceContent;
   if (content.name !== before.name) page.set("name", content.name);
   content.bands.forEach((band, k) => writeBand(page, k, band, before.bands[k]));
+  writeRecord(page, content.record);
   return page.toString({ lineWidth: 120 });
 }
 
@@ -50,6 +56,26 @@ function writeBand(page: Document, k: number, band: Band, before: Band | undefin
       page.setIn([...place, "xyz"], page.createNode(xyz, { flow: true }));
     }
   });
+}
+
+/** As it stands in the file: a serial number of 0042 is no 42. */
+function readRecord(page: Document): Specimen {
+  const found = RECORD.map((key) => {
+    const node = page.getIn(["record", key], true);
+    const text = isScalar(node) && node.value !== null ? (node.source ?? String(node.value)) : "";
+    return [key, text] as const;
+  });
+  return Object.fromEntries(found.filter(([, text]) => text !== ""));
+}
+
+/** Every value as text, in quotes where it would be read as a number. */
+function writeRecord(page: Document, record: Specimen): void {
+  for (const key of RECORD) {
+    if (record[key]) page.setIn(["record", key], record[key]);
+    else if (page.hasIn(["record", key])) page.deleteIn(["record", key]);
+  }
+  const left = page.get("record");
+  if (isMap(left) && left.items.length === 0) page.delete("record");
 }
 
 export function groupOf(band: Band): string {

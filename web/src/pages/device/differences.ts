@@ -1,7 +1,16 @@
 /** What differs between a device and the one it was made of, in sentences. */
 
-import { figure } from "../../parts/digits";
-import { groupOf, groupsOf, stiffnessOf, type DeviceContent } from "./deviceFile";
+import { figure, NONE } from "../../parts/digits";
+import { groupOf, groupsOf, RECORD, stiffnessOf, type DeviceContent, type Specimen } from "./deviceFile";
+
+export const SPECIMEN: Record<keyof Specimen, string> = {
+  model: "Model",
+  size: "Size",
+  serial: "Serial number",
+  straps: "Strap settings",
+  pretension: "Pre-tension",
+  garment: "Garment below",
+};
 
 export function differences(before: DeviceContent, after: DeviceContent): string[] {
   const found = [];
@@ -31,6 +40,10 @@ export function differences(before: DeviceContent, after: DeviceContent): string
   }
   const truths = after.bands.filter((band) => !band.ground_truth && before.bands.find((each) => each.name === band.name)?.ground_truth);
   if (truths.length > 0) found.push(`No longer marked as ground truth: ${truths.map((band) => band.name).join(", ")}`);
+  for (const key of RECORD) {
+    const [was, is] = [before.record[key], after.record[key]];
+    if (was !== is) found.push(`${SPECIMEN[key]}: ${was ?? NONE} → ${is ?? NONE}`);
+  }
   return found;
 }
 

@@ -2,7 +2,7 @@
 
 import { linkNamed, placeOn, stepOn } from "../../parts/place";
 import type { RobotModel } from "../../api/robots";
-import { groupOf, type Band, type DeviceContent, type ViaPoint } from "./deviceFile";
+import { groupOf, type Band, type DeviceContent, type Specimen, type ViaPoint } from "./deviceFile";
 
 const MICROMETRE = 1e-6;
 
@@ -50,6 +50,11 @@ export function withNewPoint(device: DeviceContent, model: RobotModel, name: str
 
 export function withoutPoint(device: DeviceContent, name: string, k: number): DeviceContent {
   return withPoints(device, name, (points) => points.filter((_, j) => j !== k));
+}
+
+export function withRecord(device: DeviceContent, key: keyof Specimen, text: string): DeviceContent {
+  const { [key]: _, ...rest } = device.record;
+  return { ...device, record: text.trim() === "" ? rest : { ...rest, [key]: text } };
 }
 
 export function tidy(xyz: readonly number[]): [number, number, number] {

@@ -4,7 +4,7 @@ import { useMemo, useState } from "react";
 import type { Finding } from "../../api/imports";
 import { figure, fixed, NONE } from "../../parts/digits";
 import { TimePlot } from "../../parts/TimePlot";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 
 const WORDS = { error: "Error", warning: "Warning", note: "Note" };
 
@@ -17,40 +17,28 @@ export function Findings({ findings }: { findings: Finding[] }) {
   return (
     <section aria-labelledby="findings">
       <Title order={2} size="h3" id="findings" mb="sm">
-        What the doctor says
+        What the checks of the signals found
       </Title>
       <SimpleGrid cols={{ base: 1, lg: placed >= 0 ? 2 : 1 }}>
-        <WideTable label="What the doctor says" mostHeight="26rem">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th>Channel</Table.Th>
-              <Table.Th>Finding</Table.Th>
-              <Table.Th data-number>
-                At
-                <Unit>s</Unit>
+        <WideTable label="What the checks of the signals found" mostHeight="26rem" columns={["Channel", "Finding", number("At", "s")]}>
+          {findings.map((each, k) => (
+            <Table.Tr key={k}>
+              <Table.Th scope="row">
+                {each.around ? (
+                  <Radio name="finding" label={each.channel} checked={k === at} onChange={() => choose(k)} />
+                ) : (
+                  each.channel
+                )}
               </Table.Th>
+              <Table.Td>
+                <Badge variant="default" tt="none" mr={6}>
+                  {WORDS[each.severity]}
+                </Badge>
+                {sentence(each.detail)} {sentence(each.advice)}
+              </Table.Td>
+              <Table.Td data-number>{each.t === null ? NONE : fixed(each.t, 3)}</Table.Td>
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {findings.map((each, k) => (
-              <Table.Tr key={k}>
-                <Table.Th scope="row">
-                  {each.around ? (
-                    <Radio name="finding" label={each.channel} checked={k === at} onChange={() => choose(k)} />
-                  ) : (
-                    each.channel
-                  )}
-                </Table.Th>
-                <Table.Td>
-                  <Badge variant="default" tt="none" mr={6}>
-                    {WORDS[each.severity]}
-                  </Badge>
-                  {sentence(each.detail)} {sentence(each.advice)}
-                </Table.Td>
-                <Table.Td data-number>{each.t === null ? NONE : fixed(each.t, 3)}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
         </WideTable>
         {finding?.around && <Around key={at} finding={finding} />}
       </SimpleGrid>

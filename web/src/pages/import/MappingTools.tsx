@@ -1,6 +1,7 @@
 import { Button, Group } from "@mantine/core";
 
 import type { Preview } from "../../api/imports";
+import { count } from "../../parts/size";
 import { choicesOf, NOTHING, type Mapping, type Whole } from "./choices";
 
 type Props = { preview: Preview; whole: Whole; set: (whole: Whole) => void };
@@ -33,12 +34,16 @@ export function MappingTools({ preview, whole, set }: Props) {
       <Button variant="default" size="xs" onClick={() => take(preview.mapping)}>
         Only what is sure
       </Button>
-      <Button variant="default" size="xs" disabled={guesses.length === 0} onClick={takeGuesses}>
-        Take {guesses.length} suggestions
-      </Button>
-      <Button variant="default" size="xs" disabled={open.length === 0} onClick={ignoreRest}>
-        Ignore the {open.length} open ones
-      </Button>
+      {guesses.length > 0 && (
+        <Button variant="default" size="xs" onClick={takeGuesses}>
+          Take {count(guesses.length, "suggestion")}
+        </Button>
+      )}
+      {open.length > 0 && (
+        <Button variant="default" size="xs" onClick={ignoreRest}>
+          {open.length === 1 ? "Ignore the open one" : `Ignore the ${open.length} open ones`}
+        </Button>
+      )}
     </Group>
   );
 }

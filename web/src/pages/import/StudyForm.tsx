@@ -61,53 +61,42 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
         Put stored logs into a study
       </Title>
       <Stack gap="sm">
-        <WideTable label="Stored logs" mostHeight="24rem">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th>Log</Table.Th>
-              <Table.Th>Holds</Table.Th>
-              <Table.Th>Stored</Table.Th>
-              <Table.Th>Role</Table.Th>
-              <Table.Th>Motion</Table.Th>
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {logs.items.map((log) => {
-              const { channels = [], duration_s, rate_hz } = log.summary as LogSummary;
-              const use = uses[log.id] ?? { role: "", motion: "" };
-              return (
-                <Table.Tr key={log.id}>
-                  <Table.Th scope="row">{log.name}</Table.Th>
-                  <Table.Td>
-                    {count(channels.length, "channel")}, {fixed(duration_s, 1)} s at {fixed(rate_hz, 0)} Hz
-                  </Table.Td>
-                  <Table.Td>
-                    <When at={log.created_at} />
-                  </Table.Td>
-                  <Table.Td>
-                    <NativeSelect
-                      size="xs"
-                      aria-label={`Role of ${log.name}`}
-                      value={use.role}
-                      data={ROLES}
-                      onChange={(event) => say(log.id, { role: event.currentTarget.value as Role | "" })}
-                    />
-                  </Table.Td>
-                  <Table.Td>
-                    <TextInput
-                      size="xs"
-                      aria-label={`Motion of ${log.name}`}
-                      placeholder="bend, lift …"
-                      disabled={!MOVES.includes(use.role)}
-                      value={use.motion}
-                      maxLength={200}
-                      onChange={(event) => say(log.id, { motion: event.currentTarget.value })}
-                    />
-                  </Table.Td>
-                </Table.Tr>
-              );
-            })}
-          </Table.Tbody>
+        <WideTable label="Stored logs" mostHeight="24rem" columns={["Log", "Holds", "Stored", "Role", "Motion"]}>
+          {logs.items.map((log) => {
+            const { channels = [], duration_s, rate_hz } = log.summary as LogSummary;
+            const use = uses[log.id] ?? { role: "", motion: "" };
+            return (
+              <Table.Tr key={log.id}>
+                <Table.Th scope="row">{log.name}</Table.Th>
+                <Table.Td>
+                  {count(channels.length, "channel")}, {fixed(duration_s, 1)} s at {fixed(rate_hz, 0)} Hz
+                </Table.Td>
+                <Table.Td>
+                  <When at={log.created_at} />
+                </Table.Td>
+                <Table.Td>
+                  <NativeSelect
+                    size="xs"
+                    aria-label={`Role of ${log.name}`}
+                    value={use.role}
+                    data={ROLES}
+                    onChange={(event) => say(log.id, { role: event.currentTarget.value as Role | "" })}
+                  />
+                </Table.Td>
+                <Table.Td>
+                  <TextInput
+                    size="xs"
+                    aria-label={`Motion of ${log.name}`}
+                    placeholder="bend, lift …"
+                    disabled={!MOVES.includes(use.role)}
+                    value={use.motion}
+                    maxLength={200}
+                    onChange={(event) => say(log.id, { motion: event.currentTarget.value })}
+                  />
+                </Table.Td>
+              </Table.Tr>
+            );
+          })}
         </WideTable>
         <Paper withBorder p="md">
           <Group align="flex-end" gap="lg">

@@ -8,7 +8,7 @@ import { useStudies, useStudy } from "../../api/studies";
 import { partsOf } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { plusMinus } from "../../parts/digits";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import styles from "./Drives.module.css";
 
 const VALUES = [
@@ -60,31 +60,22 @@ export function Drives({ robot, joints }: { robot: Robot; joints: RobotJoint[] }
       {columns.length === 0 ? (
         <Text>robot.yaml says nothing of drives; everything is identified from the logs.</Text>
       ) : (
-        <WideTable label="Drives and friction" mostHeight="32rem">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th>Joint</Table.Th>
-              {columns.map(([key, name, unit]) => (
-                <Table.Th key={key} data-number>
-                  {name}
-                  <Unit>{unit}</Unit>
-                </Table.Th>
+        <WideTable
+          label="Drives and friction"
+          mostHeight="32rem"
+          columns={["Joint", ...columns.map(([, name, unit]) => number(name, unit))]}
+        >
+          {shown.map((joint) => (
+            <Table.Tr key={joint.name}>
+              <Table.Th scope="row">{joint.name}</Table.Th>
+              {columns.map(([key]) => (
+                <Table.Td key={key} data-number>
+                  {joint.prior[key] === undefined && joint.actuation === "torque" && key === "k_T" ? "1, known" : plusMinus(joint.prior[key], joint.prior_std[key])}
+                  <Identified of={found.get(joint.name)?.[key]} />
+                </Table.Td>
               ))}
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {shown.map((joint) => (
-              <Table.Tr key={joint.name}>
-                <Table.Th scope="row">{joint.name}</Table.Th>
-                {columns.map(([key]) => (
-                  <Table.Td key={key} data-number>
-                    {joint.prior[key] === undefined && joint.actuation === "torque" && key === "k_T" ? "1, known" : plusMinus(joint.prior[key], joint.prior_std[key])}
-                    <Identified of={found.get(joint.name)?.[key]} />
-                  </Table.Td>
-                ))}
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
         </WideTable>
       )}
       <Text size="sm" c="dimmed" mt="xs">

@@ -2,7 +2,7 @@ import { Table, Text, Title } from "@mantine/core";
 
 import type { RobotJoint } from "../../api/robots";
 import { figure } from "../../parts/digits";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 
 const LOGGED = { current: "motor current", torque: "torque", none: "position only" };
 
@@ -11,55 +11,42 @@ type Props = { joints: RobotJoint[]; locked: string[]; mark: (link: string | nul
 export function JointTable({ joints, locked, mark }: Props) {
   const slides = joints.some((joint) => joint.kind === "prismatic");
   return (
-    <section aria-labelledby="joints">
+    <section onMouseLeave={() => mark(null)} aria-labelledby="joints">
       <Title order={2} size="h3" id="joints" mb="sm">
         Joints
       </Title>
-      <WideTable label="Joints" mostHeight="32rem">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Joint</Table.Th>
-            <Table.Th>Moves</Table.Th>
-            {slides && <Table.Th>Kind</Table.Th>}
-            <Table.Th>What is logged</Table.Th>
-            <Table.Th data-number>Gear ratio</Table.Th>
-            <Table.Th data-number>
-              Lowest
-              <Unit>°{slides && " or m"}</Unit>
-            </Table.Th>
-            <Table.Th data-number>
-              Highest
-              <Unit>°{slides && " or m"}</Unit>
-            </Table.Th>
-            <Table.Th data-number>
-              Speed
-              <Unit>rad/s{slides && ", m/s"}</Unit>
-            </Table.Th>
-            <Table.Th data-number>
-              Effort
-              <Unit>N·m{slides && ", N"}</Unit>
-            </Table.Th>
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody onMouseLeave={() => mark(null)}>
-          {joints.map((joint) => {
-            const angle = (value: number | null) =>
-              figure(value !== null && joint.kind === "revolute" ? (value * 180) / Math.PI : value, 4);
-            return (
-              <Table.Tr key={joint.name} onMouseEnter={() => mark(joint.moves)}>
-                <Table.Th scope="row">{joint.name}</Table.Th>
-                <Table.Td>{joint.moves}</Table.Td>
-                {slides && <Table.Td>{joint.kind === "revolute" ? "turns" : "slides"}</Table.Td>}
-                <Table.Td>{LOGGED[joint.actuation]}</Table.Td>
-                <Table.Td data-number>{figure(joint.gear_ratio)}</Table.Td>
-                <Table.Td data-number>{angle(joint.lower)}</Table.Td>
-                <Table.Td data-number>{angle(joint.upper)}</Table.Td>
-                <Table.Td data-number>{figure(joint.velocity)}</Table.Td>
-                <Table.Td data-number>{figure(joint.effort)}</Table.Td>
-              </Table.Tr>
-            );
-          })}
-        </Table.Tbody>
+      <WideTable
+        label="Joints"
+        mostHeight="32rem"
+        columns={[
+          "Joint",
+          "Moves",
+          ...(slides ? ["Kind"] : []),
+          "What is logged",
+          number("Gear ratio"),
+          number("Lowest", slides ? "° or m" : "°"),
+          number("Highest", slides ? "° or m" : "°"),
+          number("Speed", slides ? "rad/s, m/s" : "rad/s"),
+          number("Effort", slides ? "N·m, N" : "N·m"),
+        ]}
+      >
+        {joints.map((joint) => {
+          const angle = (value: number | null) =>
+            figure(value !== null && joint.kind === "revolute" ? (value * 180) / Math.PI : value, 4);
+          return (
+            <Table.Tr key={joint.name} onMouseEnter={() => mark(joint.moves)}>
+              <Table.Th scope="row">{joint.name}</Table.Th>
+              <Table.Td>{joint.moves}</Table.Td>
+              {slides && <Table.Td>{joint.kind === "revolute" ? "turns" : "slides"}</Table.Td>}
+              <Table.Td>{LOGGED[joint.actuation]}</Table.Td>
+              <Table.Td data-number>{figure(joint.gear_ratio)}</Table.Td>
+              <Table.Td data-number>{angle(joint.lower)}</Table.Td>
+              <Table.Td data-number>{angle(joint.upper)}</Table.Td>
+              <Table.Td data-number>{figure(joint.velocity)}</Table.Td>
+              <Table.Td data-number>{figure(joint.effort)}</Table.Td>
+            </Table.Tr>
+          );
+        })}
       </WideTable>
       {locked.length > 0 && (
         <Text size="sm" c="dimmed" mt="xs">

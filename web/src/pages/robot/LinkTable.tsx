@@ -3,7 +3,7 @@ import { useState } from "react";
 
 import type { RobotModel } from "../../api/robots";
 import { figure, fixed, NONE } from "../../parts/digits";
-import { Unit, WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import styles from "./LinkTable.module.css";
 
 type Props = { model: RobotModel; marked: string | null; mark: (link: string | null) => void };
@@ -13,7 +13,7 @@ export function LinkTable({ model, marked, mark }: Props) {
   const [frames, setFrames] = useState(false);
   const shown = frames ? model.links : model.links.filter((link) => link.name === link.body);
   return (
-    <section aria-labelledby="links">
+    <section onMouseLeave={() => mark(null)} aria-labelledby="links">
       <Group justify="space-between" align="flex-end" mb="sm">
         <Title order={2} size="h3" id="links">
           Links
@@ -24,44 +24,32 @@ export function LinkTable({ model, marked, mark }: Props) {
           onChange={(event) => setFrames(event.currentTarget.checked)}
         />
       </Group>
-      <WideTable label="Links" mostHeight="32rem">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th>Link</Table.Th>
-            <Table.Th>Moved by</Table.Th>
-            {["x", "y", "z"].map((axis) => (
-              <Table.Th key={axis} data-number>
-                {axis}
-                <Unit>m</Unit>
-              </Table.Th>
+      <WideTable
+        label="Links"
+        mostHeight="32rem"
+        columns={[
+          "Link",
+          "Moved by",
+          ...["x", "y", "z"].map((axis) => number(axis, "m")),
+          "Its x, y, z axes point",
+          number("Mass", "kg"),
+          number("Centre of mass", "m, own frame"),
+        ]}
+      >
+        {shown.map((link) => (
+          <Table.Tr key={link.name} onMouseEnter={() => mark(link.name)} className={link.name === marked ? styles.marked : undefined}>
+            <Table.Th scope="row">{link.name}</Table.Th>
+            <Table.Td>{link.joint ?? (link.name === model.base_link ? "the base" : `fixed to ${link.body}`)}</Table.Td>
+            {[0, 1, 2].map((k) => (
+              <Table.Td key={k} data-number>
+                {fixed(link.at[k], 3)}
+              </Table.Td>
             ))}
-            <Table.Th>Its x, y, z axes point</Table.Th>
-            <Table.Th data-number>
-              Mass
-              <Unit>kg</Unit>
-            </Table.Th>
-            <Table.Th data-number>
-              Centre of mass
-              <Unit>m, own frame</Unit>
-            </Table.Th>
+            <Table.Td>{[0, 1, 2].map((k) => way([0, 1, 2].map((row) => link.turn[3 * row + k] ?? 0))).join(", ")}</Table.Td>
+            <Table.Td data-number>{figure(link.mass_kg, 3)}</Table.Td>
+            <Table.Td data-number>{link.centre ? link.centre.map((each) => fixed(each, 3)).join(", ") : NONE}</Table.Td>
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody onMouseLeave={() => mark(null)}>
-          {shown.map((link) => (
-            <Table.Tr key={link.name} onMouseEnter={() => mark(link.name)} className={link.name === marked ? styles.marked : undefined}>
-              <Table.Th scope="row">{link.name}</Table.Th>
-              <Table.Td>{link.joint ?? (link.name === model.base_link ? "the base" : `fixed to ${link.body}`)}</Table.Td>
-              {[0, 1, 2].map((k) => (
-                <Table.Td key={k} data-number>
-                  {fixed(link.at[k], 3)}
-                </Table.Td>
-              ))}
-              <Table.Td>{[0, 1, 2].map((k) => way([0, 1, 2].map((row) => link.turn[3 * row + k] ?? 0))).join(", ")}</Table.Td>
-              <Table.Td data-number>{figure(link.mass_kg, 3)}</Table.Td>
-              <Table.Td data-number>{link.centre ? link.centre.map((each) => fixed(each, 3)).join(", ") : NONE}</Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
       <Text size="sm" c="dimmed" mt="xs">
         With all joints at zero, seen from {model.base_link}: x forward, y to the left, z up.

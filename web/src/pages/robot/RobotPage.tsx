@@ -88,7 +88,7 @@ function Overview({ robot }: { robot: Robot }) {
           ["Joints", summary.joints.length],
           ["Mass of what moves", `${figure(summary.mass_kg, 4)} kg`],
           ...(model
-            ? [["Believed of each link’s inertia", inertia(model.inertial_std)] as [string, string]]
+            ? [["Uncertainty of each link’s inertia", inertia(model.inertial_std)] as [string, string]]
             : []),
           ["Handed in", <When key="when" at={robot.created_at} />],
           [

@@ -36,25 +36,15 @@ export function SensorTable({ model }: { model: RobotModel }) {
         ]}
       />
       {sensors.length > 0 ? (
-        <WideTable label="Force/torque sensors">
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th>Force/torque sensor</Table.Th>
-              <Table.Th>Frame</Table.Th>
-              <Table.Th>Sees</Table.Th>
-              <Table.Th>Used as</Table.Th>
+        <WideTable label="Force/torque sensors" columns={["Force/torque sensor", "Frame", "Sees", "Used as"]}>
+          {sensors.map((sensor) => (
+            <Table.Tr key={sensor.name}>
+              <Table.Th scope="row">{sensor.name}</Table.Th>
+              <Table.Td>{sensor.frame}</Table.Td>
+              <Table.Td>{SEES[sensor.sees] ?? sensor.sees}</Table.Td>
+              <Table.Td>{sensor.role === "contact" ? "the contact with the outside" : "a cut through the robot"}</Table.Td>
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {sensors.map((sensor) => (
-              <Table.Tr key={sensor.name}>
-                <Table.Th scope="row">{sensor.name}</Table.Th>
-                <Table.Td>{sensor.frame}</Table.Td>
-                <Table.Td>{SEES[sensor.sees] ?? sensor.sees}</Table.Td>
-                <Table.Td>{sensor.role === "contact" ? "the contact with the outside" : "a cut through the robot"}</Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
         </WideTable>
       ) : (
         <Text>No force/torque sensors.</Text>

@@ -15,6 +15,7 @@ export function factsOf(study: Study): string[] {
   if (robot?.name) facts.push(robot.name);
   if (robot?.joints) facts.push(count(robot.joints.length, "joint"));
   if (logs.length) facts.push(count(logs.length, "log"));
-  for (const device of devices) if (device.name) facts.push(`wears ${device.name}`);
+  const worn = devices.flatMap(({ name }) => (name ? [name] : []));
+  if (worn.length) facts.push(`wears ${worn.join(" and ")}`);
   return facts;
 }

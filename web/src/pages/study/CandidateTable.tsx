@@ -1,7 +1,7 @@
 import { Table } from "@mantine/core";
 
 import { percent } from "../../parts/digits";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import type { Candidate } from "./results";
 import { titleOf, typeset } from "./words";
 
@@ -15,27 +15,16 @@ export function CandidateTable({ name, rows, chosen }: { name: string; rows: Can
   });
   const shown = [...best.entries()].sort(([, [one]], [, [two]]) => (two.score ?? -1) - (one.score ?? -1));
   return (
-    <WideTable label={name}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th scope="col">Effect</Table.Th>
-          <Table.Th scope="col" data-number>
-            Explains
+    <WideTable label={name} columns={["Effect", number("Explains"), "Why"]}>
+      {shown.map(([title, [each, named]]) => (
+        <Table.Tr key={title}>
+          <Table.Th scope="row" style={named ? { fontWeight: 700 } : undefined}>
+            {title}
           </Table.Th>
-          <Table.Th scope="col">Why</Table.Th>
+          <Table.Td data-number>{each.score === null ? "–" : percent(Math.max(each.score, 0))}</Table.Td>
+          <Table.Td>{typeset(each.reason)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {shown.map(([title, [each, named]]) => (
-          <Table.Tr key={title}>
-            <Table.Th scope="row" style={named ? { fontWeight: 700 } : undefined}>
-              {title}
-            </Table.Th>
-            <Table.Td data-number>{each.score === null ? "–" : percent(Math.max(each.score, 0))}</Table.Td>
-            <Table.Td>{typeset(each.reason)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

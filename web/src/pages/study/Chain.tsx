@@ -68,11 +68,11 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
   );
 }
 
-/** `+ stribeck at torso_pitch` in the words of the finding that it added. */
+/** `+ stribeck at torso_pitch`, `+ own curve of stribeck at torso_pitch` in the words of the finding that it is about. */
 function stepName(step: string, findings: Finding[]): string {
-  const match = /^\+ (\S+) at (.+)$/.exec(step);
-  const finding = match && findings.find((each) => each.effect === match[1] && pointOf(each.where) === match[2]);
-  if (finding) return `with ${lower(titleOf(finding))}`;
+  const [, before = "", effect, place] = /^\+ (.* )?(\S+) at (.+)$/.exec(step) ?? [];
+  const finding = findings.find((each) => each.effect === effect && pointOf(each.where) === place);
+  if (finding) return `with ${before}${lower(titleOf(finding))}`;
   return step.slice(0, 1).toUpperCase() + step.slice(1);
 }
 

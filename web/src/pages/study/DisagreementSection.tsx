@@ -3,7 +3,7 @@ import { List, Stack, Table, Text, Title } from "@mantine/core";
 import type { Study } from "../../api/studies";
 import { isNumber, NONE, significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { Chain } from "./Chain";
 import { FindingStory } from "./FindingStory";
@@ -83,33 +83,20 @@ export function DisagreementSection({ study, job, results }: { study: Study; job
 
 function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
   return (
-    <WideTable label={name}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th scope="col">Channel</Table.Th>
-          {["RMSE", "Noise floor", "Standard errors above"].map((head) => (
-            <Table.Th key={head} scope="col" data-number>
-              {head}
-            </Table.Th>
-          ))}
-          <Table.Th scope="col">Where</Table.Th>
+    <WideTable label={name} columns={["Channel", ...numbers("RMSE", "Noise floor", "Standard errors above"), "Where"]}>
+      {rows.map((each) => (
+        <Table.Tr key={each.channel}>
+          <Table.Th scope="row">{channelWords(each.channel)}</Table.Th>
+          <Table.Td data-number>
+            {significant(each.rmse)} {each.unit}
+          </Table.Td>
+          <Table.Td data-number>
+            {significant(each.noise_floor)} {each.unit}
+          </Table.Td>
+          <Table.Td data-number>{significant(each.z, 2)}</Table.Td>
+          <Table.Td>{typeset(each.where)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {rows.map((each) => (
-          <Table.Tr key={each.channel}>
-            <Table.Th scope="row">{channelWords(each.channel)}</Table.Th>
-            <Table.Td data-number>
-              {significant(each.rmse)} {each.unit}
-            </Table.Td>
-            <Table.Td data-number>
-              {significant(each.noise_floor)} {each.unit}
-            </Table.Td>
-            <Table.Td data-number>{significant(each.z, 2)}</Table.Td>
-            <Table.Td>{typeset(each.where)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }
@@ -138,31 +125,19 @@ function Consequences({ found }: { found: Discrepancy }) {
 
 function Changes({ label, rows }: { label: string; rows: [string, { before: Measured; after: Measured }][] }) {
   return (
-    <WideTable label={label}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th scope="col">Quantity</Table.Th>
-          {["Without", "With", "Change"].map((head) => (
-            <Table.Th key={head} scope="col" data-number>
-              {head}
-            </Table.Th>
-          ))}
+    <WideTable label={label} columns={["Quantity", ...numbers("Without", "With", "Change")]}>
+      {rows.map(([quantity, { before, after }]) => (
+        <Table.Tr key={quantity}>
+          <Table.Th scope="row">{capital(quantity)}</Table.Th>
+          <Table.Td data-number>
+            <Uncertain {...before} />
+          </Table.Td>
+          <Table.Td data-number>
+            <Uncertain {...after} />
+          </Table.Td>
+          <Table.Td data-number>{changeOf(before, after)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {rows.map(([quantity, { before, after }]) => (
-          <Table.Tr key={quantity}>
-            <Table.Th scope="row">{capital(quantity)}</Table.Th>
-            <Table.Td data-number>
-              <Uncertain {...before} />
-            </Table.Td>
-            <Table.Td data-number>
-              <Uncertain {...after} />
-            </Table.Td>
-            <Table.Td data-number>{changeOf(before, after)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

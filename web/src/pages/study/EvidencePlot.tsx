@@ -2,7 +2,7 @@ import { Table, Text } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 
 import { isNumber, significant } from "../../parts/digits";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import styles from "./EvidencePlot.module.css";
 import type { Curve, Num } from "./results";
 import { spread } from "./stretch";
@@ -141,30 +141,19 @@ function path(at: Num[], values: Num[], x: Scale, y: Scale): string {
 
 function Numbers({ curve, over, own, title }: { curve: Curve; over: string; own: string; title: string }) {
   return (
-    <WideTable label={`Evidence for ${title}`}>
-      <Table.Thead>
-        <Table.Tr>
-          {[over, "Without it", "With it", "Standard error", own].map((head) => (
-            <Table.Th key={head} scope="col" data-number>
-              {head}
-            </Table.Th>
+    <WideTable label={`Evidence for ${title}`} columns={numbers(over, "Without it", "With it", "Standard error", own)}>
+      {curve.coordinate.values.map((place, k) => (
+        <Table.Tr key={k}>
+          <Table.Th scope="row" data-number>
+            {significant(place)}
+          </Table.Th>
+          {[curve.before, curve.after, curve.spread, curve.model].map((values, n) => (
+            <Table.Td key={n} data-number>
+              {significant(values[k])}
+            </Table.Td>
           ))}
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {curve.coordinate.values.map((place, k) => (
-          <Table.Tr key={k}>
-            <Table.Th scope="row" data-number>
-              {significant(place)}
-            </Table.Th>
-            {[curve.before, curve.after, curve.spread, curve.model].map((values, n) => (
-              <Table.Td key={n} data-number>
-                {significant(values[k])}
-              </Table.Td>
-            ))}
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

@@ -5,7 +5,7 @@ import { address } from "../../app/base";
 import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { count, sizeOf } from "../../parts/size";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import type { Job } from "./jobs";
 import { useArtifacts } from "./results";
 
@@ -21,6 +21,15 @@ const ABOUT: Record<string, string> = {
   "identified.urdf": "the maker’s URDF with identified inertias",
 };
 
+/** What a reader looks for first; the many series last. */
+function byUse(one: { name: string }, other: { name: string }): number {
+  const rank = ({ name }: { name: string }) => {
+    const place = Object.keys(ABOUT).indexOf(name);
+    return place >= 0 ? place : name.startsWith("series/") ? 200 : 100;
+  };
+  return rank(one) - rank(other) || one.name.localeCompare(other.name);
+}
+
 function aboutOf(name: string): string {
   if (name.startsWith("series/")) return "the log’s channels, with what the models say";
   if (name.startsWith("planned_motion_")) return "joint positions of a motion that would tell effects apart";
@@ -33,7 +42,7 @@ export function FilesSection({ job }: { job: Job }) {
   const [wanted, setWanted] = useState("");
   if (error) return <ProblemBox error={error} retry={() => void refetch()} />;
   if (!data) return <Loading what="the files" />;
-  const files = data.items.filter((file) => file.name.toLowerCase().includes(wanted.trim().toLowerCase()));
+  const files = data.items.filter((file) => file.name.toLowerCase().includes(wanted.trim().toLowerCase())).sort(byUse);
   return (
     <Stack gap="md">
       <Title order={2} size="h3">
@@ -50,35 +59,23 @@ export function FilesSection({ job }: { job: Job }) {
         {count(files.length, "file")}
         {files.length < data.items.length && ` of ${data.items.length}`}, {sizeOf(files.reduce((sum, file) => sum + file.size, 0))}
       </Text>
-      <WideTable label="Files that the job made">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">File</Table.Th>
-            <Table.Th scope="col">What it holds</Table.Th>
-            <Table.Th scope="col" data-number>
-              Size
+      <WideTable label="Files that the job made" columns={["File", "What it holds", number("Size"), "SHA-256"]}>
+        {files.map((file) => (
+          <Table.Tr key={file.name}>
+            <Table.Th scope="row">
+              <Anchor size="sm" href={address(`api/v1/${file.href}`)} {...(file.name.endsWith(".html") ? { target: "_blank" } : { download: true })}>
+                {file.name}
+              </Anchor>
             </Table.Th>
-            <Table.Th scope="col">SHA-256</Table.Th>
+            <Table.Td>{aboutOf(file.name)}</Table.Td>
+            <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
+            <Table.Td>
+              <Text size="xs" ff="monospace" title={file.sha256}>
+                {file.sha256.slice(0, 12)}…
+              </Text>
+            </Table.Td>
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {files.map((file) => (
-            <Table.Tr key={file.name}>
-              <Table.Th scope="row">
-                <Anchor size="sm" href={address(`api/v1/${file.href}`)} {...(file.name.endsWith(".html") ? { target: "_blank" } : { download: true })}>
-                  {file.name}
-                </Anchor>
-              </Table.Th>
-              <Table.Td>{aboutOf(file.name)}</Table.Td>
-              <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
-              <Table.Td>
-                <Text size="xs" ff="monospace" title={file.sha256}>
-                  {file.sha256.slice(0, 12)}…
-                </Text>
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
     </Stack>
   );

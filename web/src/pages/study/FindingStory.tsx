@@ -4,12 +4,19 @@ import { IconBulb } from "@tabler/icons-react";
 import { address } from "../../app/base";
 import { figure, percent, significant, unitOf } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { EvidencePlot } from "./EvidencePlot";
 import type { Finding, Measured } from "./results";
 import { channelWords, titleOf, typeset } from "./words";
 
+const MEANS: Record<string, Record<string, string>> = {
+  stribeck: {
+    tau_b: "friction at the lowest speed, above Coulomb’s",
+    v_s: "speed over which it falls",
+    delta: "how abruptly it falls",
+  },
+};
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
 
 /** A named effect: the sentence, its evidence, its parameters, what it beat, and what it may still be. */
@@ -34,27 +41,22 @@ export function FindingStory({ finding, jobId }: { finding: Finding; jobId: stri
           <EvidencePlot curve={finding.curve} channel={held.channel} title={title} />
         )}
         <div style={{ maxWidth: "30rem" }}>
-          <WideTable label={`Parameters of ${title}`}>
-          <Table.Thead>
-            <Table.Tr>
-              <Table.Th scope="col">Parameter</Table.Th>
-              <Table.Th scope="col" data-number>
-                Value ± std
+          <WideTable label={`Parameters of ${title}`} columns={["Parameter", number("Value ± std")]}>
+          {Object.entries(finding.parameters).map(([name, value]) => (
+            <Table.Tr key={name}>
+              <Table.Th scope="row">
+                <Letter name={name} />
+                {MEANS[finding.effect]?.[name] && (
+                  <Text size="xs" c="dimmed" fw={400}>
+                    {MEANS[finding.effect]?.[name]}
+                  </Text>
+                )}
               </Table.Th>
+              <Table.Td data-number>
+                {value.std === 0 ? <Chosen {...value} /> : <Uncertain {...value} />}
+              </Table.Td>
             </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {Object.entries(finding.parameters).map(([name, value]) => (
-              <Table.Tr key={name}>
-                <Table.Th scope="row">
-                  <Letter name={name} />
-                </Table.Th>
-                <Table.Td data-number>
-                  {value.std === 0 ? <Chosen {...value} /> : <Uncertain {...value} />}
-                </Table.Td>
-              </Table.Tr>
-            ))}
-          </Table.Tbody>
+          ))}
           </WideTable>
         </div>
         {finding.also_possible.length > 0 && (

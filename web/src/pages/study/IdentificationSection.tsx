@@ -2,7 +2,7 @@ import { Stack, Text, Title } from "@mantine/core";
 
 import { useMemo } from "react";
 
-import { significant } from "../../parts/digits";
+import { figure, significant } from "../../parts/digits";
 import { BeforeAfter } from "./BeforeAfter";
 import { ChannelErrors } from "./ChannelErrors";
 import { ParameterTable } from "./ParameterTable";
@@ -23,7 +23,7 @@ export function IdentificationSection({ found, logs }: { found: Identification; 
           Error before and after
         </Title>
         <Text size="sm" c="dimmed" mb="sm">
-          RMSE of the robot as its maker describes it and as identified, against what noise alone leaves,{" "}
+          Root mean square error (RMSE) of the robot as its maker describes it and as identified, against what noise alone leaves,{" "}
           {heldOut ? "on logs that were not fitted" : "on the fitted logs: none was held out"}.
         </Text>
         <BeforeAfter
@@ -43,8 +43,9 @@ export function IdentificationSection({ found, logs }: { found: Identification; 
       <Unknowns found={found} />
       <ParameterTable parameters={found.parameters} />
       <Text size="sm" c="dimmed">
-        From {found.samples.toLocaleString("en").replaceAll(",", "\u202f")} samples of steady motion below{" "}
-        {significant(found.cutoff_hz)} Hz; rank {found.rank}, condition {significant(found.condition)}, prior × {significant(found.prior_strength)}.
+        From {found.samples.toLocaleString("en").replaceAll(",", "\u202f")} samples of steady motion, signals below{" "}
+        {significant(found.cutoff_hz)} Hz. The logs tell {found.rank} sums of parameters (rank), with a condition number of{" "}
+        {significant(found.condition)}; what was believed before weighs {figure(found.prior_strength)} times what it says.
       </Text>
     </Stack>
   );

@@ -4,7 +4,7 @@ import { useDeferredValue, useMemo, useState } from "react";
 import { isNumber, significant, unitOf } from "../../parts/digits";
 import { count } from "../../parts/size";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import type { Parameter } from "./results";
 
 const FIRST = 40;
@@ -30,6 +30,11 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
       <Title order={2} size="h3" id="parameters" mb="sm">
         Parameters
       </Title>
+      <Text size="sm" c="dimmed" mb="xs" style={{ maxWidth: "60rem" }}>
+        Of each link m is the mass, mx my mz are mass times centre of mass, Ixx … Izz moments of inertia, all in the link’s own frame;
+        of each joint k_T is the torque per ampere, k_d viscous, tau_c Coulomb and tau_s static friction, tau_o a torque offset,
+        J_r the rotor’s inertia. ± is one standard deviation.
+      </Text>
       <Group gap="sm" align="flex-end" mb="xs">
         <TextInput
           label="Find a parameter"
@@ -50,42 +55,30 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
           {found.length < parameters.length && ` of ${parameters.length}`}
         </Text>
       </Group>
-      <WideTable label="Parameters of the robot">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Parameter</Table.Th>
-            <Table.Th scope="col" data-number>
-              Value ± std
+      <WideTable
+        label="Parameters of the robot"
+        columns={["Parameter", number("Value ± std"), "Unit", number("Before ± std"), "Decided by"]}
+      >
+        {shown.map((each) => (
+          <Table.Tr key={each.name} data-parameter={each.name}>
+            <Table.Th scope="row">
+              {each.name}
+              {each.combination && (
+                <Text size="xs" c="dimmed" fw={400} title={Object.keys(each.combination).join(", ")}>
+                  a sum of {count(Object.keys(each.combination).length, "parameter")}
+                </Text>
+              )}
             </Table.Th>
-            <Table.Th scope="col">Unit</Table.Th>
-            <Table.Th scope="col" data-number>
-              Before ± std
-            </Table.Th>
-            <Table.Th scope="col">Decided by</Table.Th>
+            <Table.Td data-number>
+              <Uncertain value={each.value} std={each.std} />
+            </Table.Td>
+            <Table.Td>{unitOf(each.unit)}</Table.Td>
+            <Table.Td data-number>
+              <Uncertain value={each.prior} std={each.prior_std} />
+            </Table.Td>
+            <Table.Td>{decidedBy(each)}</Table.Td>
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {shown.map((each) => (
-            <Table.Tr key={each.name} data-parameter={each.name}>
-              <Table.Th scope="row" style={{ overflowWrap: "anywhere" }}>
-                {each.name}
-                {each.combination && (
-                  <Text size="xs" c="dimmed" fw={400} title={Object.keys(each.combination).join(", ")}>
-                    a sum of {count(Object.keys(each.combination).length, "parameter")}
-                  </Text>
-                )}
-              </Table.Th>
-              <Table.Td data-number>
-                <Uncertain value={each.value} std={each.std} />
-              </Table.Td>
-              <Table.Td>{unitOf(each.unit)}</Table.Td>
-              <Table.Td data-number>
-                <Uncertain value={each.prior} std={each.prior_std} />
-              </Table.Td>
-              <Table.Td>{decidedBy(each)}</Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
       {found.length === 0 && (
         <Text size="sm" c="dimmed">

@@ -3,7 +3,7 @@ import { Fragment } from "react";
 
 import { significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { number, numbers, WideTable } from "../../parts/WideTable";
 import { APPROACHES } from "./approaches";
 import type { Support } from "./results";
 
@@ -14,48 +14,34 @@ export function PhaseTable({ motion, rows }: { motion: string; rows: Support[] }
   return (
     <details style={{ marginTop: "0.5rem", fontSize: "var(--mantine-font-size-sm)" }}>
       <summary>Phase by phase</summary>
-      <WideTable label={`Supporting torque, motion ${motion}, phase by phase`}>
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Joint, device</Table.Th>
-            <Table.Th scope="col">Phase</Table.Th>
-            <Table.Th scope="col" data-number>
-              Duration
-            </Table.Th>
-            <Table.Th scope="col">Approach</Table.Th>
-            {["Peak ± std", "Mean ± std", "Integral ± std"].map((name) => (
-              <Table.Th key={name} scope="col" data-number>
-                {name}
-              </Table.Th>
-            ))}
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {phased.map((each) => (
-            <Fragment key={`${each.device} ${each.joint}`}>
-              {each.phases.map((part) =>
-                APPROACHES.filter(({ key }) => (key === "A" || key === "B") && part.approaches[key]).map(({ key, words }) => (
-                  <Table.Tr key={`${part.phase} ${key}`}>
-                    <Table.Th scope="row">
-                      {each.joint}{" "}
-                      <Text span size="xs" c="dimmed" fw={400}>
-                        {each.device}
-                      </Text>
-                    </Table.Th>
-                    <Table.Td>{part.phase}</Table.Td>
-                    <Table.Td data-number>{significant(part.duration_s)} s</Table.Td>
-                    <Table.Td>{words}</Table.Td>
-                    {(["peak", "mean", "integral"] as const).map((quantity) => (
-                      <Table.Td key={quantity} data-number>
-                        <Uncertain {...part.approaches[key]![quantity]} />
-                      </Table.Td>
-                    ))}
-                  </Table.Tr>
-                )),
-              )}
-            </Fragment>
-          ))}
-        </Table.Tbody>
+      <WideTable
+        label={`Supporting torque, motion ${motion}, phase by phase`}
+        columns={["Joint, device", "Phase", number("Duration"), "Approach", ...numbers("Peak ± std", "Mean ± std", "Integral ± std")]}
+      >
+        {phased.map((each) => (
+          <Fragment key={`${each.device} ${each.joint}`}>
+            {each.phases.map((part) =>
+              APPROACHES.filter(({ key }) => (key === "A" || key === "B") && part.approaches[key]).map(({ key, words }) => (
+                <Table.Tr key={`${part.phase} ${key}`}>
+                  <Table.Th scope="row">
+                    {each.joint}{" "}
+                    <Text span size="xs" c="dimmed" fw={400}>
+                      {each.device}
+                    </Text>
+                  </Table.Th>
+                  <Table.Td>{part.phase}</Table.Td>
+                  <Table.Td data-number>{significant(part.duration_s)} s</Table.Td>
+                  <Table.Td>{words}</Table.Td>
+                  {(["peak", "mean", "integral"] as const).map((quantity) => (
+                    <Table.Td key={quantity} data-number>
+                      <Uncertain {...part.approaches[key]![quantity]} />
+                    </Table.Td>
+                  ))}
+                </Table.Tr>
+              )),
+            )}
+          </Fragment>
+        ))}
       </WideTable>
     </details>
   );

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { IconAlertTriangle, IconCheck, IconCircle, IconLoader2, IconMinus, IconPlayerStop } from "@tabler/icons-react";
+import { IconAlertTriangle, IconCheck, IconCircle, IconCircleDashed, IconLoader2, IconMinus, IconPlayerStop } from "@tabler/icons-react";
 
 import styles from "./Pipeline.module.css";
 import type { Stage, StageState } from "./stages";
@@ -10,6 +10,7 @@ const LOOKS: Record<StageState, [typeof IconCheck, string]> = {
   failed: [IconAlertTriangle, "failed here"],
   stopped: [IconPlayerStop, "stopped here"],
   waiting: [IconCircle, "waiting"],
+  unreached: [IconCircleDashed, "not reached"],
   skipped: [IconMinus, "skipped"],
 };
 

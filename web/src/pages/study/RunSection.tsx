@@ -1,15 +1,15 @@
 import { Anchor, Button, Code, ScrollArea, Stack, Table, Title } from "@mantine/core";
 
-import { lazy, Suspense } from "react";
+import { lazy, memo, Suspense } from "react";
 
 import { isActive, type Study } from "../../api/studies";
 import { address } from "../../app/base";
-import { NONE, significant } from "../../parts/digits";
+import { figure, NONE, significant } from "../../parts/digits";
 import { Loading } from "../../parts/Loading";
 import { sizeOf } from "../../parts/size";
 import { When } from "../../parts/When";
 import { FactList } from "../../parts/FactList";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import { useView } from "../../plots/view";
 import { SignalDoubts } from "./SignalDoubts";
 import type { Job } from "./jobs";
@@ -17,7 +17,7 @@ import { Pipeline } from "./Pipeline";
 import type { Results } from "./results";
 import styles from "./RunSection.module.css";
 import { phrase, stagesOf } from "./stages";
-import { ROLES, summaryOf, type StudySummary } from "./summary";
+import { ROLES, summaryOf } from "./summary";
 import { capital, KINDS } from "./words";
 
 const RawPlots = lazy(() => import("./RawPlots"));
@@ -43,7 +43,7 @@ export function RunSection({ study, job, results }: Props) {
         <Title order={2} size="h3" id="logs" mb="sm">
           Logs
         </Title>
-        <Logs study={study} summary={summary} />
+        <Logs study={study} />
         <RawLogs study={study} />
       </section>
       {job && <Facts study={study} job={job} results={results} />}
@@ -76,50 +76,37 @@ function Said({ job }: { job: Job }) {
   );
 }
 
-function Logs({ study, summary: { logs = [], devices = [] } }: { study: Study; summary: StudySummary }) {
+const Logs = memo(function Logs({ study }: { study: Study }) {
+  const { logs = [], devices = [] } = summaryOf(study);
   const worn = new Map(devices.map((each) => [each.file, each.name]));
   const hashes = new Map(study.files?.map((file) => [file.path, file]));
   return (
-    <WideTable label="Logs of the study">
-      <Table.Thead>
-        <Table.Tr>
-          {["Log", "Role", "Motion", "Worn"].map((name) => (
-            <Table.Th key={name} scope="col">
-              {name}
-            </Table.Th>
-          ))}
-          {["Duration", "Rate", "Samples"].map((name) => (
-            <Table.Th key={name} scope="col" data-number>
-              {name}
-            </Table.Th>
-          ))}
-          <Table.Th scope="col">File as handed in</Table.Th>
+    <WideTable
+      label="Logs of the study"
+      columns={["Log", "Role", "Motion", "Worn", ...numbers("Duration", "Rate", "Samples"), "File as handed in"]}
+    >
+      {logs.map((log) => (
+        <Table.Tr key={log.name}>
+          <Table.Th scope="row">{log.name}</Table.Th>
+          <Table.Td>{ROLES[log.role] ?? log.role}</Table.Td>
+          <Table.Td>{log.motion ?? NONE}</Table.Td>
+          <Table.Td miw={log.device ? "9rem" : undefined}>{log.device ? (worn.get(log.device) ?? log.device) : NONE}</Table.Td>
+          <Table.Td data-number>{figure(log.duration_s)} s</Table.Td>
+          <Table.Td data-number>{figure(log.rate_hz)} Hz</Table.Td>
+          <Table.Td data-number>{log.samples.toLocaleString("en").replaceAll(",", "\u202f")}</Table.Td>
+          <Table.Td>
+            {log.file.map((path) => (
+              <Anchor key={path} size="sm" href={address(`api/v1/studies/${study.id}/files/${path}`)} download>
+                {path}
+                {hashes.get(path) && ` (${sizeOf(hashes.get(path)!.size)})`}
+              </Anchor>
+            ))}
+          </Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {logs.map((log) => (
-          <Table.Tr key={log.name}>
-            <Table.Th scope="row">{log.name}</Table.Th>
-            <Table.Td>{ROLES[log.role] ?? log.role}</Table.Td>
-            <Table.Td>{log.motion ?? NONE}</Table.Td>
-            <Table.Td miw={log.device ? "9rem" : undefined}>{log.device ? (worn.get(log.device) ?? log.device) : NONE}</Table.Td>
-            <Table.Td data-number>{significant(log.duration_s, 4)} s</Table.Td>
-            <Table.Td data-number>{significant(log.rate_hz, 4)} Hz</Table.Td>
-            <Table.Td data-number>{log.samples.toLocaleString("en").replaceAll(",", "\u202f")}</Table.Td>
-            <Table.Td>
-              {log.file.map((path) => (
-                <Anchor key={path} size="sm" href={address(`api/v1/studies/${study.id}/files/${path}`)} download>
-                  {path}
-                  {hashes.get(path) && ` (${sizeOf(hashes.get(path)!.size)})`}
-                </Anchor>
-              ))}
-            </Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
-}
+});
 
 /** Plots of the logs, whatever became of the job; each is read when it is first asked for. */
 function RawLogs({ study }: { study: Study }) {

@@ -5,13 +5,20 @@ import { FactList } from "../../parts/FactList";
 import { figure, NONE } from "../../parts/digits";
 import { count } from "../../parts/size";
 import { When } from "../../parts/When";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import type { Job } from "./jobs";
 import type { Results } from "./results";
 import { range, route, speed, type Configuration, type Scope, type StatedBand, type Told } from "./scope";
 import { ROLES } from "./summary";
 
-const WORDS: Record<string, string> = { recorded: "date of recording", robot_cover: "robot cover" };
+const WORDS: Record<string, string> = {
+  recorded: "date of recording",
+  robot_cover: "robot cover",
+  serial: "serial number",
+  straps: "strap settings",
+  pretension: "pre-tension",
+  garment: "garment below",
+};
 const PAGES = { "summary.html": "One-page report", "summary.pdf": "The same as PDF" };
 
 /** For what the results hold, with what they were obtained, and one page of it to take away. */
@@ -77,35 +84,29 @@ function Reached({ scope }: { scope: Scope }) {
       <Title order={2} size="h3" id="reached" mb="xs">
         How far and how fast
       </Title>
-      <WideTable label="Positions and speeds that were reached" mostHeight="26rem">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Joint</Table.Th>
-            {worn.length > 0 && <Table.Th scope="col">Motion</Table.Th>}
-            {worn.length > 0 && <Table.Th scope="col">Wear</Table.Th>}
-            {[...(worn.length ? ["Positions", "Top speed"] : []), "In the fitted logs", "Top speed there"].map((name) => (
-              <Table.Th key={name} scope="col" data-number>
-                {name}
-              </Table.Th>
-            ))}
-          </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {rows.map(({ motion, device, reach }) => {
-            const fit = fitted.get(reach.joint);
-            return (
-              <Table.Tr key={`${device}|${motion}|${reach.joint}`} data-reach={`${device}|${motion}|${reach.joint}`}>
-                <Table.Th scope="row">{reach.joint}</Table.Th>
-                {worn.length > 0 && <Table.Td>{motion}</Table.Td>}
-                {worn.length > 0 && <Table.Td miw="9rem">{device}</Table.Td>}
-                {worn.length > 0 && <Table.Td data-number>{range(reach)}</Table.Td>}
-                {worn.length > 0 && <Table.Td data-number>{reach.moved ? speed(reach) : "not moved"}</Table.Td>}
-                <Table.Td data-number>{fit ? range(fit) : NONE}</Table.Td>
-                <Table.Td data-number>{!fit ? NONE : fit.moved ? speed(fit) : "not moved"}</Table.Td>
-              </Table.Tr>
-            );
-          })}
-        </Table.Tbody>
+      <WideTable
+        label="Positions and speeds that were reached"
+        mostHeight="26rem"
+        columns={[
+          "Joint",
+          ...(worn.length ? ["Motion", "Wear", ...numbers("Positions", "Top speed")] : []),
+          ...numbers("In the fitted logs", "Top speed there"),
+        ]}
+      >
+        {rows.map(({ motion, device, reach }) => {
+          const fit = fitted.get(reach.joint);
+          return (
+            <Table.Tr key={`${device}|${motion}|${reach.joint}`} data-reach={`${device}|${motion}|${reach.joint}`}>
+              <Table.Th scope="row">{reach.joint}</Table.Th>
+              {worn.length > 0 && <Table.Td>{motion}</Table.Td>}
+              {worn.length > 0 && <Table.Td miw="9rem">{device}</Table.Td>}
+              {worn.length > 0 && <Table.Td data-number>{range(reach)}</Table.Td>}
+              {worn.length > 0 && <Table.Td data-number>{reach.moved ? speed(reach) : "not moved"}</Table.Td>}
+              <Table.Td data-number>{fit ? range(fit) : NONE}</Table.Td>
+              <Table.Td data-number>{!fit ? NONE : fit.moved ? speed(fit) : "not moved"}</Table.Td>
+            </Table.Tr>
+          );
+        })}
       </WideTable>
     </section>
   );
@@ -138,7 +139,7 @@ function Configured({ results, found }: { results: Results; found: Configuration
             facts={[
               ["File", each.file],
               ["Worn in", each.logs.length ? each.logs.join(", ") : "no log"],
-              ["Specimen", told(each.record)],
+              ["Specimen", <Specimen key="specimen" record={each.record} />],
             ]}
           />
           <Box mt="xs">
@@ -150,37 +151,33 @@ function Configured({ results, found }: { results: Results; found: Configuration
   );
 }
 
+function Specimen({ record }: { record: Told }) {
+  if (Object.values(record).some((value) => value !== null)) return told(record);
+  return (
+    <>
+      {told(record)} To have it in the next evaluation, say it under <Code>record</Code> in the device’s file.
+    </>
+  );
+}
+
 function Bands({ device, bands }: { device: string; bands: StatedBand[] }) {
   return (
-    <WideTable label={`Bands of ${device} as stated`}>
-      <Table.Thead>
-        <Table.Tr>
-          {["Band", "Group", "Runs over", "Law"].map((name) => (
-            <Table.Th key={name} scope="col">
-              {name}
-            </Table.Th>
-          ))}
-          {["Stiffness as stated", "Natural length as stated"].map((name) => (
-            <Table.Th key={name} scope="col" data-number>
-              {name}
-            </Table.Th>
-          ))}
+    <WideTable
+      label={`Bands of ${device} as stated`}
+      columns={["Band", "Group", "Runs over", "Law", ...numbers("Stiffness as stated", "Natural length as stated")]}
+    >
+      {bands.map((band) => (
+        <Table.Tr key={band.band}>
+          <Table.Th scope="row">{band.band}</Table.Th>
+          <Table.Td>{band.group}</Table.Td>
+          <Table.Td miw="12rem">
+            {route(band)}, {count(band.via_points.length, "via point")}
+          </Table.Td>
+          <Table.Td>{band.law}</Table.Td>
+          <Table.Td data-number>{stated(band.stiffness_n_per_m, "N/m", band.ground_truth)}</Table.Td>
+          <Table.Td data-number>{stated(band.natural_length_m, "m", band.ground_truth)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {bands.map((band) => (
-          <Table.Tr key={band.band}>
-            <Table.Th scope="row">{band.band}</Table.Th>
-            <Table.Td>{band.group}</Table.Td>
-            <Table.Td miw="12rem">
-              {route(band)}, {count(band.via_points.length, "via point")}
-            </Table.Td>
-            <Table.Td>{band.law}</Table.Td>
-            <Table.Td data-number>{stated(band.stiffness_n_per_m, "N/m", band.ground_truth)}</Table.Td>
-            <Table.Td data-number>{stated(band.natural_length_m, "m", band.ground_truth)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }

@@ -3,7 +3,7 @@ import { Table, Text, Title } from "@mantine/core";
 import { NONE } from "../../parts/digits";
 import { count } from "../../parts/size";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import type { SensorFound } from "./results";
 
 const COMPONENTS = { fx: "Force x", fy: "Force y", fz: "Force z", mx: "Moment x", my: "Moment y", mz: "Moment z" };
@@ -22,37 +22,28 @@ export function SensorZeros({ sensors }: { sensors: SensorFound[] }) {
         What a sensor would read if it carried nothing, in its own frame.
         {undecided && " In grey: not told by these logs; it stays near what was believed before."}
       </Text>
-      <WideTable label="Zeros of the force/torque sensors">
-        <Table.Thead>
-          <Table.Tr>
-            <Table.Th scope="col">Sensor</Table.Th>
-            {Object.values(COMPONENTS).map((name) => (
-              <Table.Th key={name} scope="col" data-number>
-                {name}
-              </Table.Th>
-            ))}
+      <WideTable
+        label="Zeros of the force/torque sensors"
+        columns={["Sensor", ...numbers(...Object.values(COMPONENTS))]}
+      >
+        {sensors.map(({ sensor, carries, zero }) => (
+          <Table.Tr key={sensor}>
+            <Table.Th scope="row">
+              {sensor}
+              <Text size="xs" c="dimmed" fw={400} title={carries.join(", ")}>
+                carries {carries.length > CARRIED ? count(carries.length, "link") : carries.join(", ")}
+              </Text>
+            </Table.Th>
+            {Object.keys(COMPONENTS).map((key) => {
+              const found = zero[key];
+              return (
+                <Table.Td key={key} data-number c={found && !found.identifiable ? "dimmed" : undefined}>
+                  {found ? <Uncertain {...found} /> : NONE}
+                </Table.Td>
+              );
+            })}
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {sensors.map(({ sensor, carries, zero }) => (
-            <Table.Tr key={sensor}>
-              <Table.Th scope="row">
-                {sensor}
-                <Text size="xs" c="dimmed" fw={400} title={carries.join(", ")}>
-                  carries {carries.length > CARRIED ? count(carries.length, "link") : carries.join(", ")}
-                </Text>
-              </Table.Th>
-              {Object.keys(COMPONENTS).map((key) => {
-                const found = zero[key];
-                return (
-                  <Table.Td key={key} data-number c={found && !found.identifiable ? "dimmed" : undefined}>
-                    {found ? <Uncertain {...found} /> : NONE}
-                  </Table.Td>
-                );
-              })}
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
     </section>
   );

@@ -23,21 +23,13 @@ export function SignalDoubts({ found }: { found: Doubt[] }) {
       {rows.length === 0 ? (
         <Text size="sm">The checks of the signals found nothing to remark.</Text>
       ) : (
-        <WideTable label="What the checks of the signals found">
-          <Table.Thead>
-            <Table.Tr>
-              {["Rule", "How often", "Where", "An example", "What to do"].map((name) => (
-                <Table.Th key={name} scope="col">
-                  {name}
-                </Table.Th>
-              ))}
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {rows.map((doubts) => (
-              <Row key={`${doubts[0]?.severity}${doubts[0]?.rule}`} doubts={doubts} />
-            ))}
-          </Table.Tbody>
+        <WideTable
+          label="What the checks of the signals found"
+          columns={["Rule", "How often", "Where", "An example", "What to do"]}
+        >
+          {rows.map((doubts) => (
+            <Row key={`${doubts[0]?.severity}${doubts[0]?.rule}`} doubts={doubts} />
+          ))}
         </WideTable>
       )}
     </section>

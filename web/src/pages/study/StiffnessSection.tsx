@@ -2,9 +2,10 @@ import { List, Stack, Table, Text, Title } from "@mantine/core";
 
 import { between, fixed, isNumber, NONE, significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { number, WideTable } from "../../parts/WideTable";
 import type { Results, Stiffness } from "./results";
 import { Skipped } from "./Skipped";
+import { capital } from "./words";
 
 const APPROACH: Record<string, string> = { A: "A", B: "B", prior: "B, maker’s values" };
 
@@ -46,50 +47,42 @@ export function StiffnessSection({ results }: { results: Results }) {
 }
 
 function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; truth: boolean }) {
-  const numbers = ["Stiffness ± std", "95 % interval", ...(truth ? ["Error"] : []), "Natural length ± std", "95 % interval"];
+  const quantities = [
+    number("Stiffness ± std"),
+    number("95 % interval", "N/m"),
+    ...(truth ? [number("Error")] : []),
+    number("Natural length ± std"),
+    number("95 % interval", "m"),
+  ];
   return (
-    <WideTable label={`Bands of ${device}`}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th scope="col">Band</Table.Th>
-          <Table.Th scope="col">Approach</Table.Th>
-          {numbers.map((name, k) => (
-            <Table.Th key={k} scope="col" data-number>
-              {name}
-            </Table.Th>
-          ))}
-          <Table.Th scope="col">Remark</Table.Th>
+    <WideTable label={`Bands of ${device}`} columns={["Band", "Approach", ...quantities, "Remark"]}>
+      {rows.map((each) => (
+        <Table.Tr key={`${each.band} ${each.approach}`} data-band={`${device}|${each.band}|${each.approach}`}>
+          <Table.Th scope="row">{each.band}</Table.Th>
+          <Table.Td>{APPROACH[each.approach] ?? each.approach}</Table.Td>
+          <Table.Td data-number>
+            <Uncertain {...each.stiffness_n_per_m} />
+          </Table.Td>
+          <Table.Td data-number>{between(...each.interval_95.stiffness_n_per_m)}</Table.Td>
+          {truth && (
+            <Table.Td data-number title={isNumber(each.truth_n_per_m) ? `true: ${significant(each.truth_n_per_m, 4)} N/m` : undefined}>
+              {isNumber(each.error_percent) ? `${fixed(each.error_percent, Math.abs(each.error_percent) < 10 ? 2 : 0)} %` : NONE}
+            </Table.Td>
+          )}
+          <Table.Td data-number>
+            <Uncertain {...each.natural_length_m} />
+          </Table.Td>
+          <Table.Td data-number>{between(...each.interval_95.natural_length_m)}</Table.Td>
+          <Table.Td>{remark(each)}</Table.Td>
         </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {rows.map((each) => (
-          <Table.Tr key={`${each.band} ${each.approach}`} data-band={`${device}|${each.band}|${each.approach}`}>
-            <Table.Th scope="row">{each.band}</Table.Th>
-            <Table.Td>{APPROACH[each.approach] ?? each.approach}</Table.Td>
-            <Table.Td data-number>
-              <Uncertain {...each.stiffness_n_per_m} />
-            </Table.Td>
-            <Table.Td data-number>{between(...each.interval_95.stiffness_n_per_m)}</Table.Td>
-            {truth && (
-              <Table.Td data-number title={isNumber(each.truth_n_per_m) ? `true: ${significant(each.truth_n_per_m, 4)} N/m` : undefined}>
-                {isNumber(each.error_percent) ? `${fixed(each.error_percent, Math.abs(each.error_percent) < 10 ? 2 : 0)} %` : NONE}
-              </Table.Td>
-            )}
-            <Table.Td data-number>
-              <Uncertain {...each.natural_length_m} />
-            </Table.Td>
-            <Table.Td data-number>{between(...each.interval_95.natural_length_m)}</Table.Td>
-            <Table.Td>{remark(each)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
+      ))}
     </WideTable>
   );
 }
 
 function remark({ identifiable, length_identifiable, note }: Stiffness): string {
   const open = [];
-  if (!identifiable) open.push("stiffness not decided");
-  if (!length_identifiable) open.push("length not decided");
-  return [open.join(", "), note].filter(Boolean).join("; ");
+  if (!identifiable) open.push("stiffness");
+  if (!length_identifiable) open.push("length");
+  return [open.length ? `${capital(open.join(" and "))} not decided.` : "", note].filter(Boolean).join(" ");
 }

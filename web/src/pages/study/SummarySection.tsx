@@ -8,7 +8,8 @@ import { Uncertain } from "../../parts/Uncertain";
 import type { Results } from "./results";
 import type { SectionKey } from "./sections";
 import { verdictOf } from "./verdict";
-import { channelWords, POOLED, typeset } from "./words";
+import { plainly } from "./stages";
+import { channelWords, POOLED, STEPS, typeset } from "./words";
 
 /** The findings on one screen; each leads to where it is told in full. */
 export function SummarySection({ study, results }: { study: Study; results: Results }) {
@@ -33,6 +34,10 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
           <Fact name="Told by the logs">
             {identification.parameters.length - identification.unidentifiable.length} of {count(identification.parameters.length, "parameter")}
           </Fact>
+          <Note>
+            RMSE, the root mean square error{identification.summary.some((each) => each.held_out) && ", on logs that were not fitted"}: by
+            the maker’s values → as identified, and what noise alone makes.
+          </Note>
         </Card>
         {discrepancy && (
           <Card study={study} to="disagreement" title="Disagreement">
@@ -58,6 +63,7 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
                 </Fact>
               );
             })}
+            <Note>A: without minus with the device. B: model minus measurement. ± is one standard deviation.</Note>
           </Card>
         )}
         {groups.length > 0 && (
@@ -79,7 +85,7 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
           <List size="sm" spacing={4} style={{ maxWidth: "70rem" }}>
             {skipped.map((each) => (
               <List.Item key={each.step}>
-                {each.step} was skipped: {each.reason}
+                {STEPS[each.step]?.[0] ?? each.step} was skipped: {plainly(each.reason ?? "")}
               </List.Item>
             ))}
             {results.warnings.map((warning) => (
@@ -101,8 +107,16 @@ function Card({ study, to, title, children }: { study: Study; to: SectionKey; ti
           {title}
         </Anchor>
       </Title>
-      <dl style={{ margin: 0 }}>{children}</dl>
+      <div>{children}</div>
     </Paper>
+  );
+}
+
+function Note({ children }: { children: React.ReactNode }) {
+  return (
+    <Text component="div" size="xs" c="dimmed" mt="xs">
+      {children}
+    </Text>
   );
 }
 
@@ -110,7 +124,7 @@ type FactProps = { name: string; about?: string; data?: string; children: React.
 
 function Fact({ name, about, data, children }: FactProps) {
   return (
-    <div data-fact={data} style={{ display: "flex", flexWrap: "wrap", justifyContent: "space-between", gap: "0 1rem", padding: "0.2rem 0" }}>
+    <dl data-fact={data} style={{ display: "flex", flexWrap: "wrap", justifyContent: "space-between", gap: "0 1rem", margin: 0, padding: "0.2rem 0" }}>
       <Text component="dt" size="sm">
         {name}
         {about && (
@@ -123,6 +137,6 @@ function Fact({ name, about, data, children }: FactProps) {
       <Text component="dd" size="sm" m={0} style={{ fontVariantNumeric: "tabular-nums" }}>
         {children}
       </Text>
-    </div>
+    </dl>
   );
 }

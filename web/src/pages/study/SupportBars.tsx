@@ -81,7 +81,7 @@ function Joint({ name, device, marks, top, x }: JointProps) {
         const { colour } = pen(look, scheme);
         return (
           <g key={words} stroke={colour} fill={colour}>
-            <text x={0} y={middle + 4} stroke="none">
+            <text x={0} y={middle + 4}>
               {words}
             </text>
             <line x1={x(0)} x2={x(value)} y1={middle} y2={middle} strokeWidth={8} opacity={0.4} />

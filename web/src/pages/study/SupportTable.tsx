@@ -3,7 +3,7 @@ import { Fragment } from "react";
 
 import { NONE, percent, significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
-import { WideTable } from "../../parts/WideTable";
+import { numbers, WideTable } from "../../parts/WideTable";
 import { APPROACHES } from "./approaches";
 import type { Num, Support } from "./results";
 
@@ -11,56 +11,46 @@ import type { Num, Support } from "./results";
 export function SupportTable({ motion, rows }: { motion: string; rows: Support[] }) {
   const rmse = (each: Support): Partial<Record<string, Num>> => ({ A: each.rmse_a, B: each.rmse_b, prior: each.rmse_prior });
   return (
-    <WideTable label={`Supporting torque, motion ${motion}`}>
-      <Table.Thead>
-        <Table.Tr>
-          <Table.Th scope="col">Joint, device</Table.Th>
-          <Table.Th scope="col">Approach</Table.Th>
-          {["RMSE", "Peak ± std", "Mean ± std", "Integral ± std"].map((name) => (
-            <Table.Th key={name} scope="col" data-number>
-              {name}
-            </Table.Th>
-          ))}
-        </Table.Tr>
-      </Table.Thead>
-      <Table.Tbody>
-        {rows.map((each) => {
-          const shown = APPROACHES.filter(({ key }) => each.approaches[key]);
-          return (
-            <Fragment key={`${each.device} ${each.joint}`}>
-              {shown.map(({ key, words }, k) => {
-                const effort = each.approaches[key]!;
-                return (
-                  <Table.Tr key={key} data-support={`${each.device}|${each.motion}|${each.joint}|${key}`}>
-                    {k === 0 && (
-                      <Table.Th scope="rowgroup" rowSpan={shown.length} style={{ verticalAlign: "top" }}>
-                        {each.joint}
-                        <Text size="xs" c="dimmed">
-                          {each.device}
-                        </Text>
-                        <Text size="xs" c="dimmed">
-                          {restWords(each)}
-                        </Text>
-                      </Table.Th>
-                    )}
-                    <Table.Td>{words}</Table.Td>
-                    <Table.Td data-number>{key === "band_model" ? NONE : `${significant(rmse(each)[key])} ${each.unit}`}</Table.Td>
-                    <Table.Td data-number>
-                      <Uncertain {...effort.peak} />
-                    </Table.Td>
-                    <Table.Td data-number>
-                      <Uncertain {...effort.mean} />
-                    </Table.Td>
-                    <Table.Td data-number>
-                      <Uncertain {...effort.integral} />
-                    </Table.Td>
-                  </Table.Tr>
-                );
-              })}
-            </Fragment>
-          );
-        })}
-      </Table.Tbody>
+    <WideTable
+      label={`Supporting torque, motion ${motion}`}
+      columns={["Joint, device", "Approach", ...numbers("RMSE", "Peak ± std", "Mean ± std", "Integral ± std")]}
+    >
+      {rows.map((each) => {
+        const shown = APPROACHES.filter(({ key }) => each.approaches[key]);
+        return (
+          <Fragment key={`${each.device} ${each.joint}`}>
+            {shown.map(({ key, words }, k) => {
+              const effort = each.approaches[key]!;
+              return (
+                <Table.Tr key={key} data-support={`${each.device}|${each.motion}|${each.joint}|${key}`}>
+                  {k === 0 && (
+                    <Table.Th scope="rowgroup" rowSpan={shown.length} style={{ verticalAlign: "top" }}>
+                      {each.joint}
+                      <Text size="xs" c="dimmed">
+                        {each.device}
+                      </Text>
+                      <Text size="xs" c="dimmed">
+                        {restWords(each)}
+                      </Text>
+                    </Table.Th>
+                  )}
+                  <Table.Td>{words}</Table.Td>
+                  <Table.Td data-number>{key === "band_model" ? NONE : `${significant(rmse(each)[key])} ${each.unit}`}</Table.Td>
+                  <Table.Td data-number>
+                    <Uncertain {...effort.peak} />
+                  </Table.Td>
+                  <Table.Td data-number>
+                    <Uncertain {...effort.mean} />
+                  </Table.Td>
+                  <Table.Td data-number>
+                    <Uncertain {...effort.integral} />
+                  </Table.Td>
+                </Table.Tr>
+              );
+            })}
+          </Fragment>
+        );
+      })}
     </WideTable>
   );
 }

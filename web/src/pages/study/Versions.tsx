@@ -32,40 +32,29 @@ export function Versions({ study, job, results, found }: Props) {
       <Text size="sm" c="dimmed" mb="xs">
         Made <When at={job.finished_at ?? job.created_at} />. Each is the one above it with one effect more, fitted anew.
       </Text>
-      <WideTable label="Versions of the model">
-        <Table.Thead>
-          <Table.Tr>
-            {["Version", "What was added", "From which logs", "Identifier"].map((head) => (
-              <Table.Th key={head} scope="col">
-                {head}
-              </Table.Th>
-            ))}
+      <WideTable label="Versions of the model" columns={["Version", "What was added", "From which logs", "Identifier"]}>
+        {rows.map(({ version, added, finding, logs }, k) => (
+          <Table.Tr key={version}>
+            <Table.Td>{k + 1}</Table.Td>
+            <Table.Th scope="row">{finding ? titleOf(finding) : k === 0 ? "Nothing: the robot as identified" : capital(inWords(added, found.findings))}</Table.Th>
+            <Table.Td>
+              {k === 0 ? (
+                <>
+                  fitted to <Logs names={fitted} />
+                </>
+              ) : (
+                <>
+                  judged on <Logs names={finding?.held_out.log ? [finding.held_out.log] : logs} />
+                </>
+              )}
+            </Table.Td>
+            <Table.Td>
+              <Text component="code" size="xs" c="dimmed" style={{ overflowWrap: "anywhere" }}>
+                {k === 0 ? version : `+ ${added}`}
+              </Text>
+            </Table.Td>
           </Table.Tr>
-        </Table.Thead>
-        <Table.Tbody>
-          {rows.map(({ version, added, finding, logs }, k) => (
-            <Table.Tr key={version}>
-              <Table.Td>{k + 1}</Table.Td>
-              <Table.Th scope="row">{finding ? titleOf(finding) : k === 0 ? "Nothing: the robot as identified" : capital(added)}</Table.Th>
-              <Table.Td>
-                {k === 0 ? (
-                  <>
-                    fitted to <Logs names={fitted} />
-                  </>
-                ) : (
-                  <>
-                    judged on <Logs names={finding?.held_out.log ? [finding.held_out.log] : logs} />
-                  </>
-                )}
-              </Table.Td>
-              <Table.Td>
-                <Text component="code" size="xs" c="dimmed" style={{ overflowWrap: "anywhere" }}>
-                  {k === 0 ? version : `+ ${added}`}
-                </Text>
-              </Table.Td>
-            </Table.Tr>
-          ))}
-        </Table.Tbody>
+        ))}
       </WideTable>
     </section>
   );
@@ -88,6 +77,11 @@ function namesOf(fits: { log: string }[]): string[] {
 /** `stribeck@torso_pitch` is what the finding of that effect at that place added. */
 function isOf(added: string, { effect, where }: Finding): boolean {
   return added === `${effect}@${pointOf(where)}`;
+}
+
+/** An effect at its place, named as its finding is. */
+function inWords(added: string, findings: Finding[]): string {
+  return findings.reduce((words, each) => words.replace(`${each.effect}@${pointOf(each.where)}`, titleOf(each)), added);
 }
 
 function isOfWear({ where }: Finding): boolean {

@@ -1,6 +1,6 @@
 /** A log in a few words, and the logs of a study to choose from. */
 
-import { significant } from "../../parts/digits";
+import { figure } from "../../parts/digits";
 import type { SeriesFacts } from "../../plots/series";
 import { ROLES, type StudyLog } from "./summary";
 import { counted } from "./verdict";
@@ -10,9 +10,9 @@ export function factsOf(series: SeriesFacts, logs: StudyLog[]): string {
   const facts = [
     log && (ROLES[log.role] ?? log.role),
     log?.motion && `motion ${log.motion}`,
-    `${significant(series.end - series.start, 4)} s`,
+    `${figure(series.end - series.start)} s`,
     `${counted(series.samples)} samples`,
-    series.rate_hz !== null && `${significant(series.rate_hz, 4)} Hz`,
+    series.rate_hz !== null && `${figure(series.rate_hz)} Hz`,
   ];
   return facts.filter(Boolean).join(" · ");
 }
