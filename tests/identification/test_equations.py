@@ -143,6 +143,20 @@ def test_rows_of_coupled_axes_are_the_joint_rows_through_the_inverse_transposed_
         np.testing.assert_allclose(block[:, len(columns) + 1], velocity, atol=1e-12)
 
 
+def test_what_bodies_ask_of_every_row_is_what_the_dense_regressor_says(make_truth, make_log, monkeypatch):
+    truth = make_truth(True, coupling=DIFFERENTIAL)
+    equations = equations_of(truth.robot)
+    motion = prepared_of(truth.robot, make_log(truth, seed=2, seconds=4.0)).motion
+    phi = np.random.default_rng(0).normal(size=(truth.phi.size, 2))
+    dense = np.einsum("trp,pm->trm", regressor(truth.robot.tree, motion), phi)
+    dense[:, 6:] = np.einsum("ab,tbm->tam", np.linalg.inv(DIFFERENTIAL).T, dense[:, 6:])
+    monkeypatch.setattr(module, "CHUNK", 101)
+    both = equations.of_bodies(motion, equations.base.regroup @ phi)
+    np.testing.assert_allclose(both, dense, atol=1e-9)
+    np.testing.assert_allclose(equations.of_bodies(motion, equations.base.regroup @ phi[:, 1]), both[..., 1], atol=1e-9)
+    assert equations.of_carried(motion, equations.base.regroup @ phi).shape == (motion.samples, 0, 2)
+
+
 def test_statistics_do_not_depend_on_how_the_log_is_cut(case, monkeypatch):
     equations, truth, prepared = case
     x, weights = true_parameters(equations, truth), np.ones(len(equations.columns()))

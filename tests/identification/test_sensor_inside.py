@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 from tests.sensor_arm import COMPONENTS, JOINTS, SENSOR_NOISE, Sensor, describe, record, truth, wrist
 
+from exogauge.effects.payload import EFFECT as PAYLOAD
 from exogauge.identification.identify import identify
+from exogauge.identification.link_site import LinkSite
 from exogauge.identification.result import Identification, Parameter
 from exogauge.identification.settings import Recording, Settings
+from exogauge.robots.cut_rows import in_sensor
 from exogauge.robots.description import Robot
+from exogauge.robots.kinematics import Kinematics
+from exogauge.robots.regressor import inverse_dynamics
+from exogauge.robots.row_blocks import mass_columns
 from exogauge.studies.report_tables import sensor_table
 from exogauge.studies.results import sensor_entries, summaries
 
@@ -46,6 +52,24 @@ def on_wrist(identified: Identify) -> Identified:
 def without(identified: Identify) -> Identified:
     """The same logs; nobody knows of the sensor."""
     return identified([], made_with=[wrist()])
+
+
+def test_a_load_on_the_tool_takes_off_every_row_what_its_mass_asks_of_it(on_wrist: Identified) -> None:
+    robot, found = on_wrist
+    tree, equations = robot.tree, found.model.equations
+    body = tree.bodies.index("tool")
+    prepared = found.model.prepare(record(7, [wrist()], 5.0))
+    columns = LinkSite(body).see(found.model, prepared).columns(PAYLOAD, (1.0,))
+    kinds = LinkSite(body).kinds(equations)
+    assert kinds == (*range(4), *range(8, 14))  # motors and the sensor
+    phi = np.zeros((4, *tree.phi.shape))
+    phi[range(4), body, range(4)] = 1.0
+    torque = np.stack([inverse_dynamics(tree, prepared.motion, each) for each in phi], axis=1)
+    assert np.abs(torque[:, :, 1]).max() > 1.0
+    np.testing.assert_allclose(columns[:, :, :4], -torque, atol=1e-9)
+    sweep = Kinematics(tree).sweep(prepared.motion)
+    reading = in_sensor(tree, "wrist_ft", sweep, mass_columns(4 * body + np.arange(4), sweep))
+    np.testing.assert_allclose(columns[:, :, 4:], -reading.transpose(2, 1, 0), atol=1e-9)
 
 
 def named(found: Identification) -> dict[str, Parameter]:

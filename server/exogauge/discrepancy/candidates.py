@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.order import whatever_log
+from exogauge.effects.order import bounded, whatever_log
 from exogauge.identification.link_site import LinkSite, end_links
 from exogauge.identification.model import RobotModel
 from exogauge.identification.pair_site import PairSite, neighbours
@@ -68,11 +68,11 @@ def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, 
     low-passed as the rows are. Effects that differ in the log alone that they begin with are filtered once."""
     if not candidates:
         return np.zeros((len(prepared.kept), 0, kinds))
-    distinct: dict[tuple[str, tuple[float, ...], bool], slice] = {}
+    distinct: dict[tuple[Effect, tuple[float, ...], bool], slice] = {}
     raw, asked, width = list[Array](), list[slice](), 0
     for each in candidates:
-        own = seen.columns(each.effect, each.shape)
-        same = each.effect.name, whatever_log(each.effect.shapes, each.shape), bool(own.any())
+        own, shapes = seen.columns(each.effect, each.shape), each.effect.shapes
+        same = each.effect, whatever_log(shapes, each.shape), not bounded(shapes) or bool(own.any())
         if same not in distinct:
             distinct[same] = slice(width, width + each.width)
             raw, width = [*raw, own], width + each.width
@@ -85,6 +85,8 @@ def _filtered(raw: Array, prepared: Prepared) -> Array:
     """(T, C, kinds) to (n, C, kinds)."""
     flat = raw.reshape(len(raw), -1)
     some = flat.any(axis=0)
+    if some.all():
+        return prepared.low_pass.apply(flat)[prepared.kept].reshape(-1, *raw.shape[1:])
     kept = np.zeros((len(prepared.kept), flat.shape[1]))
     kept[:, some] = prepared.low_pass.apply(flat[:, some])[prepared.kept]
     return kept.reshape(len(kept), *raw.shape[1:])
