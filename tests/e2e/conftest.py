@@ -39,6 +39,12 @@ SAMPLE_NAME = "SYNTHETIC hrp4_like, seed 1"
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 PATIENCE_MS = int(os.environ.get("EXOGAUGE_TEST_PATIENCE_MS", "20000"))  # more on a machine that others keep busy
 WIDE = {"width": 1280, "height": 800}
+MOST_LINES = 6  # of a row's head
+BROKEN = """(most) => [...document.querySelectorAll("tbody th")].filter((head) => {
+  const words = document.createRange();
+  words.selectNodeContents(head);
+  return words.getBoundingClientRect().height > most * parseFloat(getComputedStyle(head).lineHeight);
+}).map((head) => head.innerText)"""
 LOOKS: dict[str, tuple[str, dict[str, int]]] = {
     "light": ("light", WIDE),
     "dark": ("dark", WIDE),
@@ -196,7 +202,8 @@ def axe() -> Axe:
 
 @pytest.fixture
 def screenshot(page: Page, axe: Axe) -> Callable[..., None]:
-    """screenshot(name): the page as it is, in four looks; in each it is accessible and no wider than the window.
+    """screenshot(name): the page as it is, in four looks; in each it is accessible, no wider than the window, and no
+    row of a table is a tower of words.
 
     Pictures are kept in the folder that EXOGAUGE_TEST_SCREENSHOTS names (`make screenshots`).
     """
@@ -211,6 +218,8 @@ def screenshot(page: Page, axe: Axe) -> Callable[..., None]:
             if folder:
                 page.screenshot(path=Path(folder) / f"{name}-{look}.png", full_page=True)
             axe(page, without)
+            broken = page.evaluate(BROKEN, MOST_LINES)
+            assert broken == [], f"{name}, {look}: heads of rows broken into many lines: {broken}"
             wide = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             assert wide <= 0, f"{name}, {look}: {wide} px wider than the window"
         page.emulate_media(color_scheme="light", reduced_motion="reduce")

@@ -107,8 +107,10 @@ def test_a_point_keeps_its_place_on_another_link_and_a_new_one_changes_nothing_y
 def test_a_change_is_saved_as_the_next_version_and_keeps_the_comments(page: Page, sample_service: Service) -> None:
     open_device(page)
     page.get_by_label("z of point 1 [m]").fill("0.4")
+    page.get_by_label("Serial number").fill("0042")
     page.get_by_role("button", name="Save as a new version").click()
     dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("Serial number: – → 0042")
     expect(dialog).to_contain_text("Via point 1 of A_left moved by 15 mm")
     dialog.get_by_label("Name").fill("Suit with a higher shoulder")
     dialog.get_by_role("button", name="Save", exact=True).click()
@@ -118,6 +120,8 @@ def test_a_change_is_saved_as_the_next_version_and_keeps_the_comments(page: Page
     text = download.value.path().read_text(encoding="utf-8")
     assert text.startswith("# SYNTHETIC: written by")
     assert "xyz: [ 0.05, 0.085, 0.4 ]" in text or "xyz: [0.05, 0.085, 0.4]" in text
+    assert 'serial: "0042"' in text
+    expect(page.get_by_label("Serial number")).to_have_value("0042")
     assert text.count("ground_truth: true") == 2  # a moved point does not touch what is true of the band
 
 

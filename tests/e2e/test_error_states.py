@@ -65,8 +65,8 @@ def test_a_defect_of_a_page_is_told_with_words_to_report(
     assert re.search(r"TypeError: .*\nPage: http.*/studies\nTime: 20\S+Z\nBrowser: .*\n.*assets/", words, re.DOTALL)
     assert seen.errors
     seen.errors.clear()
-    page.get_by_role("navigation", name="Main").get_by_role("link", name="Robots").click()
-    expect(page.get_by_role("heading", name="Robots", level=1)).to_be_visible()
+    page.get_by_role("navigation", name="Main").get_by_role("link", name="Import").click()  # reads no studies
+    expect(page.get_by_role("heading", name="Import logs", level=1)).to_be_visible()
     page.unroute_all()
     page.goto("/studies")
     expect(page.get_by_role("heading", name="Studies", level=1)).to_be_visible()
@@ -84,9 +84,12 @@ def test_a_failed_job_says_why_and_keeps_the_logs_in_reach(
         job = client.submit(study)
         page.goto(f"/studies/{study.id}")
         alert = page.get_by_role("alert")
-        expect(alert).to_contain_text("no joint moves steadily in any fitted log", timeout=120_000)
+        expect(alert).to_contain_text("No joint moves steadily in any fitted log", timeout=120_000)
         assert client.job(job).state == "failed"
     expect(alert).to_contain_text("Record longer movements")
+    steps = page.get_by_role("list", name="Steps").get_by_role("listitem")
+    expect(steps.filter(has_text="Identification")).to_contain_text("not reached")
+    expect(steps.filter(has_text="Bands")).to_contain_text("no log with the device worn")
     expect(page.get_by_text("Correct it, hand the study in again, and run that.")).to_be_visible()
     screenshot("review-failed")
     page.get_by_role("link", name="Log and raw data").click()

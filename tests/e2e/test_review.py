@@ -156,6 +156,37 @@ def test_dragging_zooms_every_plot_and_a_double_click_shows_the_whole(page: Page
     expect(axes[0]).to_have_attribute("aria-valuemax", whole[0][1] or "")
 
 
+def test_dragging_asks_for_nothing_and_no_graphics_card_is_needed(page: Page, study: dict[str, Any]) -> None:
+    page.goto(f"{study['path']}/plots?log={LOG}&show=support.torso_pitch&show=tension")
+    over = page.locator(".u-over").first
+    over.scroll_into_view_if_needed()
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    page.wait_for_timeout(1_000)
+    attributes = "(all) => all.map((one) => one.getContext('2d').getContextAttributes().willReadFrequently)"
+    assert page.locator("canvas").evaluate_all(attributes) == [True, True]
+    box = over.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 5, box["y"] + 40)
+    page.mouse.down()
+    page.wait_for_timeout(1_000)
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url) if "/tiles" in request.url else None)
+    for share in (0.2, 0.3, 0.4, 0.5):
+        page.mouse.move(box["x"] + share * box["width"], box["y"] + 50)
+        page.wait_for_timeout(250)  # longer than a cursor must rest to be read
+    assert asked == []
+    with page.expect_request(lambda request: "/tiles" in request.url):
+        page.mouse.up()
+
+
+def test_the_part_that_is_open_is_in_sight_on_a_narrow_screen(page: Page, study: dict[str, Any]) -> None:
+    page.set_viewport_size({"width": 420, "height": 800})
+    page.goto(f"{study['path']}/scope")
+    link = page.get_by_role("navigation", name="Parts of the review").get_by_role("link", name="Scope")
+    expect(link).to_have_attribute("aria-current", "page")
+    expect(link).to_be_in_viewport(ratio=1.0)
+
+
 def test_a_window_is_taken_away_as_rows_and_as_a_picture(page: Page, study: dict[str, Any]) -> None:
     page.goto(f"{study['path']}/plots?log={LOG}&show=tension&from=3&to=4")
     taken = {}

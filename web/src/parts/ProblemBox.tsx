@@ -16,7 +16,7 @@ export function ProblemBox({ error, problem, retry }: Props) {
   const rules = shown.errors ?? [];
   return (
     <Alert role="alert" color="red" icon={<IconAlertTriangle aria-hidden />} title={shown.title} classNames={LOOK}>
-      {rules.length !== 1 && <Text size="sm"><Said words={shown.detail} /></Text>}
+      {rules.length !== 1 && <Text size="sm"><Said words={capital(shown.detail)} /></Text>}
       {rules.length > 0 && (
         <List size="sm" mt={rules.length > 1 ? "xs" : 0} spacing={4}>
           {rules.slice(0, MOST).map((rule, k) => (
