@@ -102,7 +102,7 @@ def trunk() -> Trunk:
     equations = Equations(robot, row_blocks(tree, base, np.eye(3), fast=False), base, choose(Settings().effects))
     never_asked_for = {each.name: None for each in fields(RobotModel)}
     sure = np.zeros((equations.size, equations.size))
-    model = RobotModel(**(never_asked_for | {"equations": equations, "covariance": sure}))
+    model = RobotModel(**(never_asked_for | {"equations": equations, "covariance": sure, "cutoff_hz": 8.0}))
     t, rng = np.arange(0.0, SECONDS, 1.0 / RATE), np.random.default_rng(2)
     plans = {}
     for motion, (yaw, pitch) in {"bend": (0.08, 0.7), "twist": (0.5, 0.15), "mix": (0.35, 0.55)}.items():

@@ -178,16 +178,16 @@ def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(
     whole = replace(whole, segment_length=np.hstack([0.2 + stretching, np.tile([0.1, 0.15, 0.15], (4000, 1))]))
     seen = WireMotion(whole.time, whole.length, whole.rate, whole.segment_length, whole.wrap)
     law = all_laws()["via_friction"].tension(seen, K, 0.5, {"friction": mu}) - whole.tension[:, None]
-    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 1.0))[:, :, 0]
+    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 2e-4))[:, :, 0]
     slides = np.abs(whole.rate) > 0.03  # after a turn the law lets go from point to point, the effect at each by itself
     off = np.abs(law - effect)[slides].max(axis=1) / np.abs(law[slides]).max(axis=1)
     assert np.median(off) < 0.03
     assert np.mean(off < 0.1) > 0.5
 
 
-def test_a_via_point_that_gives_way_itself_takes_longer_to_let_the_band_slide():
+def test_a_via_point_that_gives_way_further_takes_longer_to_let_the_band_slide():
     effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
-    stiff, soft = (np.abs(effect.added_tension(whole, (0.2, give))).sum() for give in (0.1, 5.0))
+    stiff, soft = (np.abs(effect.added_tension(whole, (0.2, way))).sum() for way in (2e-4, 0.02))
     assert soft < 0.8 * stiff
 
 

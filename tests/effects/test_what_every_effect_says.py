@@ -38,7 +38,7 @@ SHAPE_UNITS = {
     "sensor": {"1", "s"},
     "base": set(),
     "link": {"1"},
-    "band": {"s", "1", "share", "travel"},
+    "band": {"s", "1", "m", "share", "travel"},
 }
 ERRS_BOTH_WAYS = ("sensor", "base")
 FINEST = {"torque_ripple": 40, "band_slip": 120}  # values of one shape: orders and moments are told apart one by one

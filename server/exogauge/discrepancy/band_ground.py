@@ -16,6 +16,7 @@ from exogauge.discrepancy.band_beyond import Beyond
 from exogauge.discrepancy.band_logs import Approach, Course, WearLog, WearLogs
 from exogauge.discrepancy.band_model import Fitted, Setting, Wear, believed, fit
 from exogauge.identification.model import RobotModel
+from exogauge.logs.filtering import LowPass
 from exogauge.support.evaluate import LEAST_SIGMA, Gathered
 from exogauge.support.evidence import Evidence
 from exogauge.support.score_doubt import autocovariance
@@ -23,6 +24,7 @@ from exogauge.support.score_doubt import autocovariance
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+DENSE = 12.0  # samples in a period of the cut-off: what rubs is followed from sample to sample
 WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 
 
@@ -60,7 +62,7 @@ def lay_ground(
     joints, names = gathered.joints, list(gathered.names)
     if beyond is not None:
         joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
-    logs = WearLogs([_log(each, approach, beyond) for each in own], joints, names)
+    logs = WearLogs([_log(each, approach, beyond, model.cutoff_hz) for each in own], joints, names)
     if not logs.used.any():
         return None
     routing = Routing(model.robot.tree, device.bands)
@@ -126,8 +128,9 @@ def _spread(logs: WearLogs, e: Array, floor: Array) -> Array:
     return np.asarray(np.maximum(np.sqrt(square), np.maximum(floor, LEAST_SIGMA)))
 
 
-def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None) -> WearLog:
-    kept = evidence.kept
+def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None, cutoff_hz: float) -> WearLog:
+    log, kept = evidence.worn.log, evidence.kept
+    dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
     torque, used = evidence.b, evidence.steady
     if approach == "A":
         assert evidence.a is not None
@@ -136,16 +139,25 @@ def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None) -> WearL
     if beyond is not None:
         pair = _beside(pair, (beyond.a if approach == "A" else beyond.b)[evidence.worn.log.name])
     return WearLog(
-        name=evidence.worn.log.name,
+        name=log.name,
         motion=evidence.worn.motion,
-        time=evidence.time - evidence.time[0],
-        posture=evidence.posture,
-        kept=kept,
+        time=evidence.time[dense] - evidence.time[0],
+        posture=evidence.posture[dense],
+        kept=np.searchsorted(dense, kept),
         torque=pair[0],
         used=pair[1],
         sloped=np.searchsorted(kept, evidence.sloped),
         slope=evidence.slope_a if approach == "A" else evidence.slope_b,
+        low_pass=LowPass(cutoff_hz, log.rate_hz / step, band_hz=log.band_hz),
     )
+
+
+def _dense(kept: NDArray[np.intp], samples: int, most: float) -> tuple[NDArray[np.intp], int]:
+    """Every n-th sample, the kept ones among them; and n, at most `most`."""
+    apart = int(np.gcd.reduce(np.diff(kept))) if len(kept) > 1 else 1
+    step = max(n for n in range(1, apart + 1) if apart % n == 0 and n <= max(most, 1.0))
+    first = int(kept[0]) % step if len(kept) else 0
+    return np.arange(first, samples, step), step
 
 
 def _beside(own: tuple[Array, BoolArray], more: tuple[Array, BoolArray]) -> tuple[Array, BoolArray]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exogauge.devices.routing import Routing
 from exogauge.effects.band import BandEffect, BandSignals
+from exogauge.logs.filtering import LowPass
 from exogauge.robots.tree import IntArray
 from exogauge.support.evidence import on_joints
 
@@ -27,7 +28,8 @@ BLOCK_S = 1.0  # length of the parts that count as independent
 class WearLog:
     """One log: T samples of its motion, of which n are kept; D joints; X parameters of the robot.
 
-    time: (T,) [s] from its start. posture: (T, J) [rad]. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
+    time: (T,) [s] from its start. posture: (T, J) [rad]. low_pass: at the rate of these samples, what the torque has
+    passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
     it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known.
     """
 
@@ -40,6 +42,12 @@ class WearLog:
     used: BoolArray
     sloped: IntArray
     slope: NDArray[np.float32] | None
+    low_pass: LowPass | None = None
+
+    def as_torque(self, pull: Array) -> Array:
+        """(n, …) at the kept samples, low-passed as the torque. pull: (T, …) [N]: what flips within a moment, such as
+        friction, leaves less of itself in the torque."""
+        return (self.low_pass.apply(pull) if self.low_pass else pull)[self.kept]
 
 
 @final
@@ -75,7 +83,13 @@ class WearLogs:
         motions = [each.motion for each in self.logs]
         chosen = [each for k, each in enumerate(self.logs) if motions.index(each.motion) == k]
         thin = [
-            replace(each, time=each.time[each.kept], posture=each.posture[each.kept], kept=np.arange(len(each.kept)))
+            replace(
+                each,
+                time=each.time[each.kept],
+                posture=each.posture[each.kept],
+                kept=np.arange(len(each.kept)),
+                low_pass=None,
+            )
             for each in chosen
         ]
         return WearLogs(thin, self.joints, self.names)
@@ -126,11 +140,11 @@ class Run:
 
     @cached_property
     def segments(self) -> tuple[Array, Array] | None:
-        """(n, S) lengths, (n, S-1) wrap angles at the kept samples; None for what is no wire."""
+        """(T, S) lengths, (T, S-1) wrap angles; None for what is no wire."""
         course = self._course
         if course.routing is None:
             return None
-        found = course.routing.segments(self.log.posture[self.log.kept], course.index)
+        found = course.routing.segments(self.log.posture, course.index)
         return found.length, found.wrap
 
     @cached_property
@@ -156,17 +170,15 @@ class Wire:
         self.travel = max(float(run.length.max()) for run in runs) - self.shortest
 
     def signals(self, run: Run, k: float, l_0: float, per_segment: bool) -> BandSignals:
-        """Every sample of a log; where segments matter the kept ones alone, which are dense enough for what rubs."""
-        segments, chosen = (run.segments, run.log.kept) if per_segment else (None, slice(None))
-        time, length = run.log.time[chosen], run.length[chosen]
+        segments = run.segments if per_segment else None
         return BandSignals(
-            time=time,
-            clock=time + run.start,
+            time=run.log.time,
+            clock=run.log.time + run.start,
             start=run.start,
             span=self.span,
-            length=length,
-            rate=run.rate[chosen],
-            stretch=np.maximum(length - l_0, 0.0),
+            length=run.length,
+            rate=run.rate,
+            stretch=np.maximum(run.length - l_0, 0.0),
             stiffness=k,
             natural_length=l_0,
             shortest=self.shortest,
@@ -182,9 +194,9 @@ class Wire:
         """(N, D, C) torque on the joints per unit of each coefficient."""
         parts = []
         for run in self.runs:
-            pull = effect.added_tension(self.signals(run, k, l_0, effect.per_segment), shape)
+            pull = run.log.as_torque(effect.added_tension(self.signals(run, k, l_0, effect.per_segment), shape))
             if effect.per_segment:
                 parts.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, pull))
             else:
-                parts.append(-run.jacobian[:, :, None] * pull[run.log.kept, None, :])
+                parts.append(-run.jacobian[:, :, None] * pull[:, None, :])
         return np.concatenate(parts)

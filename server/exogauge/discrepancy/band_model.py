@@ -242,15 +242,13 @@ def _beyond_spring(band: Band, wire: Wire, k: float, l_0: float) -> Array:
     """(N, D) [N·m] with the sign of the residual: what a declared law pulls beyond its spring."""
     law, parts = law_named(band.law), []
     for run in wire.runs:
-        kept = run.log.kept
+        spring = k * np.maximum(run.length - l_0, 0.0)
         if law.per_segment:
-            segments = run.segments or (None, None)
-            motion = WireMotion(run.log.time[kept], run.length[kept], run.rate[kept], *segments)
-            pull = law.tension(motion, k, l_0, band.law_values)
-            spring = k * np.maximum(motion.length - l_0, 0.0)
-            parts.append(np.einsum("nsd,ns->nd", run.segment_jacobian, pull - spring[:, None]))
+            motion = WireMotion(run.log.time, run.length, run.rate, *(run.segments or (None, None)))
+            pull = run.log.as_torque(law.tension(motion, k, l_0, band.law_values) - spring[:, None])
+            parts.append(np.einsum("nsd,ns->nd", run.segment_jacobian, pull))
         else:
             motion = WireMotion(run.log.time, run.length, run.rate)
-            pull = law.tension(motion, k, l_0, band.law_values) - k * np.maximum(run.length - l_0, 0.0)
-            parts.append(run.jacobian * pull[kept, None])
+            pull = run.log.as_torque(law.tension(motion, k, l_0, band.law_values) - spring)
+            parts.append(run.jacobian * pull[:, None])
     return np.concatenate(parts)

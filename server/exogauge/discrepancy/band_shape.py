@@ -19,11 +19,13 @@ from exogauge.discrepancy.band_score import BandScore
 Array = NDArray[np.float64]
 
 TRIALS = 14  # fits, per shape
+WORTH = 4.0  # of the cost, in independent errors: less is chance
 FIRST_STEP = 0.08  # of a shape's range
 
 
 def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> BandJudgement:
-    """The winner, judged anew with the shape that fits best, if that may still be claimed; else as it was."""
+    """The winner, judged anew with the shape that fits best, if that may still be claimed and explains more of what was
+    left out of the fit; else as it was."""
     added, without = winner.added, ground.fitted.wear
     shapes = added.effect.shapes
     free = [k for k, one in enumerate(shapes) if one.grid != (one.low, one.high)]
@@ -47,7 +49,8 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
         options={"maxfev": TRIALS * len(free), "initial_simplex": np.vstack([start, start + np.diag(steps)]),
                  "xatol": 0.005, "fatol": 1.0},
     )  # fmt: skip
-    if found.fun >= cost(start):
+    if found.fun > cost(start) - WORTH:
         return winner
     again = judge(ground, BandScore(tried(found.x), 0.0, winner.evidence, winner.left), folds)
-    return winner if again.objection else again
+    better = float(np.nansum(again.blocks)) > float(np.nansum(winner.blocks))
+    return again if better and not again.objection else winner

@@ -14,6 +14,8 @@ from exogauge.effects.shaped import Shape
 Array = NDArray[np.float64]
 Sort = Literal["law", "stated", "wire"]
 
+COMES_UP = 0.05  # of the band's travel
+
 
 @final
 @dataclass(frozen=True)
@@ -43,8 +45,9 @@ class BandSignals:
 
     @property
     def taut(self) -> Array:
-        """(T,) 1 where the band pulls, else 0."""
-        return (self.stretch > 0.0).astype(np.float64)
+        """(T,) 1 where the band pulls, 0 where it is slack; it comes up over the first of its stretch, because a leap
+        there would move with the natural length, and no fit could follow it."""
+        return np.asarray(np.clip(self.stretch / max(COMES_UP * self.travel, 1e-9), 0.0, 1.0))
 
     @property
     def tension(self) -> Array:

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.rates import rate_of_change
+from exogauge.effects.rates import rate_of_change, second_rate_of_change
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 
@@ -24,12 +24,17 @@ class TorqueDelay:
     sentence = "The torque acts later than its log says, or is logged later than it acts."
     coefficients = (Quantity("delta", "s", low=-0.1, high=0.1),)
     shapes: tuple[Shape, ...] = ()
+    departing = (Quantity("delta_squared", "s²"),)
     confounds = ("viscous",)
     needs = "Quick changes of the load, and reversals at speed."
     coordinate = "acceleration"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return -rate_of_change(signals.drive, signals.time)[:, None]
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 1) ½ ü, the next term of a delay that is long for what the motor does in it."""
+        return 0.5 * second_rate_of_change(signals.drive, signals.time)[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
         return bool(np.any(signals.direction != 0.0)) and signals.torque_scale > 0.0
