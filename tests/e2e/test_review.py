@@ -158,6 +158,7 @@ def test_dragging_zooms_every_plot_and_a_double_click_shows_the_whole(page: Page
 
 def test_dragging_asks_for_nothing_and_no_graphics_card_is_needed(page: Page, study: dict[str, Any]) -> None:
     page.goto(f"{study['path']}/plots?log={LOG}&show=support.torso_pitch&show=tension")
+    expect(page.locator(".u-over")).to_have_count(2)
     over = page.locator(".u-over").first
     over.scroll_into_view_if_needed()
     expect(page.locator("[aria-busy=true]")).to_have_count(0)

@@ -62,8 +62,9 @@ function placeOf(rule: ProblemError): string {
   return parts.join(", ") || rule.pointer || "";
 }
 
+/** A first word that is no name: `study.yaml`, `k_T` and `q.elbow` stay as they are. */
 function capital(words: string): string {
-  return words.slice(0, 1).toUpperCase() + words.slice(1);
+  return /^[a-z]+(?=[ ,:’'])/.test(words) ? words.slice(0, 1).toUpperCase() + words.slice(1) : words;
 }
 
 function defect(error: unknown): Problem {

@@ -40,6 +40,7 @@ export function PlotPanel(props: Props) {
   const pixels = Math.min(STEP * Math.ceil((width * globalThis.devicePixelRatio) / STEP), 8000);
   const tiles = useTiles({ source, name: log, channels, start: window.from, end: window.to, width: pixels });
   const drawn = useMemo(() => drawable(tiles.data, shown, doubts), [tiles.data, shown, doubts]);
+  const height = HEIGHT + (last ? AXIS_NAME : 0);
   const at = useRestingTime(cursor, REST_MS);
   const sample = useSample(source, log, channels, at);
   return (
@@ -47,9 +48,9 @@ export function PlotPanel(props: Props) {
       <Title order={3} size="h5" className={styles.title}>
         {panel.title}
       </Title>
-      <div ref={ref} className={styles.room} aria-busy={tiles.isFetching}>
+      <div ref={ref} className={styles.room} style={{ minHeight: height }} aria-busy={tiles.isFetching}>
         {tiles.error && <ProblemBox error={tiles.error} retry={() => void tiles.refetch()} />}
-        {width > 0 && !tiles.error && (
+        {width > 0 && tiles.data && !tiles.error && (
           <Plot
             label={`${panel.title}: time`}
             words={readingWords(shown, sample.data ?? null, panel.unit)}
@@ -59,7 +60,7 @@ export function PlotPanel(props: Props) {
             window={window}
             cursor={cursor}
             width={width}
-            height={HEIGHT + (last ? AXIS_NAME : 0)}
+            height={height}
             timed={last}
             onZoom={onZoom}
             onWhole={onWhole}
