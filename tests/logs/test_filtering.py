@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from exogauge.errors import BadLog
-from exogauge.logs.filtering import LowPass
+from exogauge.logs.filtering import LowPass, _sections, both_ways_by_scipy
 
 
 @pytest.mark.parametrize("frequency", [1.0, 5.0, 10.0, 15.0, 40.0])
@@ -66,3 +66,15 @@ def test_a_missing_value_is_named_instead_of_smeared():
 def test_a_cutoff_above_half_the_rate_is_refused():
     with pytest.raises(ValueError, match="cut-off"):
         LowPass(60.0, 100.0)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 17])
+def test_the_compiled_passes_round_as_scipy_does(channels):
+    compiled = pytest.importorskip("exogauge.logs.filtering_numba").both_ways
+    walk = np.random.default_rng(3).standard_normal((2000, channels)).cumsum(axis=0)
+    for low_pass in (LowPass(2.0, 1000.0), LowPass(6.5, 200.0), LowPass(20.0, 100.0, 2)):
+        one, other = walk.copy(), walk.copy()
+        compiled(*_sections(low_pass), one)
+        both_ways_by_scipy(*_sections(low_pass), other)
+        assert np.abs(one - walk).max() > 1e-3
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(walk).max())

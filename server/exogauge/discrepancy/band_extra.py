@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.routing import Routing
@@ -30,6 +31,7 @@ MOST_JOINTS = 4  # between the ends of a wire
 LIGHTEST = 0.01  # of the robot's mass: of a link whose inertia says how large it is
 SHORTEST_TRAVEL = 0.005  # [m] of a wire that motions stretch
 LIKELY = 3  # joints that are followed up, and wires that are judged
+COORDINATES, FURTHEST, FIRST_STEP, TRIALS = 6, 0.2, 0.04, 200  # of both ends [m]: how they are led better
 WORTH = 6.0  # evidence beyond what the number of tries gives by chance
 
 
@@ -41,10 +43,11 @@ def further_wires(ground: Ground, scorer: Scorer, effect: BandEffect) -> tuple[G
     if not likely or likely[0][1].evidence < WORTH + 2.0 * np.log(max(len(pulled), 1)):
         return ground, scorer, [], tried
     wires = list(_between_links(ground, sorted({course.column for course, _ in likely})))
-    coarse, count = _best(_few(ground, scorer), effect, wires)
+    few = _few(ground, scorer)
+    coarse, count = _best(few, effect, wires)
     first_look = _one_per_pair(sorted(coarse, key=lambda each: -each[1].evidence))[:LIKELY]
-    by_wire, _ = _best(scorer, effect, [course for course, _ in first_look])
-    price = 2.0 * np.log(max(len(wires), 1))
+    by_wire, _ = _best(scorer, effect, [_led_better(few, effect, each) for each in first_look])
+    price = 2.0 * np.log(max(len(wires), 1)) + COORDINATES * np.log(max(scorer.setting.independent, 2.0))
     chosen = likely[:1] + [(course, replace(one, evidence=one.evidence - price)) for course, one in by_wire]
     first = len(ground.setting.wires)
     more = tuple(ground.setting.logs.wire(course) for course, _ in chosen)
@@ -105,6 +108,30 @@ def _between_links(ground: Ground, joints: Sequence[int]) -> Iterator[Course]:
         for start, end in itertools.product(sides[one], sides[other]):
             points = (ViaPoint(tree.bodies[one], start), ViaPoint(tree.bodies[other], end))
             yield Course("band", name, Routing(tree, [Band(name, name, points)]), 0)
+
+
+def _led_better(scorer: Scorer, effect: BandEffect, found: tuple[Course, BandScore]) -> Course:
+    """The course with its ends moved to where it explains most, at most `FURTHEST` from where they were."""
+    course = found[0]
+    assert course.routing is not None
+    (band,) = course.routing.bands
+    ends = np.array([point.xyz for point in band.via_points])
+
+    def led(moved: Array) -> Course:
+        places = ends + FURTHEST * np.tanh(moved.reshape(ends.shape) / FURTHEST)
+        points = tuple(replace(point, xyz=(float(at[0]), float(at[1]), float(at[2])))
+                       for point, at in zip(band.via_points, places, strict=True))  # fmt: skip
+        assert course.routing is not None
+        return replace(course, routing=Routing(course.routing.tree, [replace(band, via_points=points)]))
+
+    def cost(moved: Array) -> float:
+        tried, _ = _best(scorer, effect, [led(moved)])
+        return -tried[0][1].gain if tried else 0.0
+
+    start = np.vstack([np.zeros(COORDINATES), FIRST_STEP * np.eye(COORDINATES)])
+    best = minimize(cost, start[0], method="Nelder-Mead", options={"initial_simplex": start, "maxfev": TRIALS,
+                                                                    "xatol": 0.002, "fatol": 1.0})  # fmt: skip
+    return led(best.x)
 
 
 def _sides(tree: RigidTree, body: int) -> list[tuple[float, float, float]]:

@@ -7,8 +7,9 @@ on one side only does not. So there is one `LowPass` per evaluation and everythi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import final
 
 import numpy as np
@@ -20,6 +21,7 @@ from exogauge.errors import BadLog, Fault
 Array = NDArray[np.float64]
 
 AT_ONCE = 16  # channels: what is worked on stays in the cache
+MANY = 20_000  # values from which loading numba pays, for a process that has not yet
 SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 
@@ -59,19 +61,16 @@ class LowPass:
         if values.shape[0] < 2:
             return values.copy()
         beyond = self.settle_samples
-        sections, steady = _sections(self)
         flat = values.reshape(len(values), -1)
         filtered = np.empty(flat.shape)
         for start in range(0, flat.shape[1], AT_ONCE):
-            channels = np.array(flat[:, start : start + AT_ONCE].T, dtype=np.float64, order="C")
-            line = np.linspace(channels[:, 0], channels[:, -1], channels.shape[1], axis=1)
-            channels -= line
+            channels = flat[:, start : start + AT_ONCE]
+            line = np.linspace(channels[0], channels[-1], len(channels))
             # reflects again where T is short
-            extended = np.pad(channels, ((0, 0), (beyond, beyond)), mode="reflect", reflect_type="odd")
-            for _ in range(2):  # forwards, and again from the other end
-                state = steady[:, None, :] * extended[None, :, :1]
-                extended = sosfilt(sections, extended, axis=1, zi=state)[0][:, ::-1]
-            filtered[:, start : start + AT_ONCE] = (line + extended[:, beyond:-beyond]).T
+            extended = np.pad(channels - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+            both_ways = _compiled_passes() if values.size >= MANY else both_ways_by_scipy
+            both_ways(*_sections(self), extended)
+            np.add(line, extended[beyond : beyond + len(flat)], out=filtered[:, start : start + AT_ONCE])
         return filtered.reshape(values.shape)
 
     @property
@@ -101,6 +100,25 @@ class LowPass:
         is then no longer fit to be plotted as a spectrum. Differentiate before decimating, never after.
         """
         return max(1, math.floor(self.rate_hz / (keep_factor * self.cutoff_hz) + 1e-9))
+
+
+@cache
+def _compiled_passes() -> Callable[[Array, Array, Array], None]:
+    """Where numba is installed, else SciPy's; both give the same to the last bit."""
+    try:
+        from exogauge.logs.filtering_numba import both_ways
+    except ImportError:
+        return both_ways_by_scipy
+    return both_ways
+
+
+def both_ways_by_scipy(sections: Array, steady: Array, values: Array) -> None:
+    """See `filtering_numba.both_ways`."""
+    channels = np.ascontiguousarray(values.T)
+    for _ in range(2):  # forwards, and again from the other end
+        state = steady[:, None, :] * channels[None, :, :1]
+        channels = sosfilt(sections, channels, axis=1, zi=state)[0][:, ::-1]
+    values[...] = channels.T
 
 
 @lru_cache(maxsize=64)

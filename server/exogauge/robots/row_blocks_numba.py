@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
-from exogauge.robots.row_blocks import buffer_of, predict, ready_blocks
+from exogauge.robots.row_blocks import buffer_of, ready_blocks
 from exogauge.robots.row_layout import RowLayout
 from exogauge.robots.tree import RigidTree
 
@@ -25,6 +25,7 @@ Bools = NDArray[np.bool_]
 F = TypeVar("F", bound=Callable[..., None])
 
 TILE = 64  # samples
+AT_ONCE = 500  # samples whose blocks `predict` holds
 AXES = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])  # x, the next, the one after
 ENTRIES = np.array([[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]])  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz
 
@@ -82,8 +83,14 @@ class CompiledRowBlocks:
         return blocks
 
     def predict(self, motion: Motion, phi_base: Array) -> Array:
-        """See `Rows.predict`."""
-        return predict(self.tree, self.base, self.axes_from_joints, motion, phi_base)
+        """See `Rows.predict`: a sixth of the time of inverse dynamics in NumPy, though it builds the regressor."""
+        rows, blocks = np.empty((motion.samples, len(self.columns))), list[Array]()
+        for start in range(0, motion.samples, AT_ONCE):
+            which = slice(start, min(start + AT_ONCE, motion.samples))
+            blocks = self.fill(motion.rows(which), 0, blocks)
+            for row, (block, own) in enumerate(zip(blocks, self.columns, strict=True)):
+                rows[which, row] = block @ phi_base[own]
+        return rows
 
 
 def _compiled(function: F) -> F:
