@@ -35,8 +35,14 @@ COORDINATES, FURTHEST, FIRST_STEP, TRIALS = 6, 0.2, 0.04, 200  # of both ends [m
 WORTH = 6.0  # evidence beyond what the number of tries gives by chance
 
 
-def further_wires(ground: Ground, scorer: Scorer, effect: BandEffect) -> tuple[Ground, Scorer, list[BandScore], int]:
-    """The ground with the likeliest further wires behind the declared bands, its scorer, their scores, the tries."""
+def further_wires(
+    ground: Ground, scorer: Scorer, effect: BandEffect, led_better: bool = False
+) -> tuple[Ground, Scorer, list[BandScore], int]:
+    """The ground with the likeliest further wires behind the declared bands, its scorer, their scores, the tries.
+
+    led_better: their ends are moved to where they explain most. Only once it is clear that there is such a wire: one
+    that may run anywhere would explain what any effect of a declared band does.
+    """
     pulled = list(_at_joints(ground))
     by_joint, tried = _best(scorer, effect, pulled)
     likely = sorted(by_joint, key=lambda each: -each[1].evidence)[:LIKELY]
@@ -46,8 +52,9 @@ def further_wires(ground: Ground, scorer: Scorer, effect: BandEffect) -> tuple[G
     few = _few(ground, scorer)
     coarse, count = _best(few, effect, wires)
     first_look = _one_per_pair(sorted(coarse, key=lambda each: -each[1].evidence))[:LIKELY]
-    by_wire, _ = _best(scorer, effect, [_led_better(few, effect, each) for each in first_look])
-    price = 2.0 * np.log(max(len(wires), 1)) + COORDINATES * np.log(max(scorer.setting.independent, 2.0))
+    led = [_led_better(few, effect, each) if led_better else each[0] for each in first_look]
+    by_wire, _ = _best(scorer, effect, led)
+    price = 2.0 * np.log(max(len(wires), 1))
     chosen = likely[:1] + [(course, replace(one, evidence=one.evidence - price)) for course, one in by_wire]
     first = len(ground.setting.wires)
     more = tuple(ground.setting.logs.wire(course) for course, _ in chosen)

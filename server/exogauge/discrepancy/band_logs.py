@@ -190,13 +190,44 @@ class Wire:
     def applies(self, effect: BandEffect, k: float, l_0: float) -> bool:
         return any(effect.applies(self.signals(run, k, l_0, effect.per_segment)) for run in self.runs)
 
-    def columns(self, effect: BandEffect, shape: tuple[float, ...], k: float, l_0: float) -> Array:
-        """(N, D, C) torque on the joints per unit of each coefficient."""
+    def columns(
+        self,
+        effect: BandEffect,
+        shape: tuple[float, ...],
+        k: float,
+        l_0: float,
+        pulls: Sequence[BoolArray] | None = None,
+    ) -> Array:
+        """(N, D, C) torque on the joints per unit of each coefficient. pulls: by log, (T,) where the band pulls at all;
+        None: everywhere."""
         parts = []
-        for run in self.runs:
-            pull = run.log.as_torque(effect.added_tension(self.signals(run, k, l_0, effect.per_segment), shape))
+        for number, run in enumerate(self.runs):
+            added = effect.added_tension(self.signals(run, k, l_0, effect.per_segment), shape)
+            if pulls is not None and not effect.per_segment:
+                added = added * pulls[number][:, None]
+            pull = run.log.as_torque(added)
             if effect.per_segment:
                 parts.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, pull))
             else:
                 parts.append(-run.jacobian[:, :, None] * pull[:, None, :])
+        return np.concatenate(parts)
+
+    def tension(self, laws: Sequence[tuple[BandEffect, tuple[float, ...], Array]], k: float, l_0: float) -> list[Array]:
+        """By log, (T,) [N] of the spring and of laws (effect, shape, coefficients) that pull alike all along the band.
+        Below 0 they would push, which a band does not."""
+        found = []
+        for run in self.runs:
+            signals = self.signals(run, k, l_0, False)
+            whole = signals.tension
+            for effect, shape, coefficients in laws:
+                whole = whole + effect.added_tension(signals, shape) @ coefficients
+            found.append(whole)
+        return found
+
+    def beyond_spring(self, tension: Sequence[Array], k: float, l_0: float) -> Array:
+        """(N, D) torque of a band with this tension (of `tension`) beside that of its spring."""
+        parts = []
+        for run, own in zip(self.runs, tension, strict=True):
+            pull = np.maximum(own, 0.0) - k * np.maximum(run.length - l_0, 0.0)
+            parts.append(-run.jacobian * run.log.as_torque(pull)[:, None])
         return np.concatenate(parts)

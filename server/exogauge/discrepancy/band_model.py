@@ -169,10 +169,25 @@ def residual(logs: WearLogs, bands: Sequence[Band], wires: Sequence[Wire], wear:
         e += wire.jacobian * (k * np.maximum(wire.length - l_0, 0.0))[:, None]
         if band.law != "linear":
             e += _beyond_spring(band, wire, k, l_0)
+    whole = tensions(wires, wear)
+    for place, tension in whole.items():
+        e -= wires[place].beyond_spring(tension, *wear.spring(place))
     for each in wear.added:
-        k, l_0 = wear.spring(each.wire)
-        e -= wires[each.wire].columns(each.effect, each.shape, k, l_0) @ each.coefficients
+        if each.effect.per_segment or each.wire not in whole:
+            k, l_0 = wear.spring(each.wire)
+            e -= wires[each.wire].columns(each.effect, each.shape, k, l_0) @ each.coefficients
     return np.asarray(e)
+
+
+def tensions(wires: Sequence[Wire], wear: Wear) -> Mapping[int, list[Array]]:
+    """Declared band that a law was added to -> its tension by log, as the laws have it."""
+    laws = [each for each in wear.added if not each.effect.per_segment and each.wire < len(wear.k)]
+    return {
+        wire: wires[wire].tension(
+            [(each.effect, each.shape, each.coefficients) for each in laws if each.wire == wire], *wear.spring(wire)
+        )
+        for wire in dict.fromkeys(each.wire for each in laws)
+    }
 
 
 def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
@@ -184,12 +199,13 @@ def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
         parts[:, :, b] = -wires[b].jacobian * np.maximum(stretch, 0.0)[:, None]
         parts[:, :, W + b] = wires[b].jacobian * (wear.k[b] * (stretch > 0.0))[:, None]
     more = []
+    pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
     for each in wear.added:
-        (k, l_0), wire = wear.spring(each.wire), wires[each.wire]
-        own = wire.columns(each.effect, each.shape, k, l_0)
+        (k, l_0), wire, pulls = wear.spring(each.wire), wires[each.wire], pulling.get(each.wire)
+        own = wire.columns(each.effect, each.shape, k, l_0, pulls)
         if each.wire < W:
             stiffer, longer = (
-                wire.columns(each.effect, each.shape, k + dk, l_0 + dl)
+                wire.columns(each.effect, each.shape, k + dk, l_0 + dl, pulls)
                 for dk, dl in ((NEAR * k, 0.0), (0.0, NEAR * l_0))
             )
             parts[:, :, each.wire] += (stiffer - own) @ each.coefficients / (NEAR * k)

@@ -117,7 +117,7 @@ def search_wear(
         winner = next((each for each in judged if not each.objection), None)
         if winner is None or len(findings) >= MOST_EFFECTS:
             break
-        winner, judged = _sharpened(ground, winner, judged, folds)
+        ground, winner, judged = _sharpened(ground, winner, judged, folds)
         findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
         explained = np.maximum(explained, winner.gone)
         ground = weighed(ground, winner.fitted)
@@ -185,10 +185,25 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
 
 def _sharpened(
     ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds
-) -> tuple[BandJudgement, list[BandJudgement]]:
-    """The winner with its best shape, and in its place among the others."""
-    again = with_best_shape(ground, winner, folds)
-    return again, [again if each is winner else each for each in judged]
+) -> tuple[Ground, BandJudgement, list[BandJudgement]]:
+    """The winner with its best shape, or on its best course, in its place among the others; and the ground with it."""
+    if winner.added.effect.sort == "wire":
+        ground, again = _on_best_course(ground, winner, folds)
+    else:
+        again = with_best_shape(ground, winner, folds)
+    return ground, again, [again if each is winner else each for each in judged]
+
+
+def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:
+    """What explains most of what was left out of the fit, if it is more than the winner does."""
+    wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
+    found = [judge(wider, scorer.refined(each), folds) for each in scores]
+    best = max((each for each in found if not each.objection), key=_gained, default=winner)
+    return (wider, best) if _gained(best) > _gained(winner) else (ground, winner)
+
+
+def _gained(judged: BandJudgement) -> float:
+    return float(np.nansum(judged.blocks))
 
 
 def _remainder(judged: BandJudgement, explained: Array) -> str:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.chain import lineage, link
-from exogauge.discrepancy.contact import contacts
+from exogauge.discrepancy.contact import contacts, pushes
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
@@ -29,6 +30,8 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.site import Effect
 
+CONTACT = "contact"
+ALMOST = 0.99  # done, as it is told while all is sought once more
 NOT_HELD_OUT = (
     "No log was held out, so nothing can be claimed: give at least one log of the same kind of motion the role "
     "`validation`."
@@ -52,13 +55,22 @@ def find_missing_effects(
     effects: Sequence[Effect],
     settings: Settings,
     progress: Progress = lambda _fraction, _phrase: None,
+    touched: bool = True,
 ) -> Found:
-    """found: identification without them, of the same recordings. effects: what may be missing."""
+    """found: identification without them, of the same recordings. effects: what may be missing. touched: whether
+    something may have touched the robot."""
+    given = recordings
     recordings, models, findings = _filtered_alike(found, recordings, settings, progress)
-    recordings, models, findings = _untouched(models, findings, recordings, settings, progress)
+    whole = recordings
+    if touched:
+        recordings, models, findings = _untouched(models, findings, recordings, settings, progress)
     search = Search(models[-1], recordings, effects, settings, progress)
     search.run()
     search, joined = look_into_odd_logs(search)
+    looked_like_a_push = search.steps and any(each.effect == CONTACT for each in findings)
+    if looked_like_a_push and not pushes(search.current.model, whole):  # what was named since explains it
+        tick = partial(_still_at, progress)
+        return find_missing_effects(found, given, effects, settings, tick, touched=False)
     assert search.first is not None
     assert search.last is not None
     bends, equations = own_curves(search), search.base.model.equations
@@ -96,6 +108,10 @@ def find_missing_effects(
         current,
         tuple(recordings),
     )
+
+
+def _still_at(progress: Progress, _fraction: float, phrase: str) -> None:
+    progress(ALMOST, phrase)
 
 
 def _with_bends(named: int, steps: Sequence[Step], bends: Sequence[Bend]) -> list[Finding]:

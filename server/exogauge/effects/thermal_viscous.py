@@ -27,7 +27,7 @@ class ThermalViscous:
     place = "joint"
     sentence = "Viscous friction falls as the joint warms up."
     coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
-    shapes = (Shape("t_w", "s", 5.0, 1800.0, (20.0, 100.0, 500.0)),)
+    shapes = (Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0)),)
     departing = (Quantity("k_w_quadratic", "N·m·s/rad"), Quantity("k_w_cubic", "N·m·s/rad"))
     confounds = ("viscous",)
     needs = "The same motion cold and warm, or for minutes on end; a logged temperature helps."
