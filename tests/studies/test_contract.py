@@ -49,6 +49,14 @@ def test_the_written_contract_is_accepted() -> None:
     assert robot.joints[0].prior.k_T == 5.0
 
 
+@pytest.mark.parametrize(("written", "meant"), [("0042", "0042"), ("42", "42"), ("12:30", "12:30"), ("'007'", "007")])
+def test_a_serial_number_stays_as_it_is_written(written: str, meant: str) -> None:
+    data = f"version: 1\nname: wear\nrecord: {{serial: {written}}}\nbands:\n- name: left\n  via_points:\n" + "".join(
+        f"  - {{link: {link}, xyz: [0, 0, 0]}}\n" for link in ("waist", "chest")
+    )
+    assert load_yaml(data.encode(), DeviceFile, file="device.yaml").record.serial == meant
+
+
 @pytest.mark.parametrize(
     ("old", "new", "row", "column", "words"),
     [

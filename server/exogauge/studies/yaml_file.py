@@ -23,6 +23,8 @@ MAX_DEPTH = 40
 MAX_NODES = 50_000  # as written, and again after every alias is written out
 MAX_FAULTS = 20
 
+AS_WRITTEN = re.compile(r"[-+]?(0[0-9_]+|.*:.*)$")
+
 Model = TypeVar("Model", bound=BaseModel)
 Pointer = tuple[str | int, ...]
 
@@ -37,7 +39,10 @@ _Loader.add_implicit_resolver(
 )
 
 
-def _whole_number(loader: _Loader, node: yaml.ScalarNode) -> int:
+def _whole_number(loader: _Loader, node: yaml.ScalarNode) -> int | str:
+    """Text where YAML 1.1 would count in eights or sixties: `0042` is a serial number and `1:30` a time."""
+    if AS_WRITTEN.match(node.value):
+        return str(node.value)
     if len(node.value) > 200:  # more would not fit a float
         raise yaml.constructor.ConstructorError(None, None, "a number with too many digits", node.start_mark)
     return int(loader.construct_yaml_int(node))
