@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -161,9 +162,9 @@ def channel(name: str) -> str:
 
 
 def step_words(step: str) -> str:
-    """A step of the chain: `+ stribeck at torso_pitch` -> `+ Stribeck friction at torso_pitch`."""
-    sign, effect, rest = (*step.split(" ", 2), "", "")[:3]
-    return f"+ {effect_words(effect)} {rest}" if sign == "+" and rest.startswith("at ") else step
+    """A step of the chain: `+ stribeck at torso_pitch` or `+ own curve of stribeck at …` -> `+ Stribeck friction at …`."""
+    found = re.fullmatch(r"\+ (own curve of )?(\S+) (at .+)", step)
+    return f"+ {found[1] or ''}{effect_words(found[2])} {found[3]}" if found else step
 
 
 def chain_unit(unit: str) -> str:

@@ -13,6 +13,7 @@ from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
 from exogauge.effects.words import EFFECTS
 from exogauge.studies.discrepancy_results import discrepancy_entry
+from exogauge.studies.discrepancy_sentences import step_words
 from exogauge.studies.results import finite
 
 IDENTIFIER = re.compile(r"[A-Za-z]\w*_\w+|\w+@\w+")
@@ -88,3 +89,9 @@ def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
             assert f"The next best, {EFFECTS[name]}" in text
             assert "the base: " not in text
             assert IDENTIFIER.search(band_finding._next(others)) is None
+
+
+def test_a_step_of_the_chain_is_told_in_words_whether_it_is_an_effect_or_its_own_curve() -> None:
+    assert step_words("+ load_coulomb at elbow") == "+ load-dependent friction at elbow"
+    assert step_words("+ own curve of load_coulomb at elbow") == "+ own curve of load-dependent friction at elbow"
+    assert step_words("identified model") == "identified model"
