@@ -162,7 +162,7 @@ def channel(name: str) -> str:
 
 
 def step_words(step: str) -> str:
-    """A step of the chain: `+ stribeck at torso_pitch` or `+ own curve of stribeck at …` -> `+ Stribeck friction at …`."""
+    """A step of the chain: `+ stribeck at torso_pitch` -> `+ Stribeck friction at torso_pitch`, `own curve of` kept."""
     found = re.fullmatch(r"\+ (own curve of )?(\S+) (at .+)", step)
     return f"+ {found[1] or ''}{effect_words(found[2])} {found[3]}" if found else step
 
