@@ -14,19 +14,20 @@ import numpy as np
 
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.doubt import parameters
-from exogauge.discrepancy.finding import AT_MOST
 from exogauge.discrepancy.judge import judge
 from exogauge.discrepancy.locate import pooled
 from exogauge.discrepancy.result import Finding
 from exogauge.discrepancy.score import Score, score
 from exogauge.discrepancy.search import WORTH_JUDGING, Search, Step
 from exogauge.discrepancy.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.discrepancy.worth import gone
 from exogauge.effects.own_curve import OwnCurve, possible_terms
 from exogauge.identification.added import AddedEffect
 from exogauge.identification.result import Identification
 from exogauge.identification.site import AxisSite, SensorSite
 
 SURE = 2.0  # standard errors by which held-out error must fall: few bends are tried, and none gets a name
+LEAST = 0.25  # of the noise floor, that a bend must take off the held-out error
 BENT = (
     " Its curve is not quite that of the formula. With one of its own the error is {:.2g} {}: {:.0f} % of the excess "
     "is gone."
@@ -56,7 +57,7 @@ def own_curves(search: Search) -> list[Bend]:
         added = AddedEffect(candidate.effect, candidate.site, candidate.shape)
         after = search.identified([*effects, *(each.added for each in bends), added])
         finding = _told(step.finding, before, after, scored, rows)
-        if finding.held_out.rmse_after <= AT_MOST * _held_out(step.finding, before):
+        if gone(_held_out(finding, before), finding.held_out.rmse_after) > LEAST * finding.held_out.noise_floor:
             bends.append(Bend(added, finding, after))
     return bends
 
