@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LOG_RATE_HZ = 200.0
 _SETTLE_S = 0.4  # for the soles to take the weight before the plan begins
 _VELOCITY_FILTER_HZ = 120.0  # of the controller's differentiated encoder
-_STATIC_SPEED = 0.002  # below it friction rises from tau_c to tau_s [rad/s]
+_STATIC_SPEED = 0.0002  # below it friction rises from tau_c to tau_s [rad/s]
 
 
 @final
