@@ -9,6 +9,7 @@ from exogauge.support.result import JointSupport, SupportResult
 
 Estimated = tuple[SupportResult, Sequence[StiffnessResult]]
 TOLD = 2  # joints of a device and motion: those that the bands load most
+AT_REST = 0.9  # of the samples: from here on there is an interval of the torque, and hardly a torque
 
 
 def before_after(before: Estimated, after: Estimated) -> Mapping[str, tuple[Estimate, Estimate]]:
@@ -18,7 +19,7 @@ def before_after(before: Estimated, after: Estimated) -> Mapping[str, tuple[Esti
     for device, motion in dict.fromkeys((one.device, one.motion) for one, _ in pairs):
         here = [pair for pair in pairs if (pair[0].device, pair[0].motion) == (device, motion)]
         for one, other in sorted(here, key=lambda pair: -_load(pair[0]))[:TOLD]:
-            if "b" in one.rmse and "b" in other.rmse and one.rest_share < 1.0:
+            if "b" in one.rmse and "b" in other.rmse and one.rest_share < AT_REST:
                 name = f"RMSE of approach B · {device}, {motion}, {one.joint}"
                 result[name] = Estimate(one.rmse["b"], 0.0, "N·m"), Estimate(other.rmse["b"], 0.0, "N·m")
     for was, now in zip(before[1], after[1], strict=True):
