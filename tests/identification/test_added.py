@@ -13,6 +13,7 @@ from exogauge.identification.predict import predicted_channels
 from exogauge.identification.result import Parameter
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.site import AxisSite
+from exogauge.identification.validate import floors_of
 from exogauge.logs.model import Log
 from exogauge.support.balance import balance, slopes
 
@@ -138,10 +139,10 @@ def test_adding_nothing_changes_nothing(make_truth, make_log, actuation):
 def test_noise_floors_of_the_parent_are_kept(recordings):
     truth, logs = recordings(D_A)
     first = identify(truth.robot, logs, Settings(cutoff_hz=8.0))
-    floors = {(fit.log, fit.channel): fit.noise_floor for fit in first.validation}
+    floors = floors_of(first.validation)
     extension = Extension(first.model, (AddedEffect(ASYMMETRIC, AxisSite(AXIS)),), floors)
     again = identify(truth.robot, logs, Settings(cutoff_hz=8.0), extension=extension)
-    assert {(fit.log, fit.channel): fit.noise_floor for fit in again.validation} == floors
+    assert floors_of(again.validation) == floors
 
 
 def test_the_cut_off_is_the_parents(make_truth, make_log):

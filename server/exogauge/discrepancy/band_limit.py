@@ -23,7 +23,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording
-from exogauge.identification.validate import rms, steady_samples
+from exogauge.identification.validate import floors_of, rmse_in_steady_motion
 from exogauge.logs.model import Log
 from exogauge.logs.stored_band import stored_edge
 
@@ -213,18 +213,15 @@ def _held_out(before: Identification, after: Identification, logs: Sequence[str]
 
 
 def _in_the_same_motion(before: Identification, after: Identification, limited: Sequence[Recording]) -> Identification:
-    logs = {each.log.name: each.log for each in limited}
-    moving, floors = (
-        dict[tuple[str, str], float | None](),
-        {(x.log, x.channel): x.noise_floor for x in after.validation},
-    )
+    logs, model = {each.log.name: each.log for each in limited}, before.model
+    floors, moving = floors_of(after.validation), dict[tuple[str, str], float | None]()
     for one in before.predictions:
-        steady = steady_samples(after.model.equations, after.model.prepare(logs[one.log]))
-        for channel, measured in one.measured.items():
-            error = (measured - one.predicted[channel])[steady[channel]]
-            moving[one.log, channel] = rms(error) if error.size else None
+        prepared = after.model.prepare(logs[one.log])
+        own = {channel: floors[one.log, channel] for channel in one.predicted}
+        left = rmse_in_steady_motion(model.equations, prepared, one.measured, one.predicted, model.identified, own)
+        moving |= {(one.log, channel): rmse for channel, rmse in left.items()}
     fits = [
-        replace(fit, rmse_moving=moving[fit.log, fit.channel], noise_floor=floors[fit.log, fit.channel])
+        replace(fit, rmse_moving=moving[fit.log, fit.channel], noise_floor=floors[fit.log, fit.channel].whole)
         for fit in before.validation
     ]
     return replace(before, validation=tuple(fits))

@@ -18,7 +18,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters, measured_channels, motor_gain, predictions
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.validate import rms, steady_samples, unit_of
+from exogauge.identification.validate import floors_of, rmse_in_steady_motion, unit_of
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
@@ -29,19 +29,18 @@ def put_back(found: Identification, recordings: Sequence[Recording], change: Cha
     """On the channel that shows it most, against its noise. Before: with the maker's number; after: with the data's."""
     if _logged_torque(found.model, change):
         return _rescaled(found, recordings, change, settings)
-    model, squares = found.model, Squares()
+    model, squares, known = found.model, Squares(), floors_of(found.validation)
     for recording in [each for each in recordings if each.held_out] or recordings:
         prepared = model.prepare(recording.log)
         alternatives = [_as_stated(model, change), model.identified]
         predicted = predictions(model.equations, prepared, alternatives)
-        steady = steady_samples(model.equations, prepared)
         gains = [motor_gain(model.equations, each) for each in alternatives]
         measured = [measured_channels(model.equations, prepared, k_T) for k_T in gains]
-        for channel, moving in steady.items():
-            if channel in measured[0] and channel in predicted[0] and moving.any():
-                pair = squares.setdefault(channel, ([], []))
-                for kept, m, p in zip(pair, measured, predicted, strict=True):
-                    kept.append(rms((m[channel] - p[channel])[moving]) ** 2)
+        own = {channel: floor for (log, channel), floor in known.items() if log == recording.log.name}
+        for which, (m, p, parameters) in enumerate(zip(measured, predicted, alternatives, strict=True)):
+            for channel, rmse in rmse_in_steady_motion(model.equations, prepared, m, p, parameters, own).items():
+                if rmse is not None:
+                    squares.setdefault(channel, ([], []))[which].append(rmse**2)
     floors = _floors(found, squares)
     errors = {name: [float(np.sqrt(np.mean(each))) for each in pair] for name, pair in squares.items()}
     shown = max(floors, key=lambda name: (errors[name][0] ** 2 - errors[name][1] ** 2) / max(floors[name], 1e-12) ** 2)

@@ -28,6 +28,7 @@ from exogauge.identification.pair_site import PairSite
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.site import AxisSite, Effect, Site
+from exogauge.identification.validate import floors_of
 
 MOST_EFFECTS = 6
 WORTH_JUDGING = 6.0  # evidence (BIC): odds of twenty to one before the number of candidates is counted
@@ -195,7 +196,7 @@ class Search:
             self.steps.append(Step(each.added, finding, found, each.gone))
 
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
-        floors = {(fit.log, fit.channel): fit.noise_floor for fit in self.base.validation}
+        floors = floors_of(self.base.validation)
         found = self.base
         for _ in range(1 if all(isinstance(each.site, AxisSite | PairSite) for each in effects) else RELINEARISED):
             extension = Extension(found.model, tuple(effects), floors)

@@ -12,6 +12,7 @@ from exogauge.identification.added_column import AddedColumn
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Effect, Seen, Site
+from exogauge.identification.validate import NoiseFloor
 
 
 @final
@@ -34,7 +35,7 @@ class Extension:
 
     parent: RobotModel
     effects: tuple[AddedEffect, ...]
-    noise_floors: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    noise_floors: Mapping[tuple[str, str], NoiseFloor] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[AddedColumn, ...]:

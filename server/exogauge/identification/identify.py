@@ -29,7 +29,7 @@ from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.uncertainty import score_covariance
-from exogauge.identification.validate import fits, noise_floors, predict_log, rms
+from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log, rms
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
@@ -185,7 +185,7 @@ def _validate(
     prepared_anew: Callable[[Log], Prepared],
     at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
-    known_floors: Mapping[tuple[str, str], float],
+    known_floors: Mapping[tuple[str, str], NoiseFloor],
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked."""
@@ -201,5 +201,5 @@ def _validate(
         predictions.append(prediction)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
         floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
-        validation += fits(prediction, prepared, equations, floors)
+        validation += fits(prediction, prepared, equations, parameters[0], floors)
     return tuple(predictions), tuple(validation)

@@ -98,6 +98,21 @@ def predictions(
     return [_named(equations, *both) for both in zip(predicted, carried, strict=True)]
 
 
+def added_beyond_band(equations: Equations, prepared: Prepared, parameters: Parameters) -> Mapping[str, Array]:
+    """Channel -> (T,) what the low-pass would take off the part of `predicted_channels` that added columns give; all
+    else that is predicted in steady motion has passed it."""
+    robot, samples = equations.robot, prepared.log.samples
+    beyond = prepared.raw_added - prepared.added
+
+    def on(kind: int) -> Array:
+        columns, entries = equations.added_to(kind)
+        return np.asarray(-beyond[:, entries] @ parameters.added[columns]) if len(columns) else np.zeros(samples)
+
+    own = [on(kind) for kind in range(equations.first_axis + len(robot.joints))]
+    carried = [on(equations.first_cut + row) for row in range(6 * len(equations.cuts))]
+    return _named(equations, np.array(own), np.array(carried).reshape(-1, samples))
+
+
 def _added(equations: Equations, prepared: Prepared, parameters: Parameters, kind: int, which: slice) -> Array | float:
     """(n,) what added columns take off the rows of one kind, unfiltered."""
     columns, entries = equations.added_to(kind)

@@ -39,8 +39,10 @@ class Parameter:
 class ChannelFit:
     """RMSE of one predicted channel on one log. channel: `base.fx` … `base.mz` or `tau.<joint>`; unit N or N·m.
 
+    noise_floor: what a model that lacks nothing leaves in steady motion; noise_beyond_band: of it, above the cut-off.
     rest_share: share of samples at which the joint stands still, where only an interval of the torque is predictable.
     rmse_moving, rmse_at_rest: the identified RMSE in steady motion and at rest; starts, stops and turns are in neither.
+    Above the cut-off, where the equations say nothing, rmse_moving counts the sensors' noise alone.
     """
 
     channel: str
@@ -53,6 +55,7 @@ class ChannelFit:
     rest_share: float = 0.0
     rmse_moving: float | None = None
     rmse_at_rest: float | None = None
+    noise_beyond_band: float = 0.0
 
 
 @final

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from exogauge.identification.noise_bias import draw_noise, with_noise
 from exogauge.identification.predict import (
     BASE_CHANNELS,
     Parameters,
+    added_beyond_band,
     measured_channels,
     predicted_channels,
     predictions,
@@ -20,6 +23,15 @@ from exogauge.identification.preparation import Prepared, RestDetection, wrench_
 from exogauge.identification.result import ChannelFit, Prediction
 
 Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class NoiseFloor:
+    """whole: RMSE that noise alone leaves in a channel. beyond_band: of its part above the cut-off."""
+
+    whole: float
+    beyond_band: float
 
 
 def predict_log(
@@ -40,12 +52,16 @@ def predict_log(
 
 
 def fits(
-    prediction: Prediction, prepared: Prepared, equations: Equations, floors: Mapping[str, float]
+    prediction: Prediction,
+    prepared: Prepared,
+    equations: Equations,
+    identified: Parameters,
+    floors: Mapping[str, NoiseFloor],
 ) -> tuple[ChannelFit, ...]:
     """RMSE of every channel over all samples of one log. floors: from `noise_floors`."""
     joints = enumerate(equations.robot.joints)
     resting = {f"tau.{joint.name}": prepared.raw_direction[:, axis] == 0.0 for axis, joint in joints}
-    moving = steady_samples(equations, prepared)
+    moving = rmse_in_steady_motion(equations, prepared, prediction.measured, prediction.predicted, identified, floors)
     result = []
     for channel, measured in prediction.measured.items():
         error = measured - prediction.predicted[channel]
@@ -58,13 +74,38 @@ def fits(
                 held_out=prediction.held_out,
                 rmse_prior=rms(measured - prediction.predicted_prior[channel]),
                 rmse_identified=rms(error),
-                noise_floor=floors[channel],
+                noise_floor=floors[channel].whole,
+                noise_beyond_band=floors[channel].beyond_band,
                 rest_share=float(rest.mean()),
-                rmse_moving=rms(error[moving[channel]]) if moving[channel].any() else None,
+                rmse_moving=moving[channel],
                 rmse_at_rest=rms(error[rest]) if rest.any() else None,
             )
         )
     return tuple(result)
+
+
+def rmse_in_steady_motion(
+    equations: Equations,
+    prepared: Prepared,
+    measured: Mapping[str, Array],
+    predicted: Mapping[str, Array],
+    parameters: Parameters,
+    floors: Mapping[str, NoiseFloor],
+) -> Mapping[str, float | None]:
+    """Channel -> RMSE below the cut-off, and above it that of the sensors' noise; None where no motion is steady.
+
+    Above the cut-off the equations say nothing: what a robot shakes there faster than it was asked to move is no fault
+    of the model. predicted: by the parameters.
+    """
+    names, steady = list(predicted), steady_samples(equations, prepared)
+    low_passed = _within_band(prepared, [measured[name] for name in names])
+    beyond = added_beyond_band(equations, prepared, parameters)
+
+    def rmse(name: str, values: Array) -> float | None:
+        error = (values - (predicted[name] - beyond[name]))[steady[name]]
+        return float(np.hypot(rms(error), floors[name].beyond_band)) if error.size else None
+
+    return {name: rmse(name, values) for name, values in zip(names, low_passed, strict=True)}
 
 
 def noise_floors(
@@ -75,8 +116,8 @@ def noise_floors(
     at_rest: RestDetection,
     prediction: Prediction,
     known: Mapping[str, float],
-) -> Mapping[str, float]:
-    """Channel -> the RMSE that the sensors' noise alone would leave in steady motion under a perfect model.
+) -> Mapping[str, NoiseFloor]:
+    """Channel -> what the sensors' noise alone would leave in steady motion under a perfect model.
 
     The noise of every logged channel is drawn once more, added, and the log predicted again: what that changes in
     the residual is as large as what the noise already in it did. Signs of velocities are left as they were. At rest the
@@ -89,13 +130,26 @@ def noise_floors(
     measured = measured_channels(equations, again, k_T)
     predicted = predicted_channels(equations, again, identified)
     moving = steady_samples(equations, prepared)
+    noises = [values - prediction.measured[channel] for channel, values in measured.items()]
 
-    def changed(channel: str) -> Array:
-        then = prediction.measured[channel] - prediction.predicted[channel]
-        change = measured[channel] - predicted[channel] - then
-        return np.asarray(change[moving[channel]] if moving[channel].any() else change)
+    def floor(channel: str, noise: Array, within_band: Array) -> NoiseFloor:
+        change = noise - (predicted[channel] - prediction.predicted[channel])
+        inside = moving[channel] if moving[channel].any() else np.ones(len(noise), dtype=bool)
+        return NoiseFloor(rms(change[inside]), rms((noise - within_band)[inside]))
 
-    return {channel: rms(changed(channel)) for channel in measured}
+    low_passed = _within_band(prepared, noises)
+    return {name: floor(name, *both) for name, both in zip(measured, zip(noises, low_passed, strict=True), strict=True)}
+
+
+def floors_of(validation: Sequence[ChannelFit]) -> Mapping[tuple[str, str], NoiseFloor]:
+    """(log, channel) -> what was found for these fits."""
+    return {(fit.log, fit.channel): NoiseFloor(fit.noise_floor, fit.noise_beyond_band) for fit in validation}
+
+
+def _within_band(prepared: Prepared, channels: Sequence[Array]) -> Array:
+    """(C, T) through the equations' low-pass; a log that was low-passed before it was stored passes that no second
+    time."""
+    return replace(prepared.low_pass, band_hz=None).apply(np.column_stack(channels)).T
 
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
