@@ -7,6 +7,8 @@ import pytest
 
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
+from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 
@@ -18,8 +20,9 @@ SETTINGS = Settings(cutoff_hz=8.0)
 
 
 @pytest.fixture(scope="module")
-def findings(weighed, record):
-    """(actuation, what every motor truly gives over what is stated or logged, noise seed) -> (findings, named)."""
+def evaluated(weighed, record):
+    """(actuation, what every motor truly gives over what is stated or logged, noise seed) -> recordings, and the
+    robot identified from them."""
 
     def run(actuation, ratio, seed=0, phi=None):
         robot = weighed(actuation)
@@ -33,7 +36,17 @@ def findings(weighed, record):
                 tau = channels.pop(f"tau.{joint}") / more
                 channels[f"tau.{joint}" if how == "torque" else f"i.{joint}"] = tau if how == "torque" else tau / k
             recordings.append(Recording(replace(log, channels=channels), number == 9))
-        found = identify(robot, recordings, SETTINGS)
+        return recordings, identify(robot, recordings, SETTINGS)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def findings(evaluated):
+    """The same -> what contradicts the maker in the model as it is."""
+
+    def run(*how):
+        recordings, found = evaluated(*how)
         odd = contradicted(found.model, [each.log for each in recordings if not each.held_out])
         return [name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd, 1)]
 
@@ -60,6 +73,24 @@ def test_a_logged_torque_that_is_not_what_the_motor_gives_is_named(findings):
     assert finding.parameters["gain"].unit == "1"
     assert finding.held_out.channel == "tau.j2"
     assert finding.held_out.rmse_after < 0.9 * finding.held_out.rmse_before
+
+
+@pytest.mark.parametrize(("joint", "ratio"), [("j2", (1.0, 0.85, 1.0)), ("j3", (1.0, 1.0, 1.2))])
+def test_a_logged_torque_that_others_contradict_is_part_of_the_model_that_is_handed_on(evaluated, joint, ratio):
+    """What the links of one joint weigh, the torque of the next one says too."""
+    recordings, found = evaluated(("torque",) * 3, ratio)
+    answer = find_missing_effects(found, recordings, missing_effects(), SETTINGS)
+    (finding,) = answer.discrepancy.findings
+    assert (finding.effect, finding.place.name) == ("kt_gain", joint)
+    share = finding.parameters["share"]
+    assert abs(share.value - (1.0 - 1.0 / ratio[JOINTS.index(joint)])) < 3.0 * share.std
+    assert [each.effect.name for each in answer.identification.model.extension.effects] == ["kt_gain"]
+    assert finding.score > 0.5
+
+
+def test_torques_that_are_logged_right_are_not_blamed(evaluated):
+    recordings, found = evaluated(("torque",) * 3, (1.0, 1.0, 1.0))
+    assert find_missing_effects(found, recordings, missing_effects(), SETTINGS).discrepancy.findings == ()
 
 
 @pytest.mark.parametrize("seed", range(4))

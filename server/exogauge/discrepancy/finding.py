@@ -47,10 +47,12 @@ def name_effect(
     before: Identification,
     after: Identification,
     rows_of: Mapping[Site, Sequence[SiteRows]],
+    kind: int,
 ) -> Finding:
+    """kind: of the rows whose error is told."""
     model, candidate = ground.model, winner.score.candidate
     effect, place, rows = candidate.effect, place_of(ground.model, candidate), rows_of[candidate.site]
-    channel = channel_of(model.equations, winner.kind)
+    channel = channel_of(model.equations, kind)
     held_out = _held_out(channel, before, after, winner)
     score = held_out.explained
     kinds = set(candidate.site.kinds(model.equations))
@@ -108,11 +110,10 @@ def objection(finding: Finding, without: float, with_it: float) -> str:
     return ""
 
 
-def low_passed(ground: Ground, judged: Judgement) -> float:
-    """RMSE of the rows that gain most, in the logs that it was judged on. A jolt that the model meets a moment late
-    makes the unfiltered error larger."""
-    left = [each.residual[judged.kind] for each in ground.residuals if each.log in judged.logs
-            and judged.kind in each.residual]  # fmt: skip
+def low_passed(ground: Ground, kind: int, logs: Sequence[str]) -> float:
+    """RMSE of one kind of rows in these logs. A jolt that the model meets a moment late makes the unfiltered error
+    larger."""
+    left = [each.residual[kind] for each in ground.residuals if each.log in logs and kind in each.residual]
     return float(np.sqrt(np.nanmean(np.concatenate(left) ** 2)))
 
 

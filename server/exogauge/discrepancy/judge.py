@@ -22,6 +22,8 @@ Blocks = Mapping[tuple[str, int], float]  # (log, block of time) -> sum
 BLOCK_S = 1.0  # length of the parts that count as independent
 FEWEST_BLOCKS = 5
 SURE = 3.0  # standard errors by which held-out error must fall
+CLEAR = 60.0  # evidence of the fitted logs from which held-out ones have one claim left to confirm, not one of many
+SURE_IF_CLEAR = 2.5
 SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
 ONCE = 6.0  # standard errors asked of what sits in one fitted log and so cannot be held out
 LEAST = 0.05  # of the held-out square error
@@ -109,7 +111,8 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
         for values in ([each.before for each in shown], [each.after for each in shown])
     )
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
-    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else sure)
+    asked = min(sure, SURE_IF_CLEAR) if score.evidence > CLEAR else sure
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else asked)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, blocks, logs, once, objection)
 
@@ -139,7 +142,7 @@ def _objection(
         return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
     if z < sure:
         where = "in the log that has it" if sure == ONCE else "on held-out logs"
-        return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.0f} are asked for)"
+        return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.2g} are asked for)"
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
         inside = [chosen(each) for each in moving]

@@ -26,6 +26,7 @@ class Score:
     """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that rows gain, with
     coloured residuals, less what the prior loses and a price per value that was chosen (BIC). coefficients: (C,).
     step: (P,) what the baseline moves by. left: share that the baseline cannot take its place in, 0…1.
+    elsewhere: whether most of what rows gain lies in rows that it is not in, through the baseline that it sets right.
     """
 
     candidate: Candidate
@@ -34,6 +35,7 @@ class Score:
     coefficients: Array
     step: Array
     left: float
+    elsewhere: bool = False
 
 
 def score(
@@ -74,8 +76,8 @@ def score_all(
         gain = float(2.0 * (g[part] / size) @ theta - theta @ S @ theta)
         coefficients = theta / size
         fitted.append(_Fitted(candidate, part, gain, coefficients, -V[:, part] @ coefficients, left))
-    for one, evidence in zip(fitted, _evidence(model, fitted, live, memory), strict=True):
-        yield Score(one.candidate, one.gain, evidence, one.coefficients, one.step, one.left)
+    for one, (evidence, elsewhere) in zip(fitted, _evidence(model, fitted, live, memory), strict=True):
+        yield Score(one.candidate, one.gain, evidence, one.coefficients, one.step, one.left, elsewhere)
 
 
 @final
@@ -93,8 +95,9 @@ class _Fitted:
 
 def _evidence(
     model: RobotModel, fitted: Sequence[_Fitted], sums: Mapping[int, KindSums], memory: Mapping[int, float]
-) -> list[float]:
-    """Of each: what every kind of row gains in log likelihood, its variance estimated anew, less what the prior loses.
+) -> list[tuple[float, bool]]:
+    """Of each: what every kind of row gains in log likelihood, its variance estimated anew, less what the prior loses;
+    and whether more than half of the gain lies elsewhere than in its own rows.
 
     The baseline moves with the candidate, so rows gain and lose that it is not in.
     """
@@ -103,6 +106,7 @@ def _evidence(
     solution, own = model.solution, model.equations.columns()
     steps = np.stack([each.step for each in fitted], axis=1)  # (P, n)
     total, explained, independent = np.zeros(len(fitted)), np.zeros(len(fitted)), 0.0
+    in_own_rows = np.zeros(len(fitted))
     for kind, weight in enumerate(solution.weights):
         rows = int(solution.statistics.count[kind])
         if weight <= 0.0 or not rows:
@@ -117,11 +121,15 @@ def _evidence(
                 change[n] += float(2.0 * theta @ with_rows + theta @ part.own @ theta)
             independent += sums[kind].rows / memory[kind]
         left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - NEARLY_ALL, None)
-        total -= rows / memory[kind] * np.log(left)
+        gained = -rows / memory[kind] * np.log(left)
+        total += gained
+        in_own_rows += gained if kind in sums else 0.0
         explained -= weight * change
     prior = np.maximum(explained - np.array([each.gain for each in fitted]), 0.0)
     price = np.array([each.candidate.width + len(each.candidate.shape) for each in fitted])
-    return [float(value) for value in total - prior - price * np.log(max(independent, 2.0))]
+    evidence = total - prior - price * np.log(max(independent, 2.0))
+    elsewhere = in_own_rows < 0.5 * total
+    return [(float(value), bool(other)) for value, other in zip(evidence, elsewhere, strict=True)]
 
 
 def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Array:

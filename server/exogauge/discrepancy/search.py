@@ -37,6 +37,7 @@ BETTER = 10.0  # evidence by which another effect must beat one that was named, 
 RELINEARISED = (
     2  # identifications with an effect that depends on what the bodies weigh: the first one's were bent by it
 )
+ON_LOADS = ("load", "drive")  # coordinates of such effects of a joint
 NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
 
 Key = tuple[str, Site]
@@ -116,10 +117,11 @@ class Search:
             added = as_added(candidate)
             found = self.identified([*(step.added for step in self.steps), added])
             following = self._lay(found)
-            without, with_it = (low_passed(each, winner) for each in (ground, following))
+            kind = self._kind_that_gains(winner, ground, following)
+            without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
             size = gone(without, with_it)
-            finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows)
-            refused = objection(finding, without, with_it) or self._not_worth(winner, size)
+            finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows, kind)
+            refused = objection(finding, without, with_it) or self._not_worth(winner, kind, size)
             if not refused:
                 self.steps.append(Step(added, finding, found, size))
                 return following
@@ -132,20 +134,35 @@ class Search:
         self.progress(self.done, phrase)
 
     def _weighed(self, judged: Judgement) -> Judgement:
-        """With an objection where the effect is real and not worth a name."""
-        told = judged.objection or self._not_worth(judged, gone(judged.before, judged.after))
-        return replace(judged, objection=told)
+        """With an objection where the effect is real and not worth a name. What other rows gain is seen once the robot
+        is identified with it."""
+        if judged.objection or judged.score.elsewhere:
+            return judged
+        return replace(judged, objection=self._not_worth(judged, judged.kind, gone(judged.before, judged.after)))
 
-    def _not_worth(self, judged: Judgement, size: float) -> str:
-        channel = channel_of(self.base.model.equations, judged.kind)
-        floor = pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
+    def _kind_that_gains(self, winner: Judgement, before: Ground, after: Ground) -> int:
+        """Its own, or where most of the gain lies elsewhere the one that gains most against its noise."""
+        if not winner.score.elsewhere:
+            return winner.kind
+        kinds = {kind for each in before.residuals if each.log in winner.logs for kind in each.residual}
+
+        def size(kind: int) -> float:
+            return gone(*(low_passed(each, kind, winner.logs) for each in (before, after))) / self._floor(kind)
+
+        return max(kinds, key=size)
+
+    def _floor(self, kind: int) -> float:
+        channel = channel_of(self.base.model.equations, kind)
+        return pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
+
+    def _not_worth(self, judged: Judgement, kind: int, size: float) -> str:
         candidate = judged.score.candidate
         named = [
             Named(each.finding.effect, each.gone, each.added.effect.coordinate == candidate.effect.coordinate)
             for each in self.steps
             if each.added.site == candidate.site
         ]
-        return not_worth(size, floor, named)
+        return not_worth(size, self._floor(kind), named)
 
     def _swap(self, number: int) -> bool:
         """Whether another effect at the same place explains more than this step's, once the later ones are there."""
@@ -198,7 +215,7 @@ class Search:
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = floors_of(self.base.validation)
         found = self.base
-        for _ in range(1 if all(isinstance(each.site, AxisSite | PairSite) for each in effects) else RELINEARISED):
+        for _ in range(RELINEARISED if any(_depends_on_loads(each) for each in effects) else 1):
             extension = Extension(found.model, tuple(effects), floors)
             found = identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
         return found
@@ -213,6 +230,11 @@ class Search:
         ground = lay_ground(found.model, self.recordings, self.effects, tick, self.only, at)
         self.tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return ground
+
+
+def _depends_on_loads(added: AddedEffect) -> bool:
+    of_motion = isinstance(added.site, AxisSite | PairSite) and added.effect.coordinate not in ON_LOADS
+    return not of_motion
 
 
 def judge_best(

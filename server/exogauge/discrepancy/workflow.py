@@ -17,13 +17,14 @@ from exogauge.discrepancy.contact import contacts, pushes
 from exogauge.discrepancy.contradicted import contradicted
 from exogauge.discrepancy.contradiction_finding import name_contradiction
 from exogauge.discrepancy.everywhere import merged
+from exogauge.discrepancy.final_numbers import with_final_numbers
 from exogauge.discrepancy.ground import lay_ground
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.odd_log import look_into_odd_logs
 from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
-from exogauge.discrepancy.search import Search, Step
+from exogauge.discrepancy.search import Search
 from exogauge.discrepancy.with_motions import with_motions
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
@@ -74,7 +75,7 @@ def find_missing_effects(
     assert search.first is not None
     assert search.last is not None
     bends, equations = own_curves(search), search.base.model.equations
-    findings += _with_bends(len(findings), search.steps, bends)
+    findings += _with_bends(len(findings), search, bends)
     models = [*models[:-1], search.base, *(step.found for step in search.steps), *(bend.found for bend in bends)]
     additions = [(each.effect, each.place) for each in findings]
     additions += [(f"own curve of {bend.finding.effect}", bend.finding.place) for bend in bends]
@@ -114,11 +115,16 @@ def _still_at(progress: Progress, _fraction: float, phrase: str) -> None:
     progress(ALMOST, phrase)
 
 
-def _with_bends(named: int, steps: Sequence[Step], bends: Sequence[Bend]) -> list[Finding]:
-    """The steps' findings, as their bends tell them; named: findings before them."""
-    bent = {(each.finding.effect, each.finding.place): each.finding for each in bends}
-    told = [bent.get((each.finding.effect, each.finding.place), each.finding) for each in steps]
-    return [replace(each, rank=named + n) for n, each in enumerate(told, 1)]
+def _with_bends(named: int, search: Search, bends: Sequence[Bend]) -> list[Finding]:
+    """The steps' findings, as their bends tell them, with the numbers of the last model; named: findings before
+    them."""
+    bent = {(each.finding.effect, each.finding.place): each for each in bends}
+    last, told = (bends[-1].found if bends else search.current).model, list[Finding]()
+    for step in search.steps:
+        bend = bent.get((step.finding.effect, step.finding.place))
+        finding, added = (bend.finding, [step.added, bend.added]) if bend else (step.finding, [step.added])
+        told.append(replace(with_final_numbers(finding, added, last), rank=named + len(told) + 1))
+    return told
 
 
 def _filtered_alike(
