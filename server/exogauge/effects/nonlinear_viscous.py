@@ -9,6 +9,8 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
+KNOTS = (0.1, 0.25, 0.5, 1.0, 1.8, 3.0)  # speeds between which a curve of its own is bent, in rms velocities
+
 
 @final
 class NonlinearViscous:
@@ -22,6 +24,11 @@ class NonlinearViscous:
     sentence = "Friction grows with speed along a curve, not along a straight line."
     coefficients = (Quantity("tau_n", "N·m", low=0.0),)
     shapes = (Shape("power", "1", 0.25, 3.0, (0.33, 0.5, 0.7, 1.5, 2.0, 3.0)),)
+    departing = (
+        Quantity("tau_n_quadratic", "N·m"),
+        Quantity("tau_n_cubic", "N·m"),
+        *(Quantity(f"tau_at_{knot:g}", "N·m") for knot in KNOTS[:-1]),
+    )
     confounds = ("viscous", "coulomb")
     needs = "Steady motion at many speeds from slow to the fastest."
     coordinate = "velocity"
@@ -30,6 +37,15 @@ class NonlinearViscous:
         (power,) = shape
         x = np.abs(signals.velocity) / (signals.speed_scale or 1.0)
         return (-(x**power) * signals.direction)[:, None]
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 7) with |θ̇/v|^2p and ^3p in place of ^p; then friction at one speed of `KNOTS` alone, falling linearly to
+        nothing at its neighbours and at rest."""
+        x = np.abs(signals.velocity) / (signals.speed_scale or 1.0)
+        points = np.array([0.0, *KNOTS])
+        hats = [np.interp(x, points, np.eye(len(points))[k]) for k in range(1, len(KNOTS))]
+        own = x ** shape[0]
+        return -np.stack([own**2, own**3, *hats], axis=1) * signals.direction[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
         return bool(np.any(signals.direction != 0.0))
