@@ -191,6 +191,21 @@ def test_a_via_point_that_gives_way_further_takes_longer_to_let_the_band_slide()
     assert soft < 0.8 * stiff
 
 
+def test_friction_that_is_slow_in_full_is_friction_of_four_times_the_way():
+    effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
+    slow, quick = effect.added_tension(whole, (0.2, 0.003)).sum(axis=2), effect.added_tension(whole, (0.2, 0.012))
+    np.testing.assert_allclose(slow, quick[:, :, 0], atol=1e-12)
+
+
+def test_a_damper_acts_in_full_as_soon_as_the_band_is_taut():
+    effect, whole = EFFECTS["band_viscous"], signals(l_0=0.63)
+    pulls = whole.stretch > 0.0
+    comes_and_goes = np.sum(np.diff(pulls.astype(int)) != 0)
+    less = pulls & ~np.isclose(effect.added_tension(whole, (1.0,))[:, 0], whole.rate, rtol=1e-9)
+    assert comes_and_goes > 5
+    assert less.sum() <= 2 * comes_and_goes
+
+
 @pytest.mark.parametrize("name", ["band_hardening", "band_viscous"])
 def test_the_curve_has_the_power_that_is_asked_for_and_the_size_of_its_coefficient(name):
     effect, whole = EFFECTS[name], signals(l_0=0.4)  # taut throughout

@@ -14,7 +14,7 @@ from exogauge.effects.shaped import Shape
 Array = NDArray[np.float64]
 Sort = Literal["law", "stated", "wire"]
 
-COMES_UP = 0.05  # of the band's travel
+LEAST_WAY = 1e-4  # of the band's travel, within which one that hardly moves comes taut
 
 
 @final
@@ -45,9 +45,10 @@ class BandSignals:
 
     @property
     def taut(self) -> Array:
-        """(T,) 1 where the band pulls, 0 where it is slack; it comes up over the first of its stretch, because a leap
-        there would move with the natural length, and no fit could follow it."""
-        return np.asarray(np.clip(self.stretch / max(COMES_UP * self.travel, 1e-9), 0.0, 1.0))
+        """(T,) 1 where the band pulls, 0 where it is slack; it comes up within one sample's way, so that the moment
+        moves with the natural length, and a fit can follow it."""
+        way = np.abs(np.gradient(self.length)) if len(self.length) > 1 else np.zeros(len(self.length))
+        return np.asarray(np.clip(self.stretch / np.maximum(way, max(LEAST_WAY * self.travel, 1e-9)), 0.0, 1.0))
 
     @property
     def tension(self) -> Array:

@@ -11,10 +11,13 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.presliding import relaxed
 from exogauge.effects.shaped import Shape
 
+SLOWER = 4.0  # times the way that the second part takes
+
 
 @final
 class BandViaFriction:
-    """T_{j+1} = T_j e^{-μ φ_j c_j} at via point j (capstan), the mean along the band k x; linear in μ about one tried.
+    """T_{j+1} = T_j e^{-μ φ_j c_j} at via point j (capstan), the mean along the band k x; linear in μ about one tried,
+    and in the part of μ that builds up over 4 w instead of w: what gives way has no single length.
 
     φ_j is the angle by which the band turns there. c_j, -1…1, is 1 where the band slides at point j towards the side it
     comes from, and takes some way w to become so after each turn: dc = (du - |du| c)/w (Dahl), because the band, the
@@ -25,7 +28,7 @@ class BandViaFriction:
     name = "band_via_friction"
     place = "band"
     sentence = "The band rubs at its via points, so that its tension differs along its way."
-    coefficients = (Quantity("friction", "1", low=0.0),)
+    coefficients = (Quantity("friction", "1", low=0.0), Quantity("slow_friction", "1", low=0.0))
     shapes = (
         Shape("stick", "1", 0.01, 0.8, (0.1, 0.3)),
         Shape("way", "m", 1e-4, 0.03, (0.0003, 0.001, 0.003, 0.01)),
@@ -40,22 +43,33 @@ class BandViaFriction:
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         L, phi = signals.segment_length, signals.wrap
         if L is None or phi is None:
-            return np.zeros((len(signals.time), 1, 1))
+            return np.zeros((len(signals.time), 1, 2))
         mu, way = shape
         total = np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
         slid = np.diff(signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / total, axis=0, prepend=0.0)
         slid[:1] = 0.0
-        kept = np.exp(-np.abs(slid) / way)
-        c = np.empty_like(slid)
-        for point, (own, towards) in enumerate(zip(kept.T, np.sign(slid).T, strict=True)):
-            c[:, point] = relaxed(own, (1.0 - own) * towards)
-        uneven = np.cumsum(phi * signals.taut[:, None] * c, axis=1)
+        quick, slow = (self._pull(signals, L, phi * _held(slid, w), mu) for w in (way, SLOWER * way))
+        return np.stack([quick, slow - quick], axis=2)
+
+    @staticmethod
+    def _pull(signals: BandSignals, L: Array, held: Array, mu: float) -> Array:
+        """(T, S) [N] per unit of μ. held: (T, S-1) [rad] φ c."""
+        uneven = np.cumsum(signals.taut[:, None] * held, axis=1)
         ratio = np.exp(-mu * np.concatenate([np.zeros((len(L), 1)), uneven], axis=1))
-        ratio /= np.sum(ratio * L, axis=1, keepdims=True) / total
-        return (signals.tension[:, None] * (ratio - 1.0) / mu)[:, :, None]
+        ratio /= np.sum(ratio * L, axis=1, keepdims=True) / np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
+        return np.asarray(signals.tension[:, None] * (ratio - 1.0) / mu)
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(signals.wrap is not None and np.any(signals.wrap * signals.taut[:, None] > 0.0))
+
+
+def _held(slid: Array, way: float) -> Array:
+    """(T, S-1) c of every via point. slid: (T, S-1) [m] from sample to sample."""
+    kept = np.exp(-np.abs(slid) / way)
+    c = np.empty_like(slid)
+    for point, (own, towards) in enumerate(zip(kept.T, np.sign(slid).T, strict=True)):
+        c[:, point] = relaxed(own, (1.0 - own) * towards)
+    return c
 
 
 EFFECT = BandViaFriction()
