@@ -19,7 +19,8 @@ STEP = 0.02  # of a shape's value, for its slope
 
 
 def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Mapping[str, Estimate]:
-    """Name -> value, standard deviation, unit; shapes in units of the axis are given in SI units."""
+    """Name -> value, standard deviation, unit; shapes in units of the axis are given in SI units. Without those that
+    make no difference here, such as one that asks for a thermometer where there is none."""
     candidate, effect = found.candidate, found.candidate.effect
     weights, own = model.solution.weights, model.equations.columns()
     fitted = [each for each in rows if not each.held_out]
@@ -41,13 +42,18 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
     for kind, sums in total.items():
         B[own[kind]] += weights[kind] * sums.cross.T
         S += weights[kind] * sums.own
+    squares = np.diag(S).copy()
     S -= B.T @ model.solution.unbounded.divided(B)
     scale = float(np.median(memories)) * square / max(count, 1)
     std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * scale)
-    doubt = dict(zip([*(each.name for each in effect.coefficients), *_free(found)], std, strict=True))
+    names = [*(each.name for each in effect.coefficients), *_free(found)]
+    doubt = dict(zip(names, std, strict=True))
+    idle = {name for name, own_square in zip(names, squares, strict=True) if own_square == 0.0 and name in _free(found)}
     named = [(each.name, each.unit) for each in effect.coefficients] + [(one.name, one.unit) for one in effect.shapes]
     estimates = {}
     for (name, own_unit), value in zip(named, [*found.coefficients, *candidate.shape], strict=True):
+        if name in idle:
+            continue
         factor, unit = candidate.site.in_si(model, own_unit, candidate.shape)
         estimates[name] = Estimate(float(value) * factor, float(doubt.get(name, 0.0)) * factor, unit)
     return estimates

@@ -1,8 +1,8 @@
-"""Coefficients as the model that is handed on has them: what was named later moves those of what was named before."""
+"""Coefficients as the model with all that was named has them: what was named later moves those of what was before."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 from exogauge.discrepancy.result import Finding
@@ -10,24 +10,23 @@ from exogauge.identification.added import AddedEffect
 from exogauge.identification.model import RobotModel
 
 
-def with_final_numbers(finding: Finding, added: Sequence[AddedEffect], model: RobotModel) -> Finding:
-    """added: what of `model` the finding is about. Standard deviations and shapes stay."""
+def with_final_numbers(finding: Finding, added: AddedEffect, model: RobotModel) -> Finding:
+    """added: which effect of `model` the finding is about. Standard deviations and shapes stay."""
     numbers = dict(finding.parameters)
     for name, value in _coefficients(added, model).items():
-        if name in numbers:
-            numbers[name] = replace(numbers[name], value=value)
+        numbers[name] = replace(numbers[name], value=value)
     return replace(finding, parameters=numbers)
 
 
-def _coefficients(added: Sequence[AddedEffect], model: RobotModel) -> Mapping[str, float]:
+def _coefficients(added: AddedEffect, model: RobotModel) -> Mapping[str, float]:
     """Name -> value in SI units."""
     effects = model.extension.effects if model.extension else ()
-    values = list(model.identified.added)
-    values = values[len(values) - sum(len(each.effect.coefficients) for each in effects) :]
-    found: dict[str, float] = {}
-    for each in effects:
-        for quantity in each.effect.coefficients:
-            value = float(values.pop(0))
-            if each in added:
-                found[quantity.name] = value * each.site.in_si(model, quantity.unit, each.shape)[0]
-    return found
+    widths = [len(each.effect.coefficients) for each in effects]
+    which = effects.index(added)
+    start = len(model.identified.added) - sum(widths[which:])
+    return {
+        quantity.name: float(value) * added.site.in_si(model, quantity.unit, added.shape)[0]
+        for quantity, value in zip(
+            added.effect.coefficients, model.identified.added[start : start + widths[which]], strict=True
+        )
+    }

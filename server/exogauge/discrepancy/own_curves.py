@@ -14,6 +14,7 @@ import numpy as np
 
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.doubt import parameters
+from exogauge.discrepancy.finding import channel_of
 from exogauge.discrepancy.judge import judge
 from exogauge.discrepancy.locate import pooled
 from exogauge.discrepancy.result import Finding
@@ -51,13 +52,15 @@ def own_curves(search: Search) -> list[Bend]:
     for step in search.steps:
         before = bends[-1].found if bends else search.current
         scored, rows = _bent(search, step, before)
-        if scored is None or judge(before.model, scored, rows, SURE).objection:
+        if scored is None or (judged := judge(before.model, scored, rows, SURE)).objection:
             continue
         candidate = scored.candidate
         added = AddedEffect(candidate.effect, candidate.site, candidate.shape)
         after = search.identified([*effects, *(each.added for each in bends), added])
         finding = _told(step.finding, before, after, scored, rows)
-        if gone(_held_out(finding, before), finding.held_out.rmse_after) > LEAST * finding.held_out.noise_floor:
+        channel = channel_of(before.model.equations, judged.kind)
+        sizes = [_held_out(finding, channel, each) for each in (before, after)]
+        if gone(*(rmse for rmse, _ in sizes)) > LEAST * sizes[1][1]:
             bends.append(Bend(added, finding, after))
     return bends
 
@@ -97,7 +100,7 @@ def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
 def _told(
     finding: Finding, before: Identification, after: Identification, scored: Score, rows: Sequence[SiteRows]
 ) -> Finding:
-    held = replace(finding.held_out, rmse_after=_held_out(finding, after))
+    held = replace(finding.held_out, rmse_after=_held_out(finding, finding.held_out.channel, after)[0])
     names = [each.name for each in scored.candidate.effect.coefficients]
     every = parameters(before.model, scored, rows)
     return replace(
@@ -109,9 +112,8 @@ def _told(
     )
 
 
-def _held_out(finding: Finding, found: Identification) -> float:
-    """RMSE of the finding's channel in the logs that it is told of."""
-    held = finding.held_out
-    fits = [fit for fit in found.validation if fit.channel == held.channel]
-    logs = held.log.split(", ") if held.log else [fit.log for fit in fits if fit.held_out]
-    return pooled([fit for fit in fits if fit.log in logs])[0]
+def _held_out(finding: Finding, channel: str, found: Identification) -> tuple[float, float]:
+    """RMSE of a channel in the logs that the finding is told of, and its noise floor."""
+    fits = [fit for fit in found.validation if fit.channel == channel]
+    logs = finding.held_out.log.split(", ") if finding.held_out.log else [fit.log for fit in fits if fit.held_out]
+    return pooled([fit for fit in fits if fit.log in logs])

@@ -33,6 +33,7 @@ from exogauge.identification.validate import floors_of
 MOST_EFFECTS = 6
 WORTH_JUDGING = 6.0  # evidence (BIC): odds of twenty to one before the number of candidates is counted
 JUDGED = 12  # candidates per round
+COMMON = 2  # other places at which an effect is named, from which on it is no remainder of another one here
 BETTER = 10.0  # evidence by which another effect must beat one that was named, to take its place
 RELINEARISED = (
     2  # identifications with an effect that depends on what the bodies weigh: the first one's were bent by it
@@ -157,10 +158,11 @@ class Search:
 
     def _not_worth(self, judged: Judgement, kind: int, size: float) -> str:
         candidate = judged.score.candidate
+        elsewhere = [each for each in self.steps if each.added.effect.name == candidate.effect.name]
         named = [
             Named(each.finding.effect, each.gone, each.added.effect.coordinate == candidate.effect.coordinate)
             for each in self.steps
-            if each.added.site == candidate.site
+            if each.added.site == candidate.site and len(elsewhere) < COMMON
         ]
         return not_worth(size, self._floor(kind), named)
 
@@ -188,11 +190,10 @@ class Search:
         return True
 
     def _drop_what_is_not_needed(self) -> None:
-        """Take back an earlier effect whose place holds a later one that explains it too."""
+        """Take back an earlier effect that a later one explains too: at its place, or at one that is nearly alike, such
+        as another axis of a sensor on a body that turns."""
         for step in list(self.steps[:-1]):
             later = self.steps[self.steps.index(step) + 1 :]
-            if not any(each.added.site == step.added.site for each in later):
-                continue
             kept = [each for each in self.steps if each is not step]
             without = self.identified([each.added for each in kept])
             channel = step.finding.held_out.channel

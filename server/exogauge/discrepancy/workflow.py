@@ -116,14 +116,14 @@ def _still_at(progress: Progress, _fraction: float, phrase: str) -> None:
 
 
 def _with_bends(named: int, search: Search, bends: Sequence[Bend]) -> list[Finding]:
-    """The steps' findings, as their bends tell them, with the numbers of the last model; named: findings before
+    """The steps' findings, as their bends tell them, with the numbers of all formulas together; named: findings before
     them."""
-    bent = {(each.finding.effect, each.finding.place): each for each in bends}
-    last, told = (bends[-1].found if bends else search.current).model, list[Finding]()
+    bent = {(each.finding.effect, each.finding.place): each.finding for each in bends}
+    told = list[Finding]()
     for step in search.steps:
-        bend = bent.get((step.finding.effect, step.finding.place))
-        finding, added = (bend.finding, [step.added, bend.added]) if bend else (step.finding, [step.added])
-        told.append(replace(with_final_numbers(finding, added, last), rank=named + len(told) + 1))
+        finding = bent.get((step.finding.effect, step.finding.place), step.finding)
+        finding = with_final_numbers(finding, step.added, search.current.model)
+        told.append(replace(finding, rank=named + len(told) + 1))
     return told
 
 

@@ -11,7 +11,6 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 REFERENCE = 25.0  # [°C] at which k_w is told
-PER_KELVIN = 0.03  # the share by which grease thins per kelvin, usual for gears; over 20 K any other looks much alike
 LEAST_DURATION = 20.0  # [s] without a thermometer
 
 
@@ -19,15 +18,19 @@ LEAST_DURATION = 20.0  # [s] without a thermometer
 class ThermalViscous:
     """τ = -k_w c θ̇, c the cold that is left: e^{-β (T_g - 25 °C)} with a thermometer, e^{-t/t_w} without one.
 
-    The grease's temperature T_g follows the logged one with the time constant t_w. Without a thermometer every log is
-    taken to start with a rested joint. k_w is the part of viscous friction that warmth takes away, on top of k_d.
+    The grease's temperature T_g follows the logged one with the time constant t_w. It thins by the share β per kelvin:
+    some 0.03 for gears, and less where further warmth matters less. Without a thermometer every log is taken to start
+    with a rested joint. k_w is the part of viscous friction that warmth takes away, on top of k_d.
     """
 
     name = "thermal_viscous"
     place = "joint"
     sentence = "Viscous friction falls as the joint warms up."
     coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
-    shapes = (Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0)),)
+    shapes = (
+        Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0)),
+        Shape("beta", "1/K", 0.003, 0.09, (0.03,)),
+    )
     departing = (Quantity("k_w_quadratic", "N·m·s/rad"), Quantity("k_w_cubic", "N·m·s/rad"))
     confounds = ("viscous",)
     needs = "The same motion cold and warm, or for minutes on end; a logged temperature helps."
@@ -50,10 +53,10 @@ class ThermalViscous:
 
 
 def _cold(signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-    (t_w,) = shape
+    t_w, beta = shape
     if signals.temperature is None:
         return np.asarray(np.exp(-signals.time / t_w))
-    return np.asarray(np.exp(-PER_KELVIN * (_followed(signals.temperature, signals.time, t_w) - REFERENCE)))
+    return np.asarray(np.exp(-beta * (_followed(signals.temperature, signals.time, t_w) - REFERENCE)))
 
 
 def _followed(values: Array, time: Array, time_constant: float) -> Array:
