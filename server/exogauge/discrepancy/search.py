@@ -91,7 +91,7 @@ class Search:
             if self._swap(number):
                 self._forward()
                 break
-        self._drop_what_is_not_needed()
+        self.drop_what_is_not_needed()
 
     def resume(self, steps: Sequence[Step]) -> None:
         """From what another search has named on."""
@@ -189,21 +189,23 @@ class Search:
         self._again(kept)
         return True
 
-    def _drop_what_is_not_needed(self) -> None:
+    def drop_what_is_not_needed(self) -> None:
         """Take back an earlier effect that a later one explains too: at its place, or at one that is nearly alike, such
         as another axis of a sensor on a body that turns."""
-        for step in list(self.steps[:-1]):
-            later = self.steps[self.steps.index(step) + 1 :]
-            kept = [each for each in self.steps if each is not step]
+        number = 0
+        while number < len(self.steps) - 1:
+            step, kept = self.steps[number], [each for k, each in enumerate(self.steps) if k != number]
             without = self.identified([each.added for each in kept])
             channel = step.finding.held_out.channel
             now, then = (_held_out_rmse(each, channel) for each in (self.current, without))
-            if then <= NO_BETTER * now:
-                reason = f"with {listed(later[-1:])} in the model it is not needed any more"
-                self.failed[step.added.effect.name, step.added.site] = Alternative(
-                    step.finding.effect, step.finding.place, step.finding.score, reason
-                )
-                self._again(kept)
+            if then > NO_BETTER * now:
+                number += 1
+                continue
+            reason = f"with {listed(kept[-1:])} in the model it is not needed any more"
+            self.failed[step.added.effect.name, step.added.site] = Alternative(
+                step.finding.effect, step.finding.place, step.finding.score, reason
+            )
+            self._again(kept)
 
     def _again(self, kept: Sequence[Step]) -> None:
         """The same steps without the one that was taken out; their findings keep what was said of them."""

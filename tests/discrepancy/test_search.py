@@ -1,0 +1,56 @@
+"""What was named first is doubted once more is in the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.result import Place
+from exogauge.discrepancy.search import Search, Step
+from exogauge.effects.catalogue import missing_effects, shaped_effects
+from exogauge.identification.added import AddedEffect
+from exogauge.identification.settings import Settings
+from exogauge.identification.site import AxisSite
+
+pytestmark = pytest.mark.slow
+
+
+def peak(motion):
+    """Stribeck's curve at j2, fading slower than the catalogue's."""
+    torque = np.zeros_like(motion.q)
+    torque[:, 1] = 0.9 * np.sign(motion.v[:, 1]) / (1.0 + (motion.v[:, 1] / 0.08) ** 2)
+    return torque
+
+
+@pytest.fixture
+def named(study, identified):
+    """A search that has named what is hidden."""
+    recordings = study(peak)
+    search = Search(identified(recordings), recordings, missing_effects(), Settings(cutoff_hz=8.0), lambda *_: None)
+    search.run()
+    return search
+
+
+def test_several_that_later_ones_make_needless_are_all_taken_back(named):
+    (true,) = named.steps
+    needless = [AddedEffect(shaped_effects()["joint_spring"], AxisSite(axis), (0.0,)) for axis in (0, 2)]
+    guesses = [
+        Step(added, replace(true.finding, effect="joint_spring", place=Place("joint", name)), true.found, true.gone)
+        for added, name in zip(needless, ("j1", "j3"), strict=True)
+    ]
+    named.steps = [*guesses, replace(true, found=named.identified([*needless, true.added]))]
+    named.drop_what_is_not_needed()
+    assert [each.added for each in named.steps] == [true.added]
+    assert [each.finding.rank for each in named.steps] == [1]
+    for added in needless:
+        assert "not needed any more" in named.failed["joint_spring", added.site].reason
+
+
+def test_what_is_needed_stays(named):
+    before = list(named.steps)
+    other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
+    named.steps = [*before, replace(before[0], added=other, found=named.identified([before[0].added, other]))]
+    named.drop_what_is_not_needed()
+    assert [each.added for each in named.steps] == [before[0].added, other]
