@@ -85,3 +85,16 @@ class BandEffect(Protocol):
     def applies(self, signals: BandSignals) -> bool:
         """Whether the log holds what the effect needs (a taut band, both directions, corners …)."""
         ...
+
+
+def relaxed(kept: Array, gained: Array) -> Array:
+    """(T,) x_k = kept_k x_{k-1} + gained_k from x = 0, kept within 0…1: what a band remembers of its way.
+
+    Steps are joined two by two, then four by four, and so on: a log takes log₂ T passes and no loop over samples.
+    """
+    a, x, reach = kept.copy(), gained.copy(), 1
+    while reach < len(x):
+        x[reach:] += a[reach:] * x[:-reach]
+        a[reach:] *= a[:-reach].copy()
+        reach *= 2
+    return x

@@ -6,9 +6,8 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import Array, BandSignals, Sort, relaxed
 from exogauge.effects.effect import Quantity
-from exogauge.effects.presliding import relaxed
 from exogauge.effects.shaped import Shape
 
 SLOWER = 4.0  # times the way that the second part takes
