@@ -15,6 +15,7 @@ from scipy.signal import lfilter
 
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
+from exogauge.discrepancy.band_ground import lay_ground
 from exogauge.discrepancy.band_workflow import find_band_effects
 from exogauge.discrepancy.result import Discrepancy
 from exogauge.effects.catalogue import choose
@@ -162,19 +163,20 @@ PULLS = {
     "band_relaxation": lambda t, length, l_0, _: relaxing(t, length, l_0),
     "band_hardening": lambda t, length, l_0, _: hardening(t, length, l_0),
     "band_stiffness": lambda t, length, l_0, _: spring(t, length, l_0, 0.62 * K),
+    "softer by a quarter": lambda t, length, l_0, _: spring(t, length, l_0, 0.75 * K),
     "band_length": lambda t, length, l_0, _: spring(t, length, l_0 + 0.022),
     "band_slip": slipping,
 }
 
 
 def pulls(trunk, hidden, posture, place):
-    """(T, 3) what all bands do to the joints. hidden: (band, what) or None; place: of the log among all."""
+    """(T, 3) what all bands do to the joints. hidden: (band or `both`, what) or None; place: of the log among all."""
     routing, t = trunk.routing, np.arange(len(posture)) / RATE
     geometry = routing.geometry(posture)
     torque = np.zeros((len(t), 3))
     for b, band in enumerate(trunk.device.bands):
         length, l_0 = geometry.length[:, b], LENGTHS[band.name]
-        what = hidden[1] if hidden and hidden[0] == band.name else None
+        what = hidden[1] if hidden and hidden[0] in (band.name, "both") else None
         jacobian = on_joints(geometry.jacobian[:, b], routing, np.arange(3))
         if what == "band_via_friction":
             segments = routing.segments(posture, b)
@@ -191,7 +193,7 @@ def extra(posture):
     return np.column_stack([0.0 * posture[:, :2], -3.0 * np.maximum(posture[:, 2] + 0.4, 0.0)])
 
 
-def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix"), repetitions=3):
+def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix"), repetitions=3, noise_floor=NOISE):
     rng, joints = np.random.default_rng(seed), np.arange(3)
     routing, evidences, nothings = trunk.routing, [], []
 
@@ -220,7 +222,7 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             }  # fmt: skip
             evidences.append(Evidence(**known))
             nothings.append(Nothing(motion, t[kept], posture[kept], coloured(len(t))[: len(kept)], None, moves[kept]))
-    floor = np.full(3, NOISE)
+    floor = np.full(3, noise_floor)
     repeats = Repeatability(floor, floor, floor, floor, floor, floor)
     backgrounds = {motion: Background(joints, (), repeats, np.zeros(3), None) for motion in motions}
     return Gathered(evidences, backgrounds, nothings, joints, JOINTS)
@@ -289,6 +291,36 @@ def test_the_bands_stiffness_is_no_longer_wrong_once_the_effect_is_there(trunk):
     before, after = found.before_after["stiffness of left, without and with the wear's effects"]
     assert abs(after.value - K) < 0.6 * abs(before.value - K)
     assert found.wear_chain[-1].rmse < found.wear_chain[0].rmse
+
+
+@pytest.mark.slow
+def test_a_band_unlike_its_twin_is_named_and_two_that_are_off_alike_are_not(trunk):
+    """A quarter is more than a maker's doubt of a pair, and not surely so."""
+    assert named(search(trunk, ("left", "softer by a quarter"))) == [("band_stiffness", "left")]
+    assert named(search(trunk, ("both", "softer by a quarter"))) == []
+
+
+@pytest.mark.slow
+def test_nothing_is_missing_where_the_error_is_no_more_than_the_noise_floor(trunk):
+    (finding,) = search(trunk, ("left", "band_via_friction")).findings
+    assert named(search(trunk, ("left", "band_via_friction"), noise_floor=1.2 * finding.held_out.rmse_before)) == []
+
+
+def test_the_floor_holds_what_the_doubt_of_the_robots_parameters_makes_of_the_support(trunk):
+    seen = gathered(trunk, None, 1)
+    sure = lay_ground(trunk.model, seen, trunk.device, [_linear(trunk)])
+    slope = np.zeros_like(seen.evidences[0].slope_a)
+    slope[:, 1, 0] = 2.0
+    doubtful = np.zeros_like(trunk.model.covariance)
+    doubtful[0, 0] = 0.05**2
+    unsure = lay_ground(
+        replace(trunk.model, covariance=doubtful),
+        replace(seen, evidences=[replace(each, slope_a=slope[: len(each.sloped)]) for each in seen.evidences]),
+        trunk.device,
+        [_linear(trunk)],
+    )
+    np.testing.assert_allclose(sure.floor, NOISE)
+    np.testing.assert_allclose(unsure.floor, [NOISE, np.hypot(NOISE, 0.1), NOISE])
 
 
 def test_nothing_is_named_where_nothing_can_be_held_out(trunk):

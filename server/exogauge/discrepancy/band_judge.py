@@ -189,6 +189,8 @@ def _objection(judged: BandJudgement, ground: Ground) -> str:
     needed = SPREAD_ONCE if judged.once else SURE
     if judged.z < needed:
         return f"the error does not fall surely ({judged.z:.1f} standard errors, {needed:.0f} are asked for)"
+    if rmse(judged.before, judged.joint) <= ground.floor[judged.joint]:
+        return "the error is no more than the noise floor without it"
     if _size(judged, ground) < 1.0:
         return f"it is less than the noise and {100 * LEAST_OF_SUPPORT:.0f} % of the support where it shows most"
     if judged.explained < LEAST:

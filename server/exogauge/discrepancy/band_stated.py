@@ -1,7 +1,8 @@
 """Bands that are stiffer, softer, longer or shorter than stated, by more than anybody doubts.
 
 Stiffness and natural length are fitted in any case, so such a band leaves no residual. What shows it is the distance
-from what is stated, measured in what is doubted of it and in what the data leave open.
+from what is stated, measured in what is doubted of it and in what the data leave open. Bands of a group are nearly
+alike: one is news if it is far from what the others let expect, or if it is surely beyond all doubt of its own.
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.discrepancy.band_doubt import deviations
+from exogauge.discrepancy.band_doubt import covariance
 from exogauge.discrepancy.band_ground import Ground
 from exogauge.discrepancy.band_judge import SURE, Folds, left_out_residual, rmse
-from exogauge.discrepancy.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Fitted, Wear, believed, fit
+from exogauge.discrepancy.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Wear, believed, fit
 from exogauge.discrepancy.block_gains import summed, sureness
 
 Array = NDArray[np.float64]
@@ -82,11 +83,11 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     travel = np.array([wire.travel for wire in ground.setting.wires[:W]])
     setting = replace(ground.setting, belief=believed(bands, wear, travel, free | {place}))
     let_go = fit(setting, wear)
-    value = float(let_go.wear.theta[place])
-    if abs(value - stated) <= BEYOND * doubt:
-        return None
-    std = float(deviations(replace(ground, setting=setting), let_go)[place])
-    if abs(value - stated) <= SURE * std:
+    value, doubtful = float(let_go.wear.theta[place]), covariance(replace(ground, setting=setting), let_go)
+    std = float(np.sqrt(max(doubtful[place, place], 0.0)))
+    off = abs(value - stated)
+    surely = off - BEYOND * doubt > SURE * std
+    if not (surely or _unlike(believed(bands, wear, travel, free), let_go.wear.theta, doubtful, place)):
         return None
     as_stated = fit(setting, let_go.wear, held={place: stated})
     before = left_out_residual(setting, as_stated.wear, folds, held={place: stated})
@@ -111,3 +112,13 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
         fitted=let_go,
         as_stated=as_stated,
     )
+
+
+def _unlike(belief: Belief, theta: Array, doubtful: Array, place: int) -> bool:
+    """Whether a value is far from what is stated of it once the others of its group are known, and surely so.
+    doubtful: covariance of theta."""
+    W2 = len(belief.mean)
+    share = belief.precision[place] / belief.precision[place, place]
+    off = abs(float(share @ (theta[:W2] - belief.mean)))
+    std = float(np.sqrt(max(share @ doubtful[:W2, :W2] @ share, 0.0)))
+    return off > BEYOND / np.sqrt(belief.precision[place, place]) and off > SURE * std
