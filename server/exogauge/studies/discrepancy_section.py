@@ -39,6 +39,7 @@ COORDINATES = {
 _MINUS = re.compile(r"(?<![^\s(±])-(?=\d)")
 _UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
 CHAIN = "From the first model to the noise floor"
+BEYOND_BAND = "Above the cut-off, of which the model says nothing, the noise alone counts. "
 WEAR_CHAIN = "The model of the wear, from bands as described to the noise floor of the supporting torque"
 MOST_LETTERS = 3  # of a symbol: longer ones are words
 GREEK = {"beta": "β", "delta": "δ", "mu": "μ", "theta": "θ"}
@@ -180,7 +181,9 @@ def _chain(links: Sequence[Link], key: str, of: str) -> Picture:
     unit = links[-1].unit
     told = chain_words(unit)
     words = f"{of}: {told}, steady motion, held-out logs, {chain_unit(unit)}: {steps}; noise floor {floor}."
-    caption = f"{of}: {told}, in steady motion on held-out logs. Grey: what noise explains; coloured: what is above it."
+    beyond = BEYOND_BAND if of == CHAIN else ""
+    colours = "Grey: what noise explains; coloured: what is above it."
+    caption = f"{of}: {told}, in steady motion on held-out logs. {beyond}{colours}"
     if is_cut(links):
         caption += " The bar with a gap is longer than drawn."
     return Picture(Markup(draw_chain(links, key)), words, caption)

@@ -6,6 +6,7 @@ import type { Finding, Link } from "./results";
 import { channelWords, lower, pointOf, titleOf } from "./words";
 
 const FLOORS = "floors";
+const FIRST = "identified model"; // of the robot's chain; that of the wear begins with bands
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
 
 /** One bar per model: grey what noise explains, coloured what is above it. */
@@ -21,7 +22,8 @@ export function Chain({ id, title, chain, findings }: { id: string; title: strin
       </Title>
       <Text size="sm" c="dimmed" mb="xs">
         RMSE of the channels in question{chain[0]?.unit === FLOORS && ", each in multiples of its noise floor"}, in steady motion on
-        held-out logs. Grey: what noise explains; coloured: what is above it.{lengths.some((each) => each > end) && " The bar with a gap is longer than drawn."}
+        held-out logs. {chain[0]?.step === FIRST && "Above the cut-off, of which the model says nothing, the noise alone counts. "}
+        Grey: what noise explains; coloured: what is above it.{lengths.some((each) => each > end) && " The bar with a gap is longer than drawn."}
       </Text>
       <ol className={styles.chain}>
         {chain.map((each, k) => (
