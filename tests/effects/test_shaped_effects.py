@@ -7,7 +7,7 @@ import pytest
 
 from exogauge.effects.backlash import flight
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.effects.presliding import relaxed
+from exogauge.effects.presliding import bristle, relaxed
 from exogauge.effects.shaped import AxisSignals
 
 EFFECTS = shaped_effects()
@@ -21,7 +21,7 @@ def axis(t, q, load, drive=None, temperature=None):
     )  # fmt: skip
 
 
-def test_presliding_is_dahls_friction_stepped_sample_by_sample():
+def test_what_relaxes_is_stepped_sample_by_sample():
     rng = np.random.default_rng(3)
     kept, gained = rng.uniform(0.2, 1.0, 777), rng.normal(size=777)
     x, slow = 0.0, []
@@ -34,16 +34,28 @@ def test_presliding_is_dahls_friction_stepped_sample_by_sample():
 def test_presliding_friction_builds_up_exponentially_with_the_way_and_turns_over_twice_that():
     t = np.linspace(0.0, 2.0, 2001)
     q = np.where(t < 1.0, t, 2.0 - t)  # one radian there and back, range 1 rad
-    F = EFFECTS["presliding"].columns(axis(t, q, np.sin(q)), (0.05,))[:, 0]
+    F = EFFECTS["presliding"].columns(axis(t, q, np.sin(q)), (0.05, 1.0))[:, 0]
     np.testing.assert_allclose(F[:1001], -(1.0 - np.exp(-q[:1001] / 0.05)), atol=1e-9)
     back = 1.0 - q[1000:]
     np.testing.assert_allclose(F[1000:], 1.0 - 2.0 * np.exp(-back / 0.05), atol=1e-6)
 
 
+@pytest.mark.parametrize("n", [1.0, 1.3, 2.0])
+def test_presliding_is_dahls_law_integrated_step_by_step(n):
+    pace = np.where(np.arange(100_000) // 20_000 == 2, 0.0, 25.0 / 100_000)  # runs, rests, runs on
+    phase = np.cumsum(pace)
+    q = np.sin(phase) + 0.8 * np.sin(2.7 * phase)
+    x, slow = 0.0, [0.0]
+    for dw in np.diff(q).tolist():
+        x += (1.0 - x * np.sign(dw)) ** n * dw
+        slow.append(x)
+    np.testing.assert_allclose(bristle(q, n), slow, atol=1e-3)
+
+
 def test_presliding_does_not_depend_on_how_fast_the_way_is_covered():
     slow, fast = np.linspace(0.0, 20.0, 2001), np.linspace(0.0, 2.0, 2001)
     q = np.sin(np.linspace(0.0, 9.0, 2001))
-    columns = [EFFECTS["presliding"].columns(axis(t, q, q), (0.1,)) for t in (slow, fast)]
+    columns = [EFFECTS["presliding"].columns(axis(t, q, q), (0.1, 1.4)) for t in (slow, fast)]
     np.testing.assert_allclose(columns[0], columns[1], atol=1e-12)
 
 

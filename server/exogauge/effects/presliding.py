@@ -9,32 +9,66 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
+LINEAR = 1e-6  # of n - 1: below, the law is that of n = 1
+
 
 @final
 class Presliding:
-    """τ = -τ_p x, Dahl's friction: dx = (dθ - |dθ| x) / d, so that |x| <= 1 and x -> sgn θ̇ after some d of sliding.
+    """τ = -τ_p x, Dahl's friction: dx/dθ = (1 - x s)^n / d, s = sgn dθ, so that |x| <= 1 and x -> s after some d.
 
-    Each step is exact: x ← s + (x - s) e^{-|Δθ|/d}, s = sgn Δθ. A log starts with x = 0, from rest. d is a share of the
-    axis' own range. Coulomb friction beside it is the part that has no memory.
+    Between two turns 1 - x s has a closed form (`bristle`). n = 1 lets all contacts slide after the same way; with
+    a larger n some of them slide much later. A log starts with x = 0, from rest. d is a share of the axis' own range.
+    Coulomb friction beside it is the part that has no memory.
     """
 
     name = "presliding"
     place = "joint"
     sentence = "After a turn of the motion friction builds up over a short way, as surfaces bend before they slide."
     coefficients = (Quantity("tau_p", "N·m", low=0.0),)
-    shapes = (Shape("d", "range", 0.002, 0.3, (0.005, 0.015, 0.05, 0.15)),)
+    shapes = (
+        Shape("d", "range", 0.0001, 0.3, (0.0005, 0.002, 0.008, 0.03, 0.12)),
+        Shape("n", "1", 1.0, 2.0, (1.3,)),
+    )
     confounds = ("coulomb", "static_friction")
     needs = "Many small and slow reversals at several positions."
     coordinate = "position"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        (d,) = shape
-        step = np.diff(signals.position, prepend=signals.position[:1])
-        kept = np.exp(-np.abs(step) / (d * (signals.range or 1.0)))
-        return -relaxed(kept, (1.0 - kept) * np.sign(step))[:, None]
+        d, n = shape
+        return -bristle(signals.position / (d * (signals.range or 1.0)), n)[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
         return bool(np.any(signals.direction > 0.0) and np.any(signals.direction < 0.0))
+
+
+def bristle(way: Array, n: float) -> Array:
+    """(T,) x of dx = (1 - x s)^n dw, s = sgn dw, along the way w (T,), from x = 0.
+
+    With u = 1 - x s and u_0 at the last turn, u = u_0 (1 + (n-1) u_0^(n-1) |w - w_0|)^(-1/(n-1)), which for n = 1 is
+    u_0 e^(-|w - w_0|).
+    """
+    step = np.diff(way)
+    moving = np.flatnonzero(step)
+    if not moving.size:
+        return np.zeros(len(way))
+    s = np.sign(step[moving])
+    turned = np.flatnonzero(np.diff(s, prepend=0.0))
+    s, turns = s[turned], moving[turned]  # the samples at which stretches of one direction begin
+    gone = np.concatenate([[0.0], np.cumsum(np.abs(step))])
+    began, u = list[float](), 1.0
+    for stretch in np.diff(gone[turns], append=gone[-1]).tolist():
+        began.append(u)
+        u = 2.0 - u * float(kept(stretch, u, n))
+    own = np.maximum(np.searchsorted(turns, np.arange(len(way))) - 1, 0)  # stretch that each sample ends or lies in
+    u_0 = np.array(began)[own]
+    return np.asarray(s[own] * (1.0 - u_0 * kept(gone - gone[turns][own], u_0, n)))
+
+
+def kept(way: Array | float, u_0: Array | float, n: float) -> Array:
+    """u / u_0 after a way in one direction."""
+    if n - 1.0 < LINEAR:
+        return np.asarray(np.exp(-np.asarray(way)))
+    return np.asarray(np.exp(-np.log1p((n - 1.0) * np.asarray(u_0) ** (n - 1.0) * way) / (n - 1.0)))
 
 
 def relaxed(kept: Array, gained: Array) -> Array:
