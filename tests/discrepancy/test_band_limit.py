@@ -75,6 +75,38 @@ def test_a_filter_of_another_shape_is_seen_too(robot, study, sections, both_ways
     assert 2.0 < found.band.hz < 4.0
 
 
+@pytest.mark.parametrize(("order", "hz"), [(1, 2.0), (1, 5.0), (2, 3.0), (3, 4.0)])
+def test_a_gentle_low_pass_of_positions_and_torques_is_seen_by_the_noise_it_takes_along(robot, study, order, hz):
+    rng = np.random.default_rng(order)
+    through = stored_through(butter(order, hz, fs=RATE, output="sos"), both_ways=False)
+
+    def encoded(name, values):
+        return values + 3e-6 * rng.standard_normal(values.shape) if name.startswith("q.") else values
+
+    sampled = changed(study(), encoded)
+    assert [stored_edge(each.log) for each in sampled] == [None] * 3
+    torques_only = changed(sampled, lambda name, values: values if name.startswith("q.") else through(name, values))
+    assert not any(edge and not edge.steep for edge in (stored_edge(each.log) for each in torques_only))
+    found = limits(robot, changed(sampled, through))
+    assert found is not None
+    assert found.finding.place.name == "all"
+    assert found.finding.held_out.rmse_after < 0.8 * found.finding.held_out.rmse_before
+
+
+@pytest.mark.parametrize("one", [0, 2], ids=["fitted", "held out"])
+def test_a_single_low_passed_log_is_named_for_itself(robot, study, one):
+    recordings = study()
+    recordings[one : one + 1] = changed(
+        recordings[one : one + 1], stored_through(butter(4, 3.0, fs=RATE, output="sos"))
+    )
+    found = limits(robot, recordings)
+    assert found is not None
+    assert found.band.logs == (recordings[one].log.name,)
+    assert found.finding.held_out.log == recordings[one].log.name
+    assert abs(found.band.hz - 3.0) < 3.0 * found.band.std
+    assert f"in {recordings[one].log.name}, turns included" in found.finding.sentence
+
+
 def dahl(motion):
     """Four springs that slip, on the second joint, by 1.5 N·m: friction soft at turns, though stored as it is."""
     torque, held = np.zeros_like(motion.q), np.zeros(4)

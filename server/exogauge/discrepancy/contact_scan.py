@@ -46,7 +46,8 @@ def bump(low_pass: LowPass, middle: float, duration: float, power: float, time: 
 
 
 def gains(rows: LogRows, columns: Array) -> tuple[Array, Array]:
-    """(n,) gain of the best force, body and duration around each kept sample, and that duration."""
+    """(n,) gain of the best force, body and duration around each kept sample, and that duration. None near the ends of
+    a log that was low-passed before it was stored: there that filter leaned on what nobody logged."""
     best, lasts = np.zeros(len(rows.time)), np.full(len(rows.time), DURATIONS[0])
     if len(rows.time) < 3:
         return best, lasts
@@ -66,7 +67,14 @@ def gains(rows: LogRows, columns: Array) -> tuple[Array, Array]:
             gain = np.einsum("ni,ni->n", g, np.linalg.solve(S, g[:, :, None])[:, :, 0])
             better = gain > best
             best[better], lasts[better] = gain[better], duration
+    best[_near_ends(rows)] = 0.0
     return best, lasts
+
+
+def _near_ends(rows: LogRows) -> NDArray[np.bool_]:
+    before, time = rows.prepared.low_pass.before, rows.prepared.log.time
+    ends = 0.0 if before is None else before.settle_samples / before.rate_hz + 0.5 * DURATIONS[-1]
+    return np.asarray((rows.time < time[0] + ends) | (rows.time > time[-1] - ends))
 
 
 def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> list[Moment]:

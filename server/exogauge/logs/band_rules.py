@@ -15,10 +15,12 @@ def stored_low_passed(log: Log, expected: Expectation) -> Iterator[Finding]:
     if edge is None:
         return
     kind = max(("tau.*", "i.*"), key=lambda each: len(joint_channels(log, each.partition(".")[0])))
-    detail = (
+    steep = (
         f"end at about {edge.hz:.2g} Hz: within an octave and a half their spectra fall by {edge.fall_db:.0f} dB, "
         "and no sensor's noise is left above"
     )
+    gentle = f"fade with the positions: above {edge.hz:.2g} Hz the sensors' noise falls by {edge.fall_db:.0f} dB in all"
+    detail = steep if edge.steep else gentle
     advice = (
         "log the signals as they are sampled. If these were low-passed before they were stored, friction looks soft "
         "where a joint turns round: run the step `discrepancy`, which filters the model alike, before you name anything"

@@ -1,4 +1,8 @@
-"""Where a channel's spectrum ends, if it ends: what was low-passed before it was stored holds no noise either."""
+"""Where a log's spectra end, if they end: what was low-passed before it was stored took the sensors' noise along.
+
+A steep low-pass leaves an edge in the efforts. A gentle one does not, but it makes noise that is white fall alike in
+positions and efforts.
+"""
 
 from __future__ import annotations
 
@@ -25,31 +29,72 @@ HIGHEST = 0.1  # of the sampling rate: an edge above is the anti-aliasing that e
 ROUND_OFF = 1e-9  # relative; a channel that varies less does not vary
 SHARE = 0.5  # of a log's varying efforts that must end alike
 ALIKE = 2.0  # ratio of their edges
+POSITIONS = "q."
+NOISE_LOW, NOISE_HIGH = (0.1, 0.15), (0.3, 0.45)  # of the sampling rate: far above any motion, noise is all there is
+NOISE_FALL_DB = 10.0  # from the one to the other; a pass of first order makes it fall by 15, white noise by 0
+NOISE_SEGMENT_S = 4.0
+NOISE_WINDOW = ("kaiser", 24.0)  # leaks less than 1e-18 of the motion's power, where encoders' noise has 1e-12 of it
 
 
 @final
 @dataclass(frozen=True)
 class Edge:
-    """hz: where the steepest fall begins. fall_db: over the octave and a half above it."""
+    """hz: where the steepest fall of the efforts begins. fall_db: over the octave and a half above it.
+
+    Not steep: the low-pass begins somewhere below hz. fall_db is what the encoders' noise loses above.
+    """
 
     hz: float
     fall_db: float
+    steep: bool = True
 
 
 def stored_edge(log: Log) -> Edge | None:
-    """Median edge of the efforts of a log; None unless at least half of those that vary end, and alike.
+    """Median edge of the efforts of a log; None unless at least half of those that vary end, and alike, or unless all
+    noise fades.
 
     A log made without noise ends as well: what is seen is that nothing is there, not why.
     """
     efforts = [values for name, values in log.channels.items() if name.startswith(EFFORTS) and _varies(values)]
     edges = [edge for edge in (_edge(values, log.rate_hz) for values in efforts) if edge]
-    if not edges or len(edges) < SHARE * len(efforts):
+    steep = _common(edges, len(efforts))
+    if steep is not None:
+        return steep
+    positions = [values for name, values in log.channels.items() if name.startswith(POSITIONS) and _varies(values)]
+    return _fading(positions, efforts, log.rate_hz)
+
+
+def _common(edges: Sequence[Edge], efforts: int) -> Edge | None:
+    """What at least half of the efforts agree on."""
+    if not edges or len(edges) < SHARE * efforts:
         return None
     hz = float(np.median([edge.hz for edge in edges]))
     near = [edge for edge in edges if hz / ALIKE < edge.hz < hz * ALIKE]
-    if len(near) < SHARE * len(efforts):
+    if len(near) < SHARE * efforts:
         return None
     return Edge(hz, float(np.median([edge.fall_db for edge in near])))
+
+
+def _fading(positions: Sequence[Array], efforts: Sequence[Array], rate_hz: float) -> Edge | None:
+    """What one and the same gentle low-pass does to white noise, seen in both.
+
+    Efforts fall by no less than positions: friction's turns, which fall by themselves, have passed it as well. Where a
+    motion is smooth and its encoders show no noise, positions fall by far more.
+    """
+    if not positions or not efforts:
+        return None
+    motion, effort = (float(np.median([_noise_fall(x, rate_hz) for x in each])) for each in (positions, efforts))
+    return Edge(NOISE_LOW[0] * rate_hz, motion, steep=False) if NOISE_FALL_DB < motion < effort else None
+
+
+def _noise_fall(values: Array, rate_hz: float) -> float:
+    """[dB] of one channel (T,), from `NOISE_LOW` to `NOISE_HIGH`."""
+    length = min(values.size - 1, round(NOISE_SEGMENT_S * rate_hz))
+    frequency, level = _spectrum(values, rate_hz, NOISE_WINDOW, length)
+    low, high = (
+        np.median(level[(frequency > a * rate_hz) & (frequency < b * rate_hz)]) for a, b in (NOISE_LOW, NOISE_HIGH)
+    )
+    return float(low - high)
 
 
 def _varies(values: Array) -> bool:
@@ -60,17 +105,22 @@ def _varies(values: Array) -> bool:
 def _edge(values: Array, rate_hz: float) -> Edge | None:
     """Of one channel (T,): where its spectrum falls by more than any friction's, over an octave and a half."""
     length = min(values.size - 1, round(SEGMENT_S * rate_hz))
-    # differences, because a slow sweep would leak over all that is weak
-    frequency, power = welch(np.diff(values), rate_hz, "blackmanharris", nperseg=length, detrend="constant")
+    frequency, level = _spectrum(values, rate_hz, "blackmanharris", length)
     lowest, highest = RESOLVED * rate_hz / length, HIGHEST * rate_hz
     if lowest >= highest:
         return None
-    gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
-    level = 10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300))
     starts = np.geomspace(lowest, highest, 60)
     falls = _levels(frequency, level, starts) - _levels(frequency, level, starts * 2.0**OCTAVES)
     steepest = int(np.argmax(falls))
     return Edge(float(starts[steepest]), float(falls[steepest])) if falls[steepest] > FALL_DB else None
+
+
+def _spectrum(values: Array, rate_hz: float, window: str | tuple[str, float], length: int) -> tuple[Array, Array]:
+    """Frequencies [Hz] and power density [dB] of one channel (T,)."""
+    # differences, because a slow sweep would leak over all that is weak
+    frequency, power = welch(np.diff(values), rate_hz, window, nperseg=length, detrend="constant")
+    gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
+    return frequency, 10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300))
 
 
 def _levels(frequency: Array, level: Array, at: Sequence[float] | Array) -> Array:
