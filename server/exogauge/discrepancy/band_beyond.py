@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.tree import IntArray
-from exogauge.support.balance import Balance, balance
+from exogauge.support.balance import Balance, balance, prepare_worn
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Evidence
 from exogauge.support.repeatability import Plain, difference, repeatability
@@ -79,7 +79,7 @@ def _look(
     a: dict[str, tuple[Array, BoolArray]],
     b: dict[str, tuple[Array, BoolArray]],
 ) -> None:
-    own = _thin(model, model.prepare(evidence.worn.log), joints)
+    own = _thin(model, prepare_worn(model, evidence.worn.log), joints)
     name = evidence.worn.log.name
     b[name] = _kept(own, own.torque, own.steady)
     reference = next((each for each in plains if each.name == evidence.reference), None)

@@ -30,6 +30,8 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     q = finest.apply(log.stack([f"q.{robot.joints[joint].name}" for joint in turning])) @ C[:, turning].T
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
     load = loads(model, prepared)[:, list(axes)]
+    if prepared.taken_off is not None:
+        load = load - prepared.taken_off[:, list(axes)]
     drive = load - _beside_the_motor(model, prepared, axes)
     result = []
     for place, axis in enumerate(axes):

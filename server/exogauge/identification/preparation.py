@@ -58,6 +58,8 @@ class Prepared:
     left_out: (T,) bool, samples that feel what happened in `Log.left_out`; no axis is steady there.
     added, raw_added: (T, entries) what each added coefficient takes off a row per unit (`Equations.entries`), filtered
     and not.
+    taken_off: (T, A) [N·m] what a wear bears of each axis' load, filtered; None in a log without one. Effects that grow
+    with the load or the motor's torque see what is left of them.
     """
 
     log: Log
@@ -81,6 +83,7 @@ class Prepared:
     left_out: NDArray[np.bool_]
     added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    taken_off: Array | None = None
 
     def signals(self, axis: int, samples: slice | NDArray[np.intp], stick: Array) -> JointSignals:
         """What the effects of one axis see of the low-passed log."""

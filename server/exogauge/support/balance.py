@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -13,13 +13,15 @@ from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters
-from exogauge.identification.preparation import Prepared
+from exogauge.identification.preparation import Prepared, prepare
+from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
 CHUNK = 2000
+HALF_STEPS = 8  # of what the wear bears
 FULL_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
 
 
@@ -72,6 +74,28 @@ def balance(model: RobotModel, prepared: Prepared, joints: IntArray) -> Balance:
     return Balance(
         prepared, joints, identified @ C[:, joints], a_priori @ C[:, joints], np.clip(rest, 0.0, 1.0), steady, sign
     )
+
+
+def prepare_worn(model: RobotModel, log: Log) -> Prepared:
+    """A log with a wear, whose effects see what motor and gear still have to bear beside it.
+
+    What the wear bears is what the whole model leaves unexplained, and that depends on what those effects see: found
+    by half steps, which converge where an effect takes less than three times as much more as there is more to bear.
+    """
+    prepared = model.prepare(log)
+    if model.extension is None:
+        return prepared
+    bare = prepare(model.robot, log, model.cutoff_hz, model.at_rest)
+    borne = np.zeros((log.samples, len(model.robot.joints)))
+    before: Array | None = None
+    for _ in range(HALF_STEPS):
+        (left,) = _on_axes(model.equations, prepared, [model.identified])
+        if before is not None and np.array_equal(left, before):  # nothing depends on what the wear bears
+            break
+        before = left
+        borne = borne + 0.5 * (left - borne)
+        prepared = model.extension.attach(replace(bare, taken_off=borne))
+    return prepared
 
 
 def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:

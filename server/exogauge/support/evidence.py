@@ -16,7 +16,7 @@ from exogauge.identification.result import Prediction
 from exogauge.identification.validate import predict_log
 from exogauge.logs.derivatives import differentiate
 from exogauge.support.at_rest import bridged, scatter_at_rest, stretched_meanwhile
-from exogauge.support.balance import Balance, balance, slopes
+from exogauge.support.balance import Balance, balance, prepare_worn, slopes
 from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability, difference
 from exogauge.support.same_motion import Match, Posture, match
@@ -91,7 +91,7 @@ def gather(
 ) -> Evidence:
     """Everything that one log with the device says."""
     joints, repeats = background.joints, background.repeats
-    prepared = model.prepare(worn.log)
+    prepared = prepare_worn(model, worn.log)
     own = balance(model, prepared, joints)
     names = [model.robot.joints[j].name for j in joints]
     q = prepared.motion.q[:, joints]
