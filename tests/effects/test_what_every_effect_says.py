@@ -33,7 +33,7 @@ UNITS = {
     "band": {"N/m", "N/m²", "N·s/m", "m", "1"},
 }
 SHAPE_UNITS = {
-    "joint": {"1", "s", "rad", "1/rev", "1/K", *OWN_SIZES},
+    "joint": {"1", "s", "Hz", "rad", "1/rev", "1/K", *OWN_SIZES},
     "pair": {"1", "s"},
     "sensor": {"1", "s"},
     "base": set(),

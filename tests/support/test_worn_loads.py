@@ -24,7 +24,7 @@ def worn(biped, suit, wander):
 def saturating(biped):
     """(model that knows the loss, currents of a log as that motor needs them)."""
     axis, known = biped.torso[1], biped.known()
-    sizes = AxisSizes(*(np.full(len(biped.robot.joints), size) for size in (1.0, FULL, 1.0)))
+    sizes = AxisSizes(*(np.full(len(biped.robot.joints), size) for size in (1.0, FULL, 1.0, 1.0)))
     parent = replace(known, sizes=sizes, order={}, computed={})
     extension = Extension(parent, (AddedEffect(shaped_effects()["kt_saturation"], AxisSite(axis), (POWER,)),))
     own = Parameters(known.identified.phi, known.identified.xi, np.array([LOSS]))

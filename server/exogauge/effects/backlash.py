@@ -9,7 +9,7 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-PRESSED = 0.3  # of the log's rms load: what counts as a load of one sign and of the other
+PRESSED = 0.1  # of the log's rms load: what counts as a load of one sign and of the other
 LEAST_LOAD = 0.02  # of the axis' rms torque: what rounding and noise make of no load is none
 WINDOW = 64  # samples of a flight that are looked at together
 
@@ -19,12 +19,11 @@ class Backlash:
     """τ = ½ b (K s + J s̈), encoder at the motor: the link lags by ½ b s, s = ±1 the flank in contact.
 
     What the model asks for at the encoder's angle is then too much by what gravity (slope K [N·m/rad]) and inertia
-    (J [kg·m²]) make of that lag; both are what the load itself shows in the log, by its least squares on
-    sin θ, cos θ and θ̈. In contact s̈ = 0. Once the load changes its sign the link flies: nothing drives it, s̈ goes
-    with the load, and it lands on the other flank without a rebound (`flight`). t_f is the time that a flight takes
-    under the axis' rms torque.
+    (J [kg·m²]) make of that lag, both of the posture. In contact s̈ = 0. Once the load changes its sign the link flies:
+    nothing drives it, s̈ goes with the load, and it lands on the other flank without a rebound (`flight`). t_f is the
+    time that a flight takes under the axis' rms torque with its usual inertia.
 
-    b comes out too large, by up to twice where teeth give way and rebound: both delay the landing as a wider gap does.
+    b comes out somewhat too large where teeth give way and rebound: both delay the landing as a wider gap does.
     An encoder at the link misses no load, and only the rotor jumps: there backlash is not looked for. Where the load
     never changes its sign, s is constant, and masses explain it.
     """
@@ -40,12 +39,9 @@ class Backlash:
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         (t_f,) = shape
-        kappa = 0.25 * (signals.torque_scale or 1.0) * t_f**2  # ½ b J: 2 = ½ (τ / κ) t_f²
+        J, K, share = _swing(signals)
+        kappa = 0.25 * (signals.torque_scale or 1.0) * t_f**2 * share  # ½ b J: 2 = ½ (τ / κ) t_f²
         s, s_ddot = flight(signals.load / kappa, signals.time)
-        sine, cosine = np.sin(signals.position), np.cos(signals.position)
-        rigid = np.stack([sine, cosine, signals.acceleration], axis=1)
-        a, b, J = np.linalg.lstsq(rigid, signals.load, rcond=None)[0]
-        K = a * cosine - b * sine
         return np.asarray(0.5 * (K * s + J * s_ddot))[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
@@ -54,6 +50,16 @@ class Backlash:
         usual = float(np.sqrt(np.mean(signals.load**2)))
         both = np.max(signals.load) > PRESSED * usual and np.min(signals.load) < -PRESSED * usual
         return bool(both) and usual > LEAST_LOAD * signals.torque_scale
+
+
+def _swing(signals: AxisSignals) -> tuple[Array, Array, Array]:
+    """J, K, and J over its usual size, (T,) each; where they are not known, what the load itself shows in the log."""
+    if signals.inertia is not None and signals.slope is not None:
+        return signals.inertia, signals.slope, signals.inertia / (signals.usual_inertia or 1.0)
+    sine, cosine = np.sin(signals.position), np.cos(signals.position)
+    rigid = np.stack([sine, cosine, signals.acceleration], axis=1)
+    a, b, J = np.linalg.lstsq(rigid, signals.load, rcond=None)[0]
+    return np.full(len(sine), J), np.asarray(a * cosine - b * sine), np.ones(len(sine))
 
 
 def flight(pull: Array, time: Array) -> tuple[Array, Array]:

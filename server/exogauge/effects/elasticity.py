@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import final
 
 import numpy as np
+from scipy.linalg.lapack import dtbtrs
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.rates import second_rate_of_change
+from exogauge.effects.rates import rate_of_change, second_rate_of_change
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 SOFTEST = (2.0 * np.pi * 2.0) ** -2  # [s²] the link on its spring at 2 Hz; a softer joint is no robot's
@@ -17,10 +18,13 @@ LEAST_SHARE = 0.01  # of the rms torque
 
 @final
 class Elasticity:
-    """τ = c τ̈_load, encoder at the motor: θ_link = θ - τ_load/k_e, so the link's acceleration lacks τ̈_load/k_e, and
-    c = J/k_e = 1/ω². Gravity's part of the same goes with the load and is the motor gain's.
+    """τ = -ω² c (J r̈ + K r), ω = 2π f, encoder at the motor: the link lies r beyond the motor on a spring
+    k = J_0 ω² with damping 2 ζ ω J_0, so that J r̈ + 2 ζ ω J_0 ṙ + (k + K) r = -τ_load, and τ_load lacks J r̈ + K r.
 
-    With an encoder at the link the rotor turns by τ_load/k_e more, which is the same column with c < 0. That is not
+    J: inertia of what the axis turns, J_0 its mean; K: slope of gravity's load over the angle; both change with the
+    posture (`deflection`). c = 1/ω² if all of the load is on the spring. For a stiff spring that is c τ̈_load.
+
+    With an encoder at the link the rotor turns by τ_load/k more, which is the same column with c < 0. That is not
     looked for: noise of the positions makes c < 0 by itself.
 
     It cannot be told where the motion is slow against ω (`applies` says so), nor well from rotor inertia where the
@@ -31,19 +35,47 @@ class Elasticity:
     place = "joint"
     sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
     coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
-    shapes: tuple[Shape, ...] = ()
+    shapes = (Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)), Shape("zeta", "1", 0.02, 0.7, (0.15,)))
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        return second_rate_of_change(signals.load, signals.time)[:, None]
+        f, zeta = shape
+        samples, omega = len(signals.time), 2.0 * np.pi * f
+        if samples < 3:
+            return np.zeros((samples, 1))
+        J_0 = signals.usual_inertia or 1.0
+        J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
+        K = np.zeros(samples) if signals.slope is None else signals.slope
+        h = float(signals.time[-1] - signals.time[0]) / (samples - 1)
+        k, d = J_0 * omega**2, 2.0 * zeta * omega * J_0
+        r = deflection(signals.load, J, d, k + K, h)
+        spring = k * r + d * rate_of_change(r, signals.time)  # = -(load + J r̈ + K r)
+        return np.asarray(omega**2 * (signals.load + spring))[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):
             return False
         jolt = float(np.sqrt(np.mean(second_rate_of_change(signals.load, signals.time) ** 2)))
         return jolt / (2.0 * np.pi * SOFT_HZ) ** 2 > LEAST_SHARE * signals.torque_scale
+
+
+def deflection(load: Array, inertia: Array, damping: float, stiffness: Array, step: float) -> Array:
+    """(T,) r of J r̈ + d ṙ + k r = -load from rest, by the trapezoidal rule, which is stable for every step [s].
+
+    load [N·m], inertia [kg·m²], stiffness [N·m/rad]: (T,), damping [N·m·s/rad]. All steps are one triangular system of
+    three diagonals.
+    """
+    J, d, k, h = inertia, damping, stiffness, step
+    bands = np.zeros((3, len(load)))
+    bands[0, :2] = 1.0
+    bands[0, 2:] = (J / h**2 + 0.5 * d / h + 0.25 * k)[1:-1]
+    bands[1, 1:-1] = (-2.0 * J / h**2 + 0.5 * k)[1:-1]
+    bands[2, :-2] = (J / h**2 - 0.5 * d / h + 0.25 * k)[1:-1]
+    pull = np.full(len(load), -load[0] / k[0])
+    pull[2:] = -0.25 * (load[2:] + 2.0 * load[1:-1] + load[:-2])
+    return np.asarray(dtbtrs(bands, pull[:, None], uplo="L")[0][:, 0])
 
 
 EFFECT = Elasticity()

@@ -50,6 +50,8 @@ class AxisSignals:
     speed_scale, torque_scale, range: of the axis over all fitted logs: rms velocity, rms torque and range of
     position, for scale-free shapes; the same in every log.
     number: of the log in the order of the study, from 0; -1 where it is not known.
+    inertia: (T,) [kg·m²] of what the axis turns; slope: (T,) [N·m/rad] of the load over its angle, by gravity;
+    usual_inertia: mean of the fitted logs. None: not known, and taken for constant.
     """
 
     time: Array
@@ -64,6 +66,9 @@ class AxisSignals:
     torque_scale: float
     range: float
     number: int = -1
+    inertia: Array | None = None
+    slope: Array | None = None
+    usual_inertia: float = 1.0
 
 
 class MissingEffect(Protocol):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.preparation import WIDEST, Prepared
+from exogauge.identification.swing import swings
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 
@@ -33,6 +34,7 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     if prepared.taken_off is not None:
         load = load - prepared.taken_off[:, list(axes)]
     drive = load - _beside_the_motor(model, prepared, axes)
+    inertia, slope = swings(model, prepared)
     result = []
     for place, axis in enumerate(axes):
         temperature = log.channels.get(f"temp.{robot.joints[axis].name}")
@@ -50,6 +52,9 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 torque_scale=float(model.sizes.torque[axis]),
                 range=float(model.sizes.range[axis]),
                 number=model.order.get(log.name, -1),
+                inertia=inertia[:, axis],
+                slope=slope[:, axis],
+                usual_inertia=float(model.sizes.inertia[axis]),
             )
         )
     return result

@@ -28,6 +28,7 @@ from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
+from exogauge.identification.swing import inertia_and_slope
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log, rms
 from exogauge.logs.model import Log
@@ -38,6 +39,8 @@ from exogauge.robots.description import Robot
 from exogauge.robots.row_blocks import row_blocks
 
 Array = NDArray[np.float64]
+
+POSTURES = 50  # of a log, for the mean inertia about each axis
 
 SCALE_UNKNOWN = (
     "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
@@ -122,7 +125,9 @@ def identify(
             at_rest=at_rest,
             cutoff_hz=cutoff_hz,
             solution=solution,
-            sizes=AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted)),
+            sizes=AxisSizes(
+                seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted)
+            ),
             extension=extension,
             order={recording.log.name: number for number, recording in enumerate(recordings)},
         ),
@@ -169,6 +174,13 @@ def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
     return np.asarray(
         np.max([q.max(axis=0) for q in positions], axis=0) - np.min([q.min(axis=0) for q in positions], axis=0)
     )
+
+
+def _inertias(equations: Equations, identified: Parameters, logs: Sequence[Prepared]) -> Array:
+    """(A,) mean of what each axis turns."""
+    phi = equations.base.regroup @ identified.phi.ravel()
+    some = [log.motion.rows(log.kept[:: max(1, len(log.kept) // POSTURES)]) for log in logs]
+    return np.asarray(np.mean([inertia_and_slope(equations, phi, each)[0].mean(axis=0) for each in some], axis=0))
 
 
 def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:

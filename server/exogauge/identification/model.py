@@ -25,11 +25,13 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class AxisSizes:
-    """Of the axes in the fitted logs, (A,): rms velocity [rad/s] and torque [N·m], range of position [rad]."""
+    """Of the axes in the fitted logs, (A,): rms velocity [rad/s] and torque [N·m], range of position [rad], mean
+    inertia [kg·m²]."""
 
     velocity: Array
     torque: Array
     range: Array
+    inertia: Array
 
 
 @final
