@@ -13,6 +13,7 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 SOFTEST = (2.0 * np.pi * 2.0) ** -2  # [s²] the link on its spring at 2 Hz; a softer joint is no robot's
 SOFT_HZ = 5.0  # a soft joint's resonance; where it would not show, none does
+LEAST_STIFF = 0.1  # of the spring's stiffness, that gravity leaves: with less a link would topple
 LEAST_SHARE = 0.01  # of the rms torque
 
 
@@ -50,7 +51,7 @@ class Elasticity:
         K = np.zeros(samples) if signals.slope is None else signals.slope
         h = float(signals.time[-1] - signals.time[0]) / (samples - 1)
         k, d = J_0 * omega**2, 2.0 * zeta * omega * J_0
-        r = deflection(signals.load, J, d, k + K, h)
+        r = deflection(signals.load, J, d, np.maximum(k + K, LEAST_STIFF * k), h)
         spring = k * r + d * rate_of_change(r, signals.time)  # = -(load + J r̈ + K r)
         return np.asarray(omega**2 * (signals.load + spring))[:, None]
 

@@ -38,6 +38,8 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     result = []
     for place, axis in enumerate(axes):
         temperature = log.channels.get(f"temp.{robot.joints[axis].name}")
+        usual = float(model.sizes.inertia[axis])
+        known = usual > 0.0  # what is identified of a light link may fall below none
         result.append(
             AxisSignals(
                 time=log.time - log.time[0],
@@ -52,9 +54,9 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 torque_scale=float(model.sizes.torque[axis]),
                 range=float(model.sizes.range[axis]),
                 number=model.order.get(log.name, -1),
-                inertia=inertia[:, axis],
-                slope=slope[:, axis],
-                usual_inertia=float(model.sizes.inertia[axis]),
+                inertia=inertia[:, axis] if known else None,
+                slope=slope[:, axis] if known else None,
+                usual_inertia=usual if known else 1.0,
             )
         )
     return result

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 EVERY_S = 0.1  # [s] between samples that are computed; both change with the posture alone
 NUDGE = 1e-3  # [rad] for the slope
-LEAST = 0.02  # of the usual inertia: what is identified of a light link may fall below none
+LEAST = 0.02  # of the usual inertia, in any posture
 
 
 def swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array]:
