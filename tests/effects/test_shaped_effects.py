@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from exogauge.effects.backlash import flight
+from exogauge.effects.band import relaxed
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.effects.presliding import bristle, relaxed
+from exogauge.effects.presliding import bristle
 from exogauge.effects.shaped import AxisSignals
 
 EFFECTS = shaped_effects()

@@ -71,17 +71,4 @@ def kept(way: Array | float, u_0: Array | float, n: float) -> Array:
     return np.asarray(np.exp(-np.log1p((n - 1.0) * np.asarray(u_0) ** (n - 1.0) * way) / (n - 1.0)))
 
 
-def relaxed(kept: Array, gained: Array) -> Array:
-    """(T,) x_k = kept_k x_{k-1} + gained_k from x = 0, kept within 0…1.
-
-    Steps are joined two by two, then four by four, and so on: a log takes log₂ T passes and no loop over samples.
-    """
-    a, x, reach = kept.copy(), gained.copy(), 1
-    while reach < len(x):
-        x[reach:] += a[reach:] * x[:-reach]
-        a[reach:] *= a[:-reach].copy()
-        reach *= 2
-    return x
-
-
 EFFECT = Presliding()
