@@ -10,12 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
+import numpy as np
+
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.finding import channel_of, low_passed, name_effect, objection, rejection
 from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
-from exogauge.discrepancy.locate import pooled
+from exogauge.discrepancy.locate import channels, pooled
 from exogauge.discrepancy.refine import CLOSELY, refined
 from exogauge.discrepancy.result import Alternative, Finding
 from exogauge.discrepancy.score import Score, score
@@ -145,7 +147,8 @@ class Search:
         """Its own, or where most of the gain lies elsewhere the one that gains most against its noise."""
         if not winner.score.elsewhere:
             return winner.kind
-        kinds = {kind for each in before.residuals if each.log in winner.logs for kind in each.residual}
+        told = channels(self.base.model.equations)  # rows at rest have no channel of their own
+        kinds = [winner.kind, *(kind for kind in told if self._floor(kind) > 0.0 and _is_seen(before, kind, winner))]
 
         def size(kind: int) -> float:
             return gone(*(low_passed(each, kind, winner.logs) for each in (before, after))) / self._floor(kind)
@@ -233,6 +236,12 @@ class Search:
         ground = lay_ground(found.model, self.recordings, self.effects, tick, self.only, at)
         self.tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return ground
+
+
+def _is_seen(ground: Ground, kind: int, judged: Judgement) -> bool:
+    """Whether the logs that it was judged on have rows of this kind."""
+    return any(np.isfinite(each.residual[kind]).any() for each in ground.residuals
+               if each.log in judged.logs and kind in each.residual)  # fmt: skip
 
 
 def _depends_on_loads(added: AddedEffect) -> bool:
