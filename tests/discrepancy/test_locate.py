@@ -21,6 +21,11 @@ def test_channels_at_their_noise_floor_are_not_located(located_in, study):
     assert located_in(study()) == ()
 
 
+def test_a_log_that_begins_and_ends_in_full_motion_is_at_its_floor(identified, study):
+    for fit in identified(study()).validation:
+        assert fit.rmse_moving == pytest.approx(fit.noise_floor, rel=0.05), (fit.log, fit.channel)
+
+
 def test_a_channel_above_its_floor_is_located_with_how_far(located_in, study, on_joint):
     (excess,) = located_in(study(on_joint(2, lambda m: 0.8 * np.abs(m.v))))
     assert (excess.channel, excess.unit) == ("tau.j3", "N·m")
@@ -34,6 +39,7 @@ WHERE = [
     (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * (m.q > np.quantile(m.q, 0.7, axis=0)), "at a position above"),
     (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * (m.t > 22.0)[:, None], "at a time since the start above"),
     (lambda m: 2.0 * np.sin(20.0 * m.t)[:, None] * np.ones(3), "throughout"),
+    (lambda m: 2.0 * (np.abs(m.t - 6.5) < 0.2)[:, None] * np.ones(3), "in a few moments: at 6 s of log9"),
 ]
 
 

@@ -20,6 +20,8 @@ ABOVE = 1.25  # times the noise floor: below, the floor itself is not known bett
 SURE = 3.0  # standard errors
 BLOCK_S = 1.0
 PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
+MOMENTS, OF_ALL = 0.1, 2.0 / 3.0  # share of all blocks that hold this share of the square error: it sits in moments
+NORMAL = 1.4826  # standard deviation over median absolute deviation
 
 
 def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
@@ -57,7 +59,10 @@ def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
 def _sureness(
     found: Identification, residuals: Sequence[LogResiduals], channel: str, kind: int, fits: Sequence[ChannelFit]
 ) -> float:
-    """Standard errors by which blocks' mean square error stands above the floor's."""
+    """Standard errors by which blocks' mean square error stands above the floor's.
+
+    The error of the mean is that of the many blocks: one that stands far above them all would make it large itself.
+    """
     floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
     predictions = {prediction.log: prediction for prediction in found.predictions}
     excess: list[Array] = []
@@ -75,12 +80,20 @@ def _sureness(
     if not excess:
         return 0.0
     values = np.concatenate(excess)
-    return float(values.mean() / max(values.std(ddof=1) / np.sqrt(len(values)), 1e-300)) if len(values) > 1 else 0.0
+    if len(values) < 2:
+        return 0.0
+    usual = NORMAL * float(np.median(np.abs(values - np.median(values))))
+    spread = min(float(values.std(ddof=1)), usual) if usual > 0.0 else float(values.std(ddof=1))
+    return float(values.mean() / max(spread / np.sqrt(len(values)), 1e-300))
 
 
 def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
-    """The third of times, and for an axis of speeds, loads or positions, in which the error is largest, in words."""
+    """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
+    positions, in which it is largest; in words."""
     known = [each for each in residuals if kind in each.residual]
+    moments = _moments(known, kind)
+    if moments:
+        return moments
     e = np.concatenate([each.residual[kind] for each in known])
     used = np.isfinite(e)
     if used.sum() < 30:
@@ -107,3 +120,20 @@ def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
             if part.any() and square[part].mean() / square.mean() > best:
                 best, said = float(square[part].mean() / square.mean()), phrase
     return said
+
+
+def _moments(residuals: Sequence[LogResiduals], kind: int) -> str:
+    """`in a few moments: at 12 s of val_1, …`; "" where the error is spread wider."""
+    blocks: list[tuple[float, str]] = []
+    for each in residuals:
+        square = each.residual[kind] ** 2
+        used = np.isfinite(square)
+        starts, number = np.unique(np.floor(each.time[used] / BLOCK_S), return_inverse=True)
+        sums = np.bincount(number, square[used])
+        blocks += [(float(total), f"{start * BLOCK_S:.0f} s of {each.log}") for total, start in zip(sums, starts, strict=True)]
+    blocks.sort(reverse=True)
+    held = np.cumsum([total for total, _ in blocks])
+    needed = int(np.searchsorted(held, OF_ALL * held[-1])) + 1 if blocks else 0
+    if not 0 < needed <= MOMENTS * len(blocks):
+        return ""
+    return f"in a few moments: at {', '.join(at for _, at in blocks[:needed])}"

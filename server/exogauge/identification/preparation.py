@@ -85,6 +85,14 @@ class Prepared:
     raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     taken_off: Array | None = None
 
+    @property
+    def settled(self) -> NDArray[np.bool_]:
+        """(T,) not the ends of the log, where the low-pass leans on what was never measured."""
+        inside = np.zeros(self.log.samples, dtype=bool)
+        if self.kept.size:
+            inside[self.kept[0] : self.kept[-1] + 1] = True
+        return inside
+
     def signals(self, axis: int, samples: slice | NDArray[np.intp], stick: Array) -> JointSignals:
         """What the effects of one axis see of the low-passed log."""
         return JointSignals(

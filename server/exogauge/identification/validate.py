@@ -154,9 +154,10 @@ def _within_band(prepared: Prepared, channels: Sequence[Array]) -> Array:
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:
     """Channel -> (T,) samples in steady motion; where there is no friction (base wrench, sensors), all that are not
-    left out."""
-    steady = dict.fromkeys(BASE_CHANNELS, ~prepared.left_out)
-    steady |= {f"tau.{joint.name}": prepared.steady[:, axis] for axis, joint in enumerate(equations.robot.joints)}
+    left out. Not the ends of the log, where the low-pass has not settled."""
+    settled, axes = prepared.settled, enumerate(equations.robot.joints)
+    steady = dict.fromkeys(BASE_CHANNELS, settled & ~prepared.left_out)
+    steady |= {f"tau.{joint.name}": settled & prepared.steady[:, axis] for axis, joint in axes}
     steady |= {name: steady[BASE_CHANNELS[0]] for cut in equations.robot.cuts for name in wrench_channels(cut.name)}
     return steady
 
