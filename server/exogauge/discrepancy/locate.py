@@ -129,8 +129,8 @@ def _moments(residuals: Sequence[LogResiduals], kind: int) -> str:
         square = each.residual[kind] ** 2
         used = np.isfinite(square)
         starts, number = np.unique(np.floor(each.time[used] / BLOCK_S), return_inverse=True)
-        sums = np.bincount(number, square[used])
-        blocks += [(float(total), f"{start * BLOCK_S:.0f} s of {each.log}") for total, start in zip(sums, starts, strict=True)]
+        at = [f"{start * BLOCK_S:.0f} s of {each.log}" for start in starts]
+        blocks += zip(np.bincount(number, square[used]).tolist(), at, strict=True)
     blocks.sort(reverse=True)
     held = np.cumsum([total for total, _ in blocks])
     needed = int(np.searchsorted(held, OF_ALL * held[-1])) + 1 if blocks else 0
