@@ -13,6 +13,7 @@ from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.filtering import StoredPass
 from exogauge.logs.stored_band import stored_edge
 from exogauge.support.settings import WornLog
 
@@ -53,9 +54,9 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
 
     found = limits(robot, changed(study(), stored))
     assert found is not None
-    assert abs(found.band.hz - hz) < 2.0 * found.band.std
+    assert abs(found.band.stored.hz - hz) < 2.0 * found.band.std
     assert found.band.std < 0.1 * hz
-    assert found.finding.parameters["cutoff"].value == found.band.hz
+    assert found.finding.parameters["cutoff"].value == found.band.stored.hz
     assert (found.finding.place.kind, found.finding.place.name) == ("log", "all")
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
@@ -72,7 +73,19 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
 def test_a_filter_of_another_shape_is_seen_too(robot, study, sections, both_ways):
     found = limits(robot, changed(study(), stored_through(sections, both_ways)))
     assert found is not None
-    assert 2.0 < found.band.hz < 4.0
+    assert 2.0 < found.band.stored.hz < 4.0
+
+
+@pytest.mark.parametrize("late", [True, False], ids=["late", "there and back"])
+@pytest.mark.parametrize("order", [2, 4])
+def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(robot, study, order, late):
+    through = stored_through(butter(order, 3.0, fs=RATE, output="sos"), both_ways=not late)
+    found = limits(robot, changed(study(), through))
+    assert found is not None
+    assert found.band.stored.late is late
+    assert abs(found.band.stored.order - order) < 2
+    assert ("ms late" in found.finding.sentence) is late
+    assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
 
 @pytest.mark.parametrize(("order", "hz"), [(1, 2.0), (1, 5.0), (2, 3.0), (3, 4.0)])
@@ -103,7 +116,7 @@ def test_a_single_low_passed_log_is_named_for_itself(robot, study, one):
     assert found is not None
     assert found.band.logs == (recordings[one].log.name,)
     assert found.finding.held_out.log == recordings[one].log.name
-    assert abs(found.band.hz - 3.0) < 3.0 * found.band.std
+    assert abs(found.band.stored.hz - 3.0) < 3.0 * found.band.std
     assert f"in {recordings[one].log.name}, turns included" in found.finding.sentence
 
 
@@ -181,7 +194,7 @@ def test_the_noise_floor_of_such_a_log_is_what_the_others_noise_leaves_behind_it
     (late,) = changed(recordings[2:], stored_through(sections))
     gain = np.abs(sosfreqz(sections, 4000)[1]) ** 2
     left = 0.05 * np.sqrt(np.mean(gain**2))
-    limited = [*recordings[:2], replace(late, log=replace(late.log, band_hz=3.0))]
+    limited = [*recordings[:2], replace(late, log=replace(late.log, stored=StoredPass(3.0)))]
     found = identify(robot, limited, SETTINGS)
     np.testing.assert_allclose(floors(found, late.log.name), left, rtol=0.25)  # encoders add some
     np.testing.assert_allclose(floors(found, recordings[0].log.name), 0.05, rtol=0.15)
@@ -190,7 +203,7 @@ def test_the_noise_floor_of_such_a_log_is_what_the_others_noise_leaves_behind_it
 def test_what_the_maker_states_of_the_noise_passes_the_low_pass_too(robot, study):
     sections = butter(4, 3.0, fs=RATE, output="sos")
     stored = changed(study(noise=0.05), stored_through(sections))
-    limited = [replace(each, log=replace(each.log, band_hz=3.0)) for each in stored]
+    limited = [replace(each, log=replace(each.log, stored=StoredPass(3.0))) for each in stored]
     told, unsaid = (identify(one, limited, SETTINGS) for one in (replace(robot, noise={"tau": 0.05}), robot))
     left = 0.05 * np.sqrt(np.mean(np.abs(sosfreqz(sections, 4000)[1]) ** 4))
     for each in limited:
@@ -223,7 +236,7 @@ def wear(log):
 def test_a_log_with_a_device_is_filtered_like_the_others_if_its_spectrum_ends_where_theirs_does(study, record):
     through, faster = (stored_through(butter(4, hz, fs=RATE, output="sos")) for hz in (3.0, 8.0))
     limited = [
-        replace(each, log=replace(each.log, band_hz=2.97)) for each in changed(study(), through)
+        replace(each, log=replace(each.log, stored=StoredPass(2.97))) for each in changed(study(), through)
     ]  # as `band_limits` leaves them
 
     def pulled(motion):
@@ -235,7 +248,7 @@ def test_a_log_with_a_device_is_filtered_like_the_others_if_its_spectrum_ends_wh
     worn = record(21, pulled)
     alike, other = (changed([Recording(worn, True)], each)[0].log for each in (through, faster))
     logs = filtered_alike([wear(alike), wear(other), wear(worn)], limited)
-    assert [each.log.band_hz for each in logs] == [2.97, None, None]
+    assert [each.log.stored for each in logs] == [StoredPass(2.97), None, None]
     assert [each.log for each in filtered_alike([wear(alike)], study())] == [alike]
 
 

@@ -269,7 +269,7 @@ def test_logs_that_were_low_passed_are_seen_with_a_sensor_inside_the_robot_too(t
         logs.append(replace(log, channels=channels))
     found = searched(robot, logs)
     assert named(found)[0] == ("band_limited_log", "log", "all", "")
-    assert all(each.log.band_hz for each in found.recordings)
+    assert all(each.log.stored for each in found.recordings)
 
 
 def test_all_that_can_be_named_here_has_words() -> None:

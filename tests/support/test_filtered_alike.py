@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
+from exogauge.logs.filtering import StoredPass
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -34,7 +35,7 @@ def support(biped, suit, plain, worn):
 
 
 def known(log):
-    return replace(log, band_hz=BAND)
+    return replace(log, stored=StoredPass(BAND))
 
 
 def test_approach_b_meets_the_truth_where_it_says_that_it_holds(biped, suit, recorded, inner):

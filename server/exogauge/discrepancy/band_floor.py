@@ -11,7 +11,7 @@ from exogauge.robots.description import Robot
 
 def of_the_noise_floor(robot: Robot, limited: Sequence[Recording], channel: str) -> str:
     """What it stands for: in these logs themselves no noise is left to be seen."""
-    if any(each.log.band_hz is None for each in limited):
+    if any(each.log.stored is None for each in limited):
         return "The noise floor is what the noise of the other logs leaves behind that low-pass."
     joint = next(each for each in robot.joints if channel == f"tau.{each.name}")
     if robot.noise.get(DRIVE[joint.actuation], 0.0) > 0.0:

@@ -150,7 +150,7 @@ def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None, cutoff_h
         used=pair[1],
         sloped=np.searchsorted(kept, evidence.sloped),
         slope=evidence.slope_a if approach == "A" else evidence.slope_b,
-        low_pass=LowPass(cutoff_hz, log.rate_hz / step, band_hz=log.band_hz),
+        low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
     )
 
 

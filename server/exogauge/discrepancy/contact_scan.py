@@ -72,9 +72,9 @@ def gains(rows: LogRows, columns: Array) -> tuple[Array, Array]:
 
 
 def _near_ends(rows: LogRows) -> NDArray[np.bool_]:
-    before, time = rows.prepared.low_pass.before, rows.prepared.log.time
-    ends = 0.0 if before is None else before.settle_samples / before.rate_hz + 0.5 * DURATIONS[-1]
-    return np.asarray((rows.time < time[0] + ends) | (rows.time > time[-1] - ends))
+    stored, log = rows.prepared.log.stored, rows.prepared.log
+    ends = 0.0 if stored is None else stored.settle_samples(log.rate_hz) / log.rate_hz + 0.5 * DURATIONS[-1]
+    return np.asarray((rows.time < log.time[0] + ends) | (rows.time > log.time[-1] - ends))
 
 
 def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> list[Moment]:

@@ -114,7 +114,7 @@ def find_missing_effects(
 
 def _seen_in(recordings: Sequence[Recording], effects: Sequence[Effect]) -> Sequence[Effect]:
     """Without those that live at turns, where every log was low-passed there before it was stored."""
-    if all(each.log.band_hz is not None for each in recordings):
+    if all(each.log.stored is not None for each in recordings):
         return [each for each in effects if each.name not in AT_TURNS]
     return effects
 

@@ -20,14 +20,14 @@ def filtered_alike(worn: Sequence[WornLog], recordings: Sequence[Recording]) -> 
     moves, so an end of the spectrum that is the recorder's own is seen with them on as well. Which cut-off it is cannot
     be found from such a log by itself, because no model of the wear is known yet.
     """
-    limited = [each.log for each in recordings if each.log.band_hz is not None]
+    limited = [each.log for each in recordings if each.log.stored is not None]
     if not limited:
         return tuple(worn)
     edges = [edge.hz for edge in map(stored_edge, limited) if edge]
-    middle, band = float(np.median(edges)), limited[0].band_hz
+    middle, stored = float(np.median(edges)), limited[0].stored
 
     def alike(each: WornLog) -> bool:
         edge = stored_edge(each.log)
         return edge is not None and middle / ALIKE < edge.hz < middle * ALIKE
 
-    return tuple(replace(each, log=replace(each.log, band_hz=band)) if alike(each) else each for each in worn)
+    return tuple(replace(each, log=replace(each.log, stored=stored)) if alike(each) else each for each in worn)

@@ -62,6 +62,4 @@ class Extension:
             columns = seen[each.site].columns(each.effect, each.shape)
             raw.append(columns.reshape(prepared.log.samples, -1))
         stacked = np.hstack(raw)
-        before = prepared.low_pass.before
-        stored = before.apply(stacked) if before else stacked
-        return replace(prepared, added=prepared.low_pass.apply(stacked), raw_added=stored)
+        return replace(prepared, added=prepared.low_pass.apply(stacked), raw_added=prepared.log.as_stored(stacked))

@@ -54,19 +54,18 @@ def draw_noise(
     Its std is seen in the channel's part above twice the cut-off, or is what the maker states, if that is more. A log
     that was low-passed before it was stored shows none: there it is `known`, and passes that low-pass too.
     """
-    log, before = prepared.log, prepared.low_pass.before
+    log = prepared.log
     noise = {}
     for name, seen in _seen_noise(robot, log, prepared.low_pass.cutoff_hz).items():
-        std = max(seen, known.get(name, 0.0)) if before else seen
-        drawn = std * rng.normal(size=log.samples)
-        noise[name] = before.apply(drawn) if before else drawn
+        std = max(seen, known.get(name, 0.0)) if log.stored else seen
+        noise[name] = log.as_stored(std * rng.normal(size=log.samples))
     return noise
 
 
 def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[str, float]:
     """Channel -> std of its white noise, for logs that were low-passed before they were stored: the median of the other
     logs. Empty where there are no such logs, or no others."""
-    others = [log for log in logs if log.band_hz is None]
+    others = [log for log in logs if log.stored is None]
     if not others or len(others) == len(logs):
         return {}
     seen = [_seen_noise(robot, log, cutoff_hz) for log in others]

@@ -198,7 +198,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
     direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / finest.cutoff_hz))
     rest = 1.0 - np.abs(direction)
-    alike = replace(low_pass, band_hz=log.band_hz)
+    alike = replace(low_pass, stored=log.stored)
     smooth_direction = alike.apply(direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(low_pass.settle_samples, log.samples // 10)
@@ -217,8 +217,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
         raw_direction=direction,
-        stored_direction=alike.before.apply(direction) if alike.before else direction,
-        stored_rest=alike.before.apply(rest) if alike.before else rest,
+        stored_direction=log.as_stored(direction),
+        stored_rest=log.as_stored(rest),
         raw_wrenches=raw_wrenches,
         carried=low_pass.apply(raw_carried.reshape(log.samples, -1)).reshape(raw_carried.shape),
         raw_carried=raw_carried,
@@ -231,7 +231,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
 
 def left_out_samples(log: Log, low_pass: LowPass) -> NDArray[np.bool_]:
     """(T,) within `Log.left_out`, or so near that the low-pass carries it there."""
-    settle = max(each.settle_samples for each in (low_pass, low_pass.before) if each)
+    stored = log.stored.settle_samples(log.rate_hz) if log.stored else 0
+    settle = max(low_pass.settle_samples, stored)
     near = settle / log.rate_hz
     found = np.zeros(log.samples, dtype=bool)
     for start, stop in log.left_out:

@@ -149,7 +149,7 @@ def floors_of(validation: Sequence[ChannelFit]) -> Mapping[tuple[str, str], Nois
 def _within_band(prepared: Prepared, channels: Sequence[Array]) -> Array:
     """(C, T) through the equations' low-pass; a log that was low-passed before it was stored passes that no second
     time."""
-    return replace(prepared.low_pass, band_hz=None).apply(np.column_stack(channels)).T
+    return replace(prepared.low_pass, stored=None).apply(np.column_stack(channels)).T
 
 
 def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDArray[np.bool_]]:

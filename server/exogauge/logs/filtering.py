@@ -10,11 +10,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import bessel, butter, sosfilt, sosfilt_zi
 
 from exogauge.errors import BadLog, Fault
 
@@ -27,19 +27,78 @@ SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 @final
 @dataclass(frozen=True)
+class StoredPass:
+    """The low-pass that all channels of a log have passed before they were stored.
+
+    hz: where one pass leaves 0.71 of an amplitude. order, kind: of one pass. late: it was passed once, as values came
+    in, so that all of them are late; else forwards and backwards, afterwards.
+    """
+
+    hz: float
+    order: int = 4
+    late: bool = False
+    kind: Literal["butterworth", "bessel"] = "butterworth"
+
+    def apply(self, values: Array, rate_hz: float) -> Array:
+        """values: (T,) or (T, K), computed from positions that have passed it -> the same shape.
+
+        What is computed from late positions is as late as these, by the delay of slow motion. So a late pass acts
+        that much earlier: the smear of a step begins before it, and what is slow stays where it is.
+        """
+        if len(values) < 2:
+            return values.copy()
+        flat, beyond = values.reshape(len(values), -1), self.settle_samples(rate_hz)
+        sections, steady, _, delay = _stored_sections(self, rate_hz)
+        line = np.linspace(flat[0], flat[-1], len(flat))
+        extended = np.pad(flat - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+        if self.late:
+            passed = sosfilt(sections, extended, axis=0, zi=steady[:, :, None] * extended[0])[0]
+        else:
+            both_ways_by_scipy(sections, steady, extended)
+            passed = extended
+        whole, part = int(delay), delay % 1.0
+        at = np.minimum(beyond + whole + np.arange(len(flat) + 1), len(extended) - 1)
+        return np.asarray((line + (1.0 - part) * passed[at[:-1]] + part * passed[at[1:]]).reshape(values.shape))
+
+    def delay_s(self, rate_hz: float) -> float:
+        """By which slow motion is late [s]."""
+        return _stored_sections(self, rate_hz)[3] / rate_hz
+
+    def settle_samples(self, rate_hz: float) -> int:
+        """As `LowPass.settle_samples`."""
+        return _stored_sections(self, rate_hz)[2]
+
+
+@lru_cache(maxsize=64)
+def _stored_sections(stored: StoredPass, rate_hz: float) -> tuple[Array, Array, int, float]:
+    """Second-order sections of one pass, the state in which they leave a constant 1 as it is, samples until they have
+    settled, and by how many what is slow comes out late."""
+    order, hz = stored.order, stored.hz
+    if stored.kind == "bessel":
+        sections = bessel(order, hz, fs=rate_hz, output="sos", norm="mag")
+        zeros, poles, _ = bessel(order, hz, fs=rate_hz, output="zpk", norm="mag")
+    else:
+        sections = butter(order, hz, fs=rate_hz, output="sos")
+        zeros, poles, _ = butter(order, hz, fs=rate_hz, output="zpk")
+    late = float(np.sum(poles / (1.0 - poles)).real - np.sum(zeros / (1.0 - zeros)).real) if stored.late else 0.0
+    return sections, sosfilt_zi(sections), _settled_after(poles), late
+
+
+@final
+@dataclass(frozen=True)
 class LowPass:
     """Zero-phase Butterworth.
 
     cutoff_hz: where one pass leaves 0.71 of an amplitude and both passes 0.5. rate_hz: of the samples to be filtered.
     order: of one pass; both together fall off with twice that.
-    band_hz: cut-off of another one before it, None for none: what was measured has passed that before it was stored,
-    so what is computed from it must pass both (`Log.band_hz`).
+    stored: the one before it, None for none: what was measured has passed that before it was stored, so what is
+    computed from it must pass both (`Log.stored`).
     """
 
     cutoff_hz: float
     rate_hz: float
     order: int = 4
-    band_hz: float | None = None
+    stored: StoredPass | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.cutoff_hz < 0.5 * self.rate_hz:
@@ -54,8 +113,8 @@ class LowPass:
         reflection until a transient is over, however short the log. `settle_samples` at each end still deserve doubt:
         they lean on values that were never measured.
         """
-        if self.before is not None:
-            values = self.before.apply(values)
+        if self.stored is not None:
+            values = self.stored.apply(values, self.rate_hz)
         if not np.isfinite(values).all():
             raise BadLog(_not_finite(values, np.argwhere(~np.isfinite(values))[0]))
         if values.shape[0] < 2:
@@ -73,14 +132,10 @@ class LowPass:
             np.add(line, extended[beyond : beyond + len(flat)], out=filtered[:, start : start + AT_ONCE])
         return filtered.reshape(values.shape)
 
-    @property
-    def before(self) -> LowPass | None:
-        return None if self.band_hz is None else LowPass(self.band_hz, self.rate_hz)
-
     def gain(self, frequency_hz: ArrayLike) -> Array:
         """What both passes leave of an amplitude at each frequency: 1 / (1 + (tan(pi f/r) / tan(pi f_c/r))^2n).
 
-        Without what is left by `before`.
+        Without what is left by `stored`.
         """
         angle = np.pi * np.asarray(frequency_hz, dtype=np.float64) / self.rate_hz
         with np.errstate(over="ignore"):
@@ -131,6 +186,11 @@ def _sections(low_pass: LowPass) -> tuple[Array, Array]:
 @lru_cache(maxsize=64)
 def _settle_samples(low_pass: LowPass) -> int:
     _, poles, _ = butter(low_pass.order, low_pass.cutoff_hz, fs=low_pass.rate_hz, output="zpk")
+    return _settled_after(poles)
+
+
+def _settled_after(poles: NDArray[np.complex128]) -> int:
+    """Samples until the slowest has lost 99 % of its transient."""
     return math.ceil(math.log(SETTLED) / math.log(float(np.max(np.abs(poles)))))
 
 

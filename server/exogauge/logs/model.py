@@ -9,6 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.logs.filtering import StoredPass
+
 Array = NDArray[np.float64]
 
 
@@ -18,8 +20,8 @@ class Log:
     """One recording, SI units, contract channel names (`q.<joint>`, `acc.x`, `ft.<sensor>.fx` …).
 
     time: (T,) [s] strictly increasing. channels: name -> (T,) in the channel's SI unit.
-    band_hz: cut-off [Hz] of the `LowPass` that all channels have passed before they were stored, None where nothing
-    is known of one. What is computed from such a log has to pass it as well.
+    stored: the low-pass that all channels have passed before they were stored, None where nothing is known of one.
+    What is computed from such a log has to pass it as well.
     left_out: spans (from, to) [s] of its time in which something happened that is not the robot's own, such as a push:
     nothing is fitted there, and no error counted.
     """
@@ -27,7 +29,7 @@ class Log:
     name: str
     time: Array
     channels: Mapping[str, Array]
-    band_hz: float | None = None
+    stored: StoredPass | None = None
     left_out: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
@@ -47,6 +49,10 @@ class Log:
     def rate_hz(self) -> float:
         """Median sampling rate [Hz]."""
         return float(1.0 / np.median(np.diff(self.time)))
+
+    def as_stored(self, values: Array) -> Array:
+        """(T, …) computed from this log, through the low-pass before it was stored, if any."""
+        return values if self.stored is None else self.stored.apply(values, self.rate_hz)
 
     def has(self, *names: str) -> bool:
         return all(name in self.channels for name in names)

@@ -13,8 +13,8 @@ def notes_on_logs(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> tuple[s
     with_device = [each.log for each in worn]
     logs = [*(each.log for each in plain), *with_device]
     left_out = [_left_out(each) for each in logs if each.left_out]
-    limited = [each for each in logs if each.band_hz is not None]
-    return (*left_out, *_filtered(limited), *_not_alike(limited, [each for each in with_device if not each.band_hz]))
+    limited = [each for each in logs if each.stored is not None]
+    return (*left_out, *_filtered(limited), *_not_alike(limited, [each for each in with_device if not each.stored]))
 
 
 def _left_out(log: Log) -> str:
@@ -26,13 +26,13 @@ def _left_out(log: Log) -> str:
 
 
 def _filtered(limited: Sequence[Log]) -> list[str]:
-    """One sentence for each cut-off."""
+    """One sentence for each low-pass."""
     said = []
-    for hz in dict.fromkeys(each.band_hz for each in limited):
-        names = ", ".join(each.name for each in limited if each.band_hz == hz)
+    for stored in dict.fromkeys(each.stored for each in limited if each.stored):
+        names = ", ".join(each.name for each in limited if each.stored == stored)
         said.append(
-            f"The signals of {names} were low-passed at {hz:.2f} Hz before they were stored. What the model says of "
-            "them passes the same low-pass, so what is faster shows in no supporting torque."
+            f"The signals of {names} were low-passed at {stored.hz:.2f} Hz before they were stored. What the model "
+            "says of them passes the same low-pass, so what is faster shows in no supporting torque."
         )
     return said
 
