@@ -38,11 +38,14 @@ BENT = (
 @final
 @dataclass(frozen=True)
 class Bend:
-    """finding: that of the effect, with its bend. found: the robot with all effects and bends so far."""
+    """of: the effect's step. finding: that of the effect, with its bend. found: the robot with all effects and bends so
+    far. label: what the chain of gaps calls it."""
 
+    of: Step
     added: AddedEffect
     finding: Finding
     found: Identification
+    label: str
 
 
 def own_curves(search: Search) -> list[Bend]:
@@ -59,9 +62,9 @@ def own_curves(search: Search) -> list[Bend]:
         after = search.identified([*effects, *(each.added for each in bends), added])
         finding = _told(step.finding, before, after, scored, rows)
         channel = channel_of(before.model.equations, judged.kind)
-        sizes = [_held_out(finding, channel, each) for each in (before, after)]
+        sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
         if gone(*(rmse for rmse, _ in sizes)) > LEAST * sizes[1][1]:
-            bends.append(Bend(added, finding, after))
+            bends.append(Bend(step, added, finding, after, f"own curve of {finding.effect}"))
     return bends
 
 
@@ -100,7 +103,7 @@ def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
 def _told(
     finding: Finding, before: Identification, after: Identification, scored: Score, rows: Sequence[SiteRows]
 ) -> Finding:
-    held = replace(finding.held_out, rmse_after=_held_out(finding, finding.held_out.channel, after)[0])
+    held = replace(finding.held_out, rmse_after=held_out_rmse(finding, finding.held_out.channel, after)[0])
     names = [each.name for each in scored.candidate.effect.coefficients]
     every = parameters(before.model, scored, rows)
     return replace(
@@ -112,7 +115,7 @@ def _told(
     )
 
 
-def _held_out(finding: Finding, channel: str, found: Identification) -> tuple[float, float]:
+def held_out_rmse(finding: Finding, channel: str, found: Identification) -> tuple[float, float]:
     """RMSE of a channel in the logs that the finding is told of, and its noise floor."""
     fits = [fit for fit in found.validation if fit.channel == channel]
     logs = finding.held_out.log.split(", ") if finding.held_out.log else [fit.log for fit in fits if fit.held_out]

@@ -23,6 +23,7 @@ from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located
 from exogauge.discrepancy.odd_log import look_into_odd_logs
 from exogauge.discrepancy.own_curves import Bend, own_curves
+from exogauge.discrepancy.remainders import remainders
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
 from exogauge.discrepancy.search import Search
 from exogauge.discrepancy.with_motions import with_motions
@@ -76,10 +77,11 @@ def find_missing_effects(
     assert search.first is not None
     assert search.last is not None
     bends, equations = own_curves(search), search.base.model.equations
+    bends += remainders(search, bends)
     findings += _with_bends(len(findings), search, bends)
     models = [*models[:-1], search.base, *(step.found for step in search.steps), *(bend.found for bend in bends)]
     additions = [(each.effect, each.place) for each in findings]
-    additions += [(f"own curve of {bend.finding.effect}", bend.finding.place) for bend in bends]
+    additions += [(bend.label, bend.finding.place) for bend in bends]
     current, left = models[-1], search.last.residuals
     if bends:
         left = lay_ground(current.model, search.recordings, (), lambda _fraction, _phrase: None).residuals

@@ -162,8 +162,9 @@ def channel(name: str) -> str:
 
 
 def step_words(step: str) -> str:
-    """A step of the chain: `+ stribeck at torso_pitch` -> `+ Stribeck friction at torso_pitch`, `own curve of` kept."""
-    found = re.fullmatch(r"\+ (own curve of )?(\S+) (at .+)", step)
+    """A step of the chain: `+ stribeck at torso_pitch` -> `+ Stribeck friction at torso_pitch`; what stands before the
+    name is kept."""
+    found = re.fullmatch(r"\+ (own curve of |remainder of )?(\S+) (at .+)", step)
     return f"+ {found[1] or ''}{effect_words(found[2])} {found[3]}" if found else step
 
 

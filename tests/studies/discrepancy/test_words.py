@@ -94,4 +94,5 @@ def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
 def test_a_step_of_the_chain_is_told_in_words_whether_it_is_an_effect_or_its_own_curve() -> None:
     assert step_words("+ load_coulomb at elbow") == "+ load-dependent friction at elbow"
     assert step_words("+ own curve of load_coulomb at elbow") == "+ own curve of load-dependent friction at elbow"
+    assert step_words("+ remainder of load_coulomb at elbow") == "+ remainder of load-dependent friction at elbow"
     assert step_words("identified model") == "identified model"
