@@ -54,9 +54,9 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
 
     found = limits(robot, changed(study(), stored))
     assert found is not None
-    assert abs(found.band.stored.hz - hz) < 2.0 * found.band.std
-    assert found.band.std < 0.1 * hz
-    assert found.finding.parameters["cutoff"].value == found.band.stored.hz
+    cutoff = found.finding.parameters["cutoff"]
+    assert abs(cutoff.value - hz) < 2.0 * cutoff.std
+    assert cutoff.std < 0.1 * hz
     assert (found.finding.place.kind, found.finding.place.name) == ("log", "all")
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
@@ -73,7 +73,7 @@ def test_the_cut_off_comes_out_within_its_doubt(robot, study, hz, decimals):
 def test_a_filter_of_another_shape_is_seen_too(robot, study, sections, both_ways):
     found = limits(robot, changed(study(), stored_through(sections, both_ways)))
     assert found is not None
-    assert 2.0 < found.band.stored.hz < 4.0
+    assert 2.0 < found.band.cutoff.value < 4.0
 
 
 @pytest.mark.parametrize("late", [True, False], ids=["late", "there and back"])
@@ -116,7 +116,7 @@ def test_a_single_low_passed_log_is_named_for_itself(robot, study, one):
     assert found is not None
     assert found.band.logs == (recordings[one].log.name,)
     assert found.finding.held_out.log == recordings[one].log.name
-    assert abs(found.band.stored.hz - 3.0) < 3.0 * found.band.std
+    assert abs(found.band.cutoff.value - 3.0) < 3.0 * found.band.cutoff.std
     assert f"in {recordings[one].log.name}, turns included" in found.finding.sentence
 
 

@@ -53,3 +53,13 @@ def test_the_delay_is_the_group_delay_of_slow_motion(kind, order):
 def test_there_and_back_it_is_the_low_pass_of_the_same_order():
     values = np.random.default_rng(3).standard_normal((2000, 3)).cumsum(axis=0)
     np.testing.assert_allclose(StoredPass(6.0).apply(values, RATE), LowPass(6.0, RATE).apply(values), atol=1e-9)
+
+
+@pytest.mark.parametrize("late", [True, False])
+@pytest.mark.parametrize(("kind", "order"), KINDS)
+def test_half_of_a_sine_is_left_where_it_is_said(kind, order, late):
+    stored = StoredPass(4.0, order, late, kind)
+    t = np.arange(8000) / RATE
+    sine = np.sin(2 * np.pi * stored.half_hz(RATE) * t)
+    passed = (sosfilt if late else sosfiltfilt)(sections(stored), sine)
+    assert np.std(passed[1000:-1000]) == pytest.approx(0.5 * np.std(sine[1000:-1000]), rel=1e-3)

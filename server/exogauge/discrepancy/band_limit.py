@@ -18,7 +18,6 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.devices.result import Estimate
 from exogauge.discrepancy.band_floor import of_the_noise_floor
 from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.discrepancy.stored_pass import BLOCK_S, Band, beside_rest, stored_band
@@ -163,7 +162,8 @@ def _finding(
     held_out = _held_out(before, after, judges, free)
     where = ALL if len(band.logs) == len(limited) else ", ".join(band.logs)
     sentence = (
-        f"The signals were low-passed at {band.stored.hz:.2f} ± {band.std:.2f} Hz ({_shape_words(band, limited)}) "
+        f"The signals were low-passed at {band.cutoff.value:.2f} ± {band.cutoff.std:.2f} Hz "
+        f"(where half of an amplitude is left; {_shape_words(band, limited)}) "
         f"before they were stored: the sensors' noise "
         f"fades above, and in every joint friction turns round as slowly as such a filter does. "
         f"With the model passed through the same low-pass the {judges.said.format(held_out.channel)}, turns included, "
@@ -174,7 +174,7 @@ def _finding(
         rank=1,
         effect="band_limited_log",
         place=Place("log", where),
-        parameters={"cutoff": Estimate(band.stored.hz, band.std, "Hz")},
+        parameters={"cutoff": band.cutoff},
         held_out=held_out,
         score=held_out.explained,
         sentence=sentence,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.optimize import minimize_scalar
 
+from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import measured_channels, predicted_channels
 from exogauge.identification.preparation import Prepared
@@ -43,10 +44,10 @@ LEAST_S = 2.0  # of turns and motion; a joint with less is looked at as a whole
 @final
 @dataclass(frozen=True)
 class Band:
-    """std: doubt of the cut-off [Hz]. logs: names of those stored with it."""
+    """cutoff: where half of an amplitude is left. logs: names of those stored with it."""
 
     stored: StoredPass
-    std: float
+    cutoff: Estimate
     logs: tuple[str, ...]
 
 
@@ -86,7 +87,9 @@ def stored_band(model: RobotModel, logs: Sequence[Log], edge_hz: float) -> Band 
     std = float(np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2))) if count > 1 else float("inf")
     step = float(hz * np.log(cutoffs[1] / cutoffs[0]))
     names = tuple(log.name for log in logs)
-    return Band(replace(shape, hz=hz), float(np.hypot(std, step / np.sqrt(12.0))), names)
+    stored = replace(shape, hz=hz)
+    half = stored.half_hz(logs[0].rate_hz)
+    return Band(stored, Estimate(half, float(np.hypot(std, step / np.sqrt(12.0))) * half / hz, "Hz"), names)
 
 
 @final

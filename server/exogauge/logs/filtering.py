@@ -14,7 +14,7 @@ from typing import Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import bessel, butter, sosfilt, sosfilt_zi
+from scipy.signal import bessel, butter, sosfilt, sosfilt_zi, sosfreqz
 
 from exogauge.errors import BadLog, Fault
 
@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 AT_ONCE = 16  # channels: what is worked on stays in the cache
 MANY = 20_000  # values from which loading numba pays, for a process that has not yet
+FREQUENCIES = 20_000  # at which a gain is computed, to be read off
 SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 
@@ -63,6 +64,12 @@ class StoredPass:
     def delay_s(self, rate_hz: float) -> float:
         """By which slow motion is late [s]."""
         return _stored_sections(self, rate_hz)[3] / rate_hz
+
+    def half_hz(self, rate_hz: float) -> float:
+        """Where half of an amplitude is left in all: much the same for every shape that would do."""
+        frequency, gain = sosfreqz(_stored_sections(self, rate_hz)[0], FREQUENCIES, fs=rate_hz)
+        left = np.abs(gain) ** (1 if self.late else 2)
+        return float(np.interp(0.5, left[::-1], frequency[::-1]))
 
     def settle_samples(self, rate_hz: float) -> int:
         """As `LowPass.settle_samples`."""

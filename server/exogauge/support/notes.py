@@ -28,11 +28,12 @@ def _left_out(log: Log) -> str:
 def _filtered(limited: Sequence[Log]) -> list[str]:
     """One sentence for each low-pass."""
     said = []
+    rate_hz = limited[0].rate_hz if limited else 0.0
     for stored in dict.fromkeys(each.stored for each in limited if each.stored):
         names = ", ".join(each.name for each in limited if each.stored == stored)
         said.append(
-            f"The signals of {names} were low-passed at {stored.hz:.2f} Hz before they were stored. What the model "
-            "says of them passes the same low-pass, so what is faster shows in no supporting torque."
+            f"The signals of {names} were low-passed at {stored.half_hz(rate_hz):.2f} Hz before they were stored. What "
+            "the model says of them passes the same low-pass, so what is faster shows in no supporting torque."
         )
     return said
 
