@@ -21,7 +21,9 @@ SURE = 3.0  # standard errors
 BLOCK_S = 1.0
 PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
 MOMENTS, OF_ALL = 0.1, 2.0 / 3.0  # share of all blocks that hold this share of the square error: it sits in moments
-NORMAL = 1.4826  # standard deviation over median absolute deviation
+RESOLVED = 1e-9  # of the largest error: a lower floor is that of rounding
+FEWEST = 10  # rows that say anything
+MEMORY = 2.5  # rows that count as one: they stand 2.5 to a period of the cut-off
 
 
 def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
@@ -59,13 +61,13 @@ def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
 def _sureness(
     found: Identification, residuals: Sequence[LogResiduals], channel: str, kind: int, fits: Sequence[ChannelFit]
 ) -> float:
-    """Standard errors by which blocks' mean square error stands above the floor's.
+    """Standard errors by which the mean square error of the rows stands above what noise alone would leave in as many.
 
-    The error of the mean is that of the many blocks: one that stands far above them all would make it large itself.
+    Of noise, and not of the error itself: one jolt that stands far above all would make that as large as the mean.
     """
     floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
     predictions = {prediction.log: prediction for prediction in found.predictions}
-    excess: list[Array] = []
+    relative: list[Array] = []
     for each in residuals:
         if not each.held_out or each.log not in floor or kind not in each.residual:
             continue
@@ -73,18 +75,13 @@ def _sureness(
         time = prediction.time - prediction.time[0]
         at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
         error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
-        block = np.unique((time[np.minimum(at, len(time) - 1)] / BLOCK_S).astype(np.intp), return_inverse=True)[1]
-        if len(block):
-            mean = np.bincount(block, error**2) / np.bincount(block)
-            excess.append(mean - floor[each.log] ** 2)
-    if not excess:
+        least = RESOLVED * float(np.max(np.abs(error), initial=1e-300))
+        relative.append((error / max(floor[each.log], least)) ** 2)
+    squares = np.concatenate(relative) if relative else np.zeros(0)
+    if len(squares) < FEWEST:
         return 0.0
-    values = np.concatenate(excess)
-    if len(values) < 2:
-        return 0.0
-    usual = NORMAL * float(np.median(np.abs(values - np.median(values))))
-    spread = min(float(values.std(ddof=1)), usual) if usual > 0.0 else float(values.std(ddof=1))
-    return float(values.mean() / max(spread / np.sqrt(len(values)), 1e-300))
+    independent = len(squares) / MEMORY
+    return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
 def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
