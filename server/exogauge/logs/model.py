@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.logs.filtering import StoredPass
+if TYPE_CHECKING:  # whoever only reads a log need not load SciPy
+    from exogauge.logs.filtering import StoredPass
 
 Array = NDArray[np.float64]
 
