@@ -124,7 +124,7 @@ def _surely_better(
     themselves every joint's blocks count by themselves, as joints turn at their own times. free: log -> samples that
     count."""
     gains = [
-        _gains(one, other, free[one.log])
+        _gains(one, other, free[one.log], [f"tau.{joint.name}" for joint in before.model.robot.joints])
         for one, other in zip(before.predictions, after.predictions, strict=True)
         if one.log in judges.logs
     ]
@@ -136,12 +136,14 @@ def _surely_better(
     return bool(parts.mean() > WORTH and parts.mean() > sure * parts.std(ddof=1) / np.sqrt(len(parts)))
 
 
-def _gains(before: Prediction, after: Prediction, free: BoolArray) -> Array:
+def _gains(before: Prediction, after: Prediction, free: BoolArray, channels: Sequence[str]) -> Array:
     """(joints, blocks) by how much the mean square error falls, over that of the joint in the whole log; NaN where a
-    joint rests. free: (T, joints) samples that count."""
+    joint rests. free: (T, joints) samples that count. channels: of all joints, of which some have no torque."""
     block = ((before.time - before.time[0]) / BLOCK_S).astype(np.intp)
     found = []
-    for axis, channel in enumerate(name for name in before.measured if name.startswith("tau.")):
+    for axis, channel in enumerate(channels):
+        if channel not in before.measured:
+            continue
         own = free[:, axis]
         errors = (each.measured[channel] - each.predicted[channel] for each in (before, after))
         error, smaller = (np.where(own, each, 0.0) for each in errors)

@@ -108,8 +108,8 @@ class _Trials:
         smooth = [
             predicted_channels(model.equations, _without_jumps(each), model.identified) for each in self._prepared
         ]
-        self._axes = [(axis, f"tau.{joint.name}") for axis, joint in enumerate(model.robot.joints)]
-        self._axes = [(axis, name) for axis, name in self._axes if name in measured[0]]
+        names = enumerate(f"tau.{joint.name}" for joint in model.robot.joints)
+        self._axes = [(axis, name) for axis, name in names if name in measured[0]]
         self._y = [[each[name] for each in measured] for _, name in self._axes]
         self._load = [[each[name] for each in smooth] for _, name in self._axes]
 
