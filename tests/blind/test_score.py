@@ -80,7 +80,7 @@ def test_a_perfect_evaluation_gets_everything(tmp_path: Path) -> None:
     assert found["clean"]["n"] == 2
     assert found["clean"]["false_alarms"] == 0
     assert found["pairs"] == {"n": 1, "both": 1, "exact": 1, "one": 0}
-    assert found["restored"] == {"n": 3, "within_1_1": 3}
+    assert found["restored"] == {"n": 3, "within_1_1": 3, "named": {"n": 3, "within_1_1": 3}}
     assert found["wrong_names"]["names"] == 0
     assert found["confusion"] == [
         {"truth": "backlash", "named": "backlash", "n": 1, "right_place": 1},
@@ -95,10 +95,21 @@ def test_an_evaluation_that_is_always_wrong_gets_nothing(tmp_path: Path) -> None
     assert found["visible"]["top1"] == found["all"]["top1"] == found["all"]["top3"] == found["pairs"]["both"] == 0
     assert found["clean"]["false_alarms"] == 2
     assert found["wrong_names"] == {"n": 3, "cases": 3, "beside_the_truth": 0, "names": 3}
-    assert found["restored"] == {"n": 3, "within_1_1": 0}
+    assert found["restored"] == {"n": 0, "within_1_1": 0, "named": {"n": 3, "within_1_1": 0}}
     assert {(each["truth"], each["named"]) for each in found["confusion"]} == {
         ("stribeck", "joint_spring"), ("backlash", "joint_spring"), ("none", "joint_spring")
     }  # fmt: skip
+
+
+def test_only_cases_that_are_right_count_as_restored(tmp_path: Path) -> None:
+    said = {
+        **PERFECT,
+        "case_0001": [finding(1, "stribeck", "joint_2", after=0.12)],
+        "case_0002": [finding(1, "joint_spring", "joint_3")],
+        "case_0003": [finding(1, "torque_delay", "all")],  # one of two
+    }
+    restored = score(benchmark(tmp_path, said))["restored"]
+    assert restored == {"n": 1, "within_1_1": 0, "named": {"n": 3, "within_1_1": 2}}
 
 
 @pytest.mark.parametrize("nothing", [[], None])

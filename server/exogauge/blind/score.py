@@ -39,6 +39,7 @@ def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     clean = [each for each in verdicts if not each.truth]
     hidden = [each for each in verdicts if each.truth]
     named = [each for each in hidden if each.named]
+    right = [each for each in hidden if each.right]
     return {
         "synthetic": True,
         "cases": len(verdicts),
@@ -64,7 +65,11 @@ def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
             "beside_the_truth": _count(named, lambda each: bool(each.wrong) and each.first),
             "names": sum(len(each.wrong) for each in named),
         },
-        "restored": {"n": len(named), "within_1_1": _count(named, lambda each: each.restored)},
+        "restored": {
+            "n": len(right),
+            "within_1_1": _count(right, lambda each: each.restored),
+            "named": {"n": len(named), "within_1_1": _count(named, lambda each: each.restored)},
+        },
         "by_robot": {
             robot: _named_right([each for each in single if each.robot == robot])
             for robot in sorted({each.robot for each in verdicts})

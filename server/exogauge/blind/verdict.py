@@ -60,6 +60,11 @@ class Verdict:
         return set(self.truth) == set(self.named)
 
     @property
+    def right(self) -> bool:
+        """One hidden effect as `first_or_also`; of two, both."""
+        return self.first_or_also if len(self.truth) == 1 else bool(self.truth) and self.all_found
+
+    @property
     def wrong(self) -> tuple[Name, ...]:
         """Findings of what is not there at all, at that place. What all joints, axes or logs have, each of them has."""
         there = {*self.truth, *self.clutter}
