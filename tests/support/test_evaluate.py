@@ -74,6 +74,23 @@ def test_both_approaches_meet_the_truth_in_steady_motion(found, truths, inner):
         assert np.abs(trial.support_prior - truth)[inner][trial.steady[inner]].max() > 1.0
 
 
+def test_the_ends_of_a_log_in_full_motion_are_not_steady(biped, suit, wander):
+    """There the low-pass leans on what was never measured."""
+    model, plain = biped.known(), biped.record(wander(1), "plain")
+    worn = biped.record(wander(1), "worn", bands=suit.bands)
+    logs = [PlainLog(plain.log, "wander", True)], [WornLog(worn.log, "wander", suit)]
+    trial = estimate_support(model, *logs)[0].trials[0]
+    prepared = model.prepare(worn.log)
+    first, last = prepared.kept[0], prepared.kept[-1]
+    moving = np.abs(trial.q[1:] - trial.q[:-1]).max(axis=1) > 1e-4
+    assert first > 0
+    assert moving[: first - 1].any()
+    assert moving[last + 1 :].any()
+    assert trial.steady[first : last + 1].any()
+    assert not trial.steady[:first].any()
+    assert not trial.steady[last + 1 :].any()
+
+
 def test_the_band_model_is_the_torque_that_the_bands_gave(found, truths, suit, inner):
     for trial, truth in zip(found[0].trials, truths, strict=True):
         assert (

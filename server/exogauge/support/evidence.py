@@ -133,7 +133,7 @@ def gather(
         half_a=half_a,
         half_b=half_b,
         compared=compared,
-        steady=own.steady,
+        steady=own.steady & own.prepared.settled[:, None],
         rest=own.at_rest,
         length=geometry.length,
         jacobian=jacobian,

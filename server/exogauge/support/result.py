@@ -48,7 +48,8 @@ class Trial:
     its middle.
     *_std: one standard deviation, of parameters, noise and coloured residuals together.
     band_model: what the device file's bands give (or identified ones, see SupportResult), None if no values are known.
-    compared: A's samples in which both runs move the same way; steady: this run moves steadily; rest: it stands still.
+    compared: A's samples in which both runs move the same way; steady: this run moves steadily, where the
+    low-pass has settled; rest: it stands still.
     phase: (T,) index into phase_names. length [m], tension [N]: by band.
     prediction: measured channels of this log, and what the robot's model says without the device.
     """
