@@ -13,12 +13,12 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from exogauge.devices.device import Band
 from exogauge.devices.laws.catalogue import law_named
 from exogauge.devices.laws.law import WireMotion
 from exogauge.discrepancy.band_logs import WearLogs, Wire
+from exogauge.discrepancy.bounded import bounded_least_squares
 from exogauge.effects.band import BandEffect
 
 Array = NDArray[np.float64]
@@ -239,11 +239,7 @@ def _step(hessian: Array, g: Array, free: NDArray[np.intp], low: Array, high: Ar
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))
     H = H / np.outer(size, size) + 1e-12 * np.eye(len(H))
     target, lower, upper = g[free] / size, low[free] * size, high[free] * size
-    s = np.linalg.solve(H, target)
-    if np.any(s < lower) or np.any(s > upper):
-        L = np.linalg.cholesky(H)
-        s = lsq_linear(L.T, np.linalg.solve(L, target), bounds=(np.minimum(lower, 0.0), np.maximum(upper, 1e-300))).x
-    step[free] = s / size
+    step[free] = bounded_least_squares(H, target, np.minimum(lower, 0.0), np.maximum(upper, 1e-300)) / size
     return step
 
 

@@ -9,10 +9,10 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from exogauge.discrepancy.band_logs import Wire
 from exogauge.discrepancy.band_model import Added, Fitted, Setting
+from exogauge.discrepancy.bounded import bounded_least_squares
 from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
 
@@ -125,10 +125,5 @@ def _around(one: Shape, value: float, reach: float) -> Iterator[float]:
 
 def _bounded(S: Array, g: Array, effect: BandEffect, size: Array) -> Array:
     """(C,) least squares in scaled coefficients, each within its physical range."""
-    low = np.array([q.low for q in effect.coefficients]) * size
-    high = np.array([q.high for q in effect.coefficients]) * size
-    c = np.linalg.solve(S, g)
-    if np.all(c >= low) and np.all(c <= high):
-        return np.asarray(c)
-    L = np.linalg.cholesky(S)
-    return np.asarray(lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high)).x)
+    low, high = (np.array([getattr(each, end) for each in effect.coefficients]) * size for end in ("low", "high"))
+    return bounded_least_squares(S, g, low, high)

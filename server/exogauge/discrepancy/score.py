@@ -8,8 +8,8 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
+from exogauge.discrepancy.bounded import bounded_least_squares
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.sums import KindSums
 from exogauge.identification.model import RobotModel
@@ -134,15 +134,9 @@ def _evidence(
 
 def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Array:
     """(C,) least squares in scaled coefficients, each within its physical range."""
-    low = np.array([q.low for q in candidate.effect.coefficients]) * size
-    high = np.array([q.high for q in candidate.effect.coefficients]) * size
-    theta = np.linalg.solve(S, g)
-    if np.all(theta >= low) and np.all(theta <= high):
-        return np.asarray(theta)
-    if len(theta) == 1:
-        return np.clip(theta, low, high)
-    L = np.linalg.cholesky(S)
-    return np.asarray(lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high)).x)
+    quantities = candidate.effect.coefficients
+    low, high = (np.array([getattr(each, end) for each in quantities]) * size for end in ("low", "high"))
+    return bounded_least_squares(S, g, low, high)
 
 
 def residual_memory(residuals: Array) -> float:
