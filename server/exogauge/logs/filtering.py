@@ -132,10 +132,8 @@ class LowPass:
         for start in range(0, flat.shape[1], AT_ONCE):
             channels = flat[:, start : start + AT_ONCE]
             line = np.linspace(channels[0], channels[-1], len(channels))
-            # reflects again where T is short
-            extended = np.pad(channels - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
-            both_ways = _compiled_passes() if values.size >= MANY else both_ways_by_scipy
-            both_ways(*_sections(self), extended)
+            extended = _reflected(channels - line, beyond)
+            _passes(values.size)(*_sections(self), extended)
             np.add(line, extended[beyond : beyond + len(flat)], out=filtered[:, start : start + AT_ONCE])
         return filtered.reshape(values.shape)
 
@@ -162,6 +160,19 @@ class LowPass:
         is then no longer fit to be plotted as a spectrum. Differentiate before decimating, never after.
         """
         return max(1, math.floor(self.rate_hz / (keep_factor * self.cutoff_hz) + 1e-9))
+
+
+def _reflected(values: Array, beyond: int) -> Array:
+    """(beyond + T + beyond, K) of values (T, K) that begin and end with 0, turned about both ends."""
+    if beyond >= len(values):  # reflects again and again
+        return np.pad(values, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+    return np.concatenate([-values[beyond:0:-1], values, -values[-2 : -2 - beyond : -1]])
+
+
+def _passes(size: int) -> Callable[[Array, Array, Array], None]:
+    """For little, what is there already: to load the compiled one takes longer."""
+    loaded = _compiled_passes.cache_info().currsize > 0
+    return _compiled_passes() if size >= MANY or loaded else both_ways_by_scipy
 
 
 @cache
