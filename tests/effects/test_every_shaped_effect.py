@@ -14,7 +14,7 @@ from exogauge.effects.shaped import AxisSignals
 
 COORDINATES = {"velocity", "position", "load", "time", "acceleration", "drive", "temperature"}
 MOST_COLUMNS = 140  # on one axis, over all effects and shapes: what a search can afford per joint
-DISSIPATIVE = ("stribeck", "load_coulomb", "nonlinear_viscous", "presliding", "thermal_viscous")
+DISSIPATIVE = ("stribeck", "load_coulomb", "nonlinear_viscous", "presliding")
 CONSERVATIVE = ("joint_spring", "torque_ripple")
 EFFECTS = dict(shaped_effects())
 

@@ -98,24 +98,28 @@ def test_a_drive_that_comes_late_by_some_milliseconds_is_its_own_rate_of_change(
 
 def test_friction_falls_with_the_logged_temperature_and_without_one_with_time():
     t = np.arange(0.0, 100.0, 0.05)
-    warm = axis(t, np.sin(t), np.sin(t), temperature=np.full(len(t), 48.1))
-    cold = replace(warm, temperature=np.full(len(t), 25.0))
+    warm = axis(t, np.sin(t), np.sin(t), temperature=np.full(len(t), 35.0))
     thermal = EFFECTS["thermal_viscous"]
-    np.testing.assert_allclose(thermal.columns(cold, (50.0, 0.03))[:, 0], -cold.velocity)
-    np.testing.assert_allclose(
-        thermal.columns(warm, (50.0, 0.03)), 0.5 * thermal.columns(cold, (50.0, 0.03)), rtol=1e-3
-    )
+    np.testing.assert_allclose(thermal.columns(replace(warm, temperature=np.full(len(t), 25.0)), (50.0, 0.03)), 0.0)
+    for beta in (0.0, 0.03, 0.09):
+        shares = [
+            thermal.columns(replace(warm, temperature=np.full(len(t), at)), (50.0, beta))[:, 0] / warm.velocity
+            for at in (35.0, 45.0)
+        ]
+        np.testing.assert_allclose(shares[0], 1.0)
+        np.testing.assert_allclose(shares[1], 1.0 + np.exp(-10.0 * beta))
     unknown = replace(warm, temperature=None)
-    np.testing.assert_allclose(thermal.columns(unknown, (50.0, 0.03))[:, 0], -unknown.velocity * np.exp(-t / 50.0))
+    np.testing.assert_allclose(
+        thermal.columns(unknown, (50.0, 0.03))[:, 0], unknown.velocity * (1.0 - np.exp(-t / 50.0))
+    )
 
 
 def test_grease_follows_a_thermometer_that_jumps_with_its_time_constant():
     t = np.arange(0.0, 100.0, 0.01)
     jump = axis(t, t, np.sin(t), temperature=np.where(t < 20.0, 25.0, 35.0))
-    share = EFFECTS["thermal_viscous"].columns(jump, (30.0, 0.03))[:, 0] / -jump.velocity
-    grease = 25.0 - np.log(share) / 0.03
+    taken = EFFECTS["thermal_viscous"].columns(jump, (30.0, 0.0))[:, 0] / jump.velocity
     expected = np.where(t < 20.0, 25.0, 35.0 - 10.0 * np.exp(-(t - 20.0) / 30.0))
-    np.testing.assert_allclose(grease, expected, atol=0.01)
+    np.testing.assert_allclose(25.0 + 10.0 * taken, expected, atol=0.01)
 
 
 def test_drift_has_no_mean_in_any_log():

@@ -10,17 +10,20 @@ from scipy.signal import lfilter
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-REFERENCE = 25.0  # [°C] at which k_w is told
+REFERENCE = 25.0  # [°C] at which k_d is told: nothing is taken away yet
+WARMER = 10.0  # [K] beyond it, which take k_w away
 LEAST_DURATION = 20.0  # [s] without a thermometer
 
 
 @final
 class ThermalViscous:
-    """τ = -k_w c θ̇, c the cold that is left: e^{-β (T_g - 25 °C)} with a thermometer, e^{-t/t_w} without one.
+    """τ = k_w g θ̇, g the share that warmth has taken away: from 0 at 25 °C to 1 at 35 °C with a thermometer,
+    (1 - e^{-β (T_g - 25 °C)}) / (1 - e^{-β 10 K}), and 1 - e^{-t/t_w} without one.
 
-    The grease's temperature T_g follows the logged one with the time constant t_w. It thins by the share β per kelvin:
-    some 0.03 for gears, and less where further warmth matters less. Without a thermometer every log is taken to start
-    with a rested joint. k_w is the part of viscous friction that warmth takes away, on top of k_d.
+    The grease's temperature T_g follows the logged one with the time constant t_w. Further warmth matters less with
+    β > 0 (some 0.03 for gears), alike with 0. Without a thermometer every log is taken to start with a rested joint.
+    k_d of the joint is that at 25 °C, or of the rested joint: what the maker says of it does not hold back how much
+    warmth may take.
     """
 
     name = "thermal_viscous"
@@ -29,7 +32,7 @@ class ThermalViscous:
     coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
     shapes = (
         Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0)),
-        Shape("beta", "1/K", 0.003, 0.09, (0.03,)),
+        Shape("beta", "1/K", 0.0, 0.09, (0.02,)),
     )
     departing = (Quantity("k_w_quadratic", "N·m·s/rad"), Quantity("k_w_cubic", "N·m·s/rad"))
     confounds = ("viscous",)
@@ -37,12 +40,12 @@ class ThermalViscous:
     coordinate = "temperature"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        return -(signals.velocity * _cold(signals, shape))[:, None]
+        return (signals.velocity * _taken(signals, shape))[:, None]
 
     def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        """(T, 2) with c² and c³ in place of c."""
-        cold = _cold(signals, shape)
-        return -signals.velocity[:, None] * np.stack([cold**2, cold**3], axis=1)
+        """(T, 2) with g² and g³ in place of g."""
+        taken = _taken(signals, shape)
+        return signals.velocity[:, None] * np.stack([taken**2, taken**3], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
         if not np.any(signals.direction != 0.0):
@@ -52,11 +55,15 @@ class ThermalViscous:
         return float(np.ptp(signals.time)) >= LEAST_DURATION
 
 
-def _cold(signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+def _taken(signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+    """(T,) g"""
     t_w, beta = shape
     if signals.temperature is None:
-        return np.asarray(np.exp(-signals.time / t_w))
-    return np.asarray(np.exp(-beta * (_followed(signals.temperature, signals.time, t_w) - REFERENCE)))
+        return np.asarray(-np.expm1(-signals.time / t_w))
+    warmth = _followed(signals.temperature, signals.time, t_w) - REFERENCE
+    if abs(beta) < 1e-6:
+        return np.asarray(warmth / WARMER)
+    return np.asarray(np.expm1(-beta * warmth) / np.expm1(-beta * WARMER))
 
 
 def _followed(values: Array, time: Array, time_constant: float) -> Array:
