@@ -32,7 +32,7 @@ class Backlash:
     place = "joint"
     sentence = "The gear has play: when the load changes its sign, the link falls to the other side of a gap."
     coefficients = (Quantity("b", "rad", low=0.0, high=0.2),)
-    shapes = (Shape("t_f", "s", 0.01, 0.3, (0.02, 0.04, 0.08, 0.16)),)
+    shapes = (Shape("t_f", "s", 0.01, 0.3, (0.02, 0.028, 0.04, 0.057, 0.08, 0.113, 0.16)),)
     confounds = ("coulomb", "motor_offset")
     needs = "Motion in which the joint's load changes its sign many times, such as swings through the vertical."
     coordinate = "load"
