@@ -63,7 +63,7 @@ def test_presliding_does_not_depend_on_how_fast_the_way_is_covered():
 def test_a_flight_through_the_gap_takes_the_time_of_a_free_fall():
     """Pull -a from side +1: two units of way in sqrt(4 / a) seconds, then rest at -1."""
     t, a = np.arange(0.0, 2.0, 1e-3), 40.0
-    s, _ = flight(np.where(t < 0.5, 1.0, -a), t)
+    s, _ = flight(np.where(t < 0.5, 1.0, -a), t, 0.0)
     fall = np.sqrt(4.0 / a)
     inside = (t >= 0.5) & (t < 0.5 + fall - 0.002)
     np.testing.assert_allclose(s[inside], 1.0 - 0.5 * a * (t[inside] - 0.5) ** 2, atol=0.02)
@@ -71,10 +71,24 @@ def test_a_flight_through_the_gap_takes_the_time_of_a_free_fall():
     np.testing.assert_array_equal(s[t > 0.5 + fall + 0.002], -1.0)
 
 
+def test_a_rebound_rises_by_the_square_of_what_it_keeps_and_all_of_them_take_a_series_of_times():
+    """A ball under -a: it lands after T with a T, comes back up by e² of the way in 2 e T, then 2 e² T, and so on."""
+    t, a, e = np.arange(0.0, 3.0, 1e-4), 40.0, 0.5
+    s, s_ddot = flight(np.where(t < 0.5, 1.0, -a), t, e)
+    fall = np.sqrt(4.0 / a)
+    after = t - 0.5 - fall
+    for number in (1, 2):
+        begin, end = (2.0 * fall * sum(e**k for k in range(1, last)) for last in (number, number + 1))
+        inside = (after > begin) & (after < end)
+        assert s[inside].max() == pytest.approx(2.0 * e ** (2 * number) - 1.0, abs=0.01)
+    np.testing.assert_array_equal(s[after > 2.0 * fall * e / (1.0 - e)], -1.0)
+    assert abs(np.sum(s_ddot) * 1e-4) < 0.02 * a * fall  # it ends at rest
+
+
 def test_a_flight_ends_at_rest_and_the_stop_takes_all_the_speed_away():
     t = np.arange(0.0, 20.0, 1e-3)
     pull = 60.0 * np.sin(2.0 * np.pi * 0.7 * t) + 5.0 * np.cos(9.0 * t)
-    s, s_ddot = flight(pull, t)
+    s, s_ddot = flight(pull, t, 0.0)
     speed = np.cumsum(s_ddot) * 1e-3
     assert np.abs(s).max() <= 1.0
     assert np.abs(speed[np.abs(s) == 1.0]).max() < 0.1  # landing between samples leaves less than a sample's pull
@@ -83,7 +97,7 @@ def test_a_flight_ends_at_rest_and_the_stop_takes_all_the_speed_away():
 
 def test_a_pull_that_comes_back_in_time_keeps_the_flank():
     t = np.arange(0.0, 3.0, 1e-3)
-    s, _ = flight(np.where((t > 1.0) & (t < 1.05), -50.0, 50.0), t)
+    s, _ = flight(np.where((t > 1.0) & (t < 1.05), -50.0, 50.0), t, 0.0)
     assert s.min() > 0.5
     assert s[-1] == 1.0
 
