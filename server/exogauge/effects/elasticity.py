@@ -37,29 +37,57 @@ class Elasticity:
     sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
     coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
     shapes = (Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)), Shape("zeta", "1", 0.02, 0.7, (0.15,)))
+    departing = (Quantity("c_quadratic", "s²"), Quantity("c_cubic", "s²"))
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        f, zeta = shape
-        samples, omega = len(signals.time), 2.0 * np.pi * f
-        if samples < 3:
-            return np.zeros((samples, 1))
-        J_0 = signals.usual_inertia or 1.0
-        J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
-        K = np.zeros(samples) if signals.slope is None else signals.slope
-        h = float(signals.time[-1] - signals.time[0]) / (samples - 1)
-        k, d = J_0 * omega**2, 2.0 * zeta * omega * J_0
-        r = deflection(signals.load, J, d, np.maximum(k + K, LEAST_STIFF * k), h)
-        spring = k * r + d * rate_of_change(r, signals.time)  # = -(load + J r̈ + K r)
-        return np.asarray(omega**2 * (signals.load + spring))[:, None]
+        if len(signals.time) < 3:
+            return np.zeros((len(signals.time), 1))
+        spring = _Spring(signals, shape)
+        return spring.lacking(signals.load, spring.response(signals.load))[:, None]
+
+    def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        """(T, 2) of a spring that grows stiffer, k r (1 + |r|/r_0) or k r (1 + r²/r_0²), r_0 under the axis' rms
+        torque: what the further force k r |r|/r_0, or k r³/r_0², does to r and so to the torque, to first order."""
+        if len(signals.time) < 3:
+            return np.zeros((len(signals.time), 2))
+        spring = _Spring(signals, shape)
+        r = spring.response(signals.load)
+        relative = np.abs(r) * spring.k / (signals.torque_scale or 1.0)
+        further = [spring.k * r * relative**power for power in (1, 2)]
+        return np.stack([spring.lacking(each, spring.response(each)) for each in further], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):
             return False
         jolt = float(np.sqrt(np.mean(second_rate_of_change(signals.load, signals.time) ** 2)))
         return jolt / (2.0 * np.pi * SOFT_HZ) ** 2 > LEAST_SHARE * signals.torque_scale
+
+
+@final
+class _Spring:
+    """The link on its spring in one log, of three samples at least. k [N·m/rad], d [N·m·s/rad]."""
+
+    def __init__(self, signals: AxisSignals, shape: tuple[float, ...]) -> None:
+        f, zeta = shape
+        samples, J_0 = len(signals.time), signals.usual_inertia or 1.0
+        self.omega, self.time = 2.0 * np.pi * f, signals.time
+        self.k, self.d = J_0 * self.omega**2, 2.0 * zeta * self.omega * J_0
+        self._J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
+        self._K = np.zeros(samples) if signals.slope is None else signals.slope
+        self._step = float(signals.time[-1] - signals.time[0]) / (samples - 1)
+
+    def response(self, load: Array) -> Array:
+        """(T,) r [rad]"""
+        stiffness = np.maximum(self.k + self._K, LEAST_STIFF * self.k)
+        return deflection(load, self._J, self.d, stiffness, self._step)
+
+    def lacking(self, load: Array, r: Array) -> Array:
+        """(T,) -ω² (J r̈ + K r), which is ω² (load + k r + d ṙ)."""
+        spring = self.k * r + self.d * rate_of_change(r, self.time)
+        return np.asarray(self.omega**2 * (load + spring))
 
 
 def deflection(load: Array, inertia: Array, damping: float, stiffness: Array, step: float) -> Array:

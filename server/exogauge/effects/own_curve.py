@@ -14,16 +14,18 @@ from exogauge.effects.shaped import Shape
 Array = NDArray[np.float64]
 
 NAMES = ("quadratic", "cubic")
+STEP = 0.01  # of a shape's range
 
 
 @final
 @dataclass(frozen=True)
 class OwnCurve:
-    """Beside an effect whose columns are u: u |u|/s and u³/s² of each, with s its usual size; and, where the effect
-    says `departures` itself, those columns instead.
+    """Beside an effect whose columns are u: u |u|/s and u³/s² of each, with s its usual size, or where the effect says
+    `departures` itself, those columns instead; and ∂u/∂ of each shape, because one that fits best without them does not
+    with them.
 
-    Both are zero where the effect is, and bend it where it is large: no other cause can hide in them. An effect of the
-    same site as the one that it is of, with the same shapes.
+    The former are zero where the effect is, and bend it where it is large: no other cause can hide in them. An effect
+    of the same site as the one that it is of, with the same shapes.
 
     of: the effect. sizes: (C,) s of each of its columns. terms: which of all these columns, in order.
     """
@@ -68,19 +70,38 @@ class OwnCurve:
     def columns(self, signals: Any, shape: tuple[float, ...]) -> Array:
         """(T, terms) as those of the effect."""
         if hasattr(self.of, "departures"):
-            every = self.of.departures(signals, shape)
+            bent = self.of.departures(signals, shape)
         else:
             own = self.of.columns(signals, shape)
             relative = np.abs(own / np.array(self.sizes))
-            every = np.concatenate([own * relative, own * relative**2], axis=1)
-        return np.asarray(every[:, list(self.terms)])
+            bent = np.concatenate([own * relative, own * relative**2], axis=1)
+        along = [self._along(signals, shape, place) for place in _searched(self.of)]
+        return np.asarray(np.concatenate([bent, *along], axis=1)[:, list(self.terms)])
+
+    def _along(self, signals: Any, shape: tuple[float, ...], place: int) -> Array:
+        """(T, C) by how much the columns change per share of that shape's range."""
+        one = self.of.shapes[place]
+        shares = [min(max(one.share(shape[place]) + step, 0.0), 1.0) for step in (-STEP, STEP)]
+        before, after = (
+            self.of.columns(signals, (*shape[:place], one.at(share), *shape[place + 1 :])) for share in shares
+        )
+        return np.asarray((after - before) / (shares[1] - shares[0]))
 
     def applies(self, signals: Any) -> bool:
         return bool(self.of.applies(signals))
 
 
+def _searched(of: Any) -> list[int]:
+    """Places of the shapes that are no choices."""
+    return [place for place, one in enumerate(of.shapes) if not one.choice]
+
+
 def possible_terms(of: Any) -> tuple[Quantity, ...]:
     """What each term's coefficient is called, in the order of `OwnCurve.terms`. of: the effect."""
-    if hasattr(of, "departures"):
-        return tuple(of.departing)
-    return tuple(Quantity(f"{each.name}_{name}", each.unit) for name in NAMES for each in of.coefficients)
+    bent = tuple(Quantity(f"{each.name}_{name}", each.unit) for name in NAMES for each in of.coefficients)
+    along = [
+        Quantity(f"{each.name}_along_{of.shapes[place].name}", each.unit)
+        for place in _searched(of)
+        for each in of.coefficients
+    ]
+    return (*(of.departing if hasattr(of, "departures") else bent), *along)
