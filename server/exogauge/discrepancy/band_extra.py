@@ -31,7 +31,8 @@ MOST_JOINTS = 4  # between the ends of a wire
 LIGHTEST = 0.01  # of the robot's mass: of a link whose inertia says how large it is
 SHORTEST_TRAVEL = 0.005  # [m] of a wire that motions stretch
 LIKELY = 3  # joints that are followed up, and wires that are judged
-COORDINATES, FURTHEST, FIRST_STEP, TRIALS = 6, 0.2, 0.04, 200  # of both ends [m]: how they are led better
+FURTHEST = 0.2  # [m] by which ends are led better
+STEP, STEPS = 5e-4, 40  # of a slope, in shares of that; at most so many downhill
 WORTH = 6.0  # evidence beyond what the number of tries gives by chance
 
 
@@ -52,8 +53,10 @@ def further_wires(
     few = _few(ground, scorer)
     coarse, count = _best(few, effect, wires)
     first_look = _one_per_pair(sorted(coarse, key=lambda each: -each[1].evidence))[:LIKELY]
-    led = [_led_better(few, effect, each) if led_better else each[0] for each in first_look]
-    by_wire, _ = _best(scorer, effect, led)
+    if led_better:
+        by_wire = _at(scorer, effect, [_led_better(few, effect, *each) for each in first_look])
+    else:
+        by_wire, _ = _best(scorer, effect, [course for course, _ in first_look])
     price = 2.0 * np.log(max(len(wires), 1))
     chosen = likely[:1] + [(course, replace(one, evidence=one.evidence - price)) for course, one in by_wire]
     first = len(ground.setting.wires)
@@ -117,28 +120,49 @@ def _between_links(ground: Ground, joints: Sequence[int]) -> Iterator[Course]:
             yield Course("band", name, Routing(tree, [Band(name, name, points)]), 0)
 
 
-def _led_better(scorer: Scorer, effect: BandEffect, found: tuple[Course, BandScore]) -> Course:
-    """The course with its ends moved to where it explains most, at most `FURTHEST` from where they were."""
-    course = found[0]
+def _led_better(
+    scorer: Scorer, effect: BandEffect, course: Course, first: BandScore
+) -> tuple[Course, tuple[float, ...]]:
+    """The course with its ends moved to where it explains most, each coordinate at most `FURTHEST` from where it was,
+    and its shape there."""
     assert course.routing is not None
-    (band,) = course.routing.bands
-    ends = np.array([point.xyz for point in band.via_points])
+    (band,), tree = course.routing.bands, course.routing.tree
+    points = band.via_points
+    begin, places = np.array([point.xyz for point in points]), 3 * len(points)
 
     def led(moved: Array) -> Course:
-        places = ends + FURTHEST * np.tanh(moved.reshape(ends.shape) / FURTHEST)
-        points = tuple(replace(point, xyz=(float(at[0]), float(at[1]), float(at[2])))
-                       for point, at in zip(band.via_points, places, strict=True))  # fmt: skip
-        assert course.routing is not None
-        return replace(course, routing=Routing(course.routing.tree, [replace(band, via_points=points)]))
+        xyz = begin + FURTHEST * moved.reshape(begin.shape)
+        there = tuple(replace(point, xyz=(float(at[0]), float(at[1]), float(at[2])))
+                      for point, at in zip(points, xyz, strict=True))  # fmt: skip
+        return replace(course, routing=Routing(tree, [replace(band, via_points=there)]))
 
-    def cost(moved: Array) -> float:
-        tried, _ = _best(scorer, effect, [led(moved)])
-        return -tried[0][1].gain if tried else 0.0
+    def shape(shares: Array) -> tuple[float, ...]:
+        return tuple(one.at(float(share)) for one, share in zip(effect.shapes, shares, strict=True))
 
-    start = np.vstack([np.zeros(COORDINATES), FIRST_STEP * np.eye(COORDINATES)])
-    best = minimize(cost, start[0], method="Nelder-Mead", options={"initial_simplex": start, "maxfev": TRIALS,
-                                                                    "xatol": 0.002, "fatol": 1.0})  # fmt: skip
-    return led(best.x)
+    def cost(x: Array) -> float:
+        """x: of the ends, and shares of the shapes."""
+        found = _at(scorer, effect, [(led(x[:places]), shape(x[places:]))])
+        return -found[0][1].gain / first.gain if found else 0.0
+
+    shares = [one.share(value) for one, value in zip(effect.shapes, first.added.shape, strict=True)]
+    best = minimize(
+        cost, np.concatenate([np.zeros(places), shares]), method="L-BFGS-B",
+        bounds=[(-1.0, 1.0)] * places + [(0.0, 1.0)] * len(shares),
+        options={"eps": STEP, "maxiter": STEPS, "ftol": 1e-5},
+    )  # fmt: skip
+    return led(best.x[:places]), shape(best.x[places:])
+
+
+def _at(
+    scorer: Scorer, effect: BandEffect, shaped: Sequence[tuple[Course, tuple[float, ...]]]
+) -> list[tuple[Course, BandScore]]:
+    """Every course with the shape that is given, where it explains anything."""
+    last, found = len(scorer.setting.wires), list[tuple[Course, BandScore]]()
+    for course, shape in shaped:
+        scored = scorer.beside(scorer.setting.logs.wire(course)).score(effect, last, shape)
+        if scored is not None and scored.gain > 0.0:
+            found.append((course, scored))
+    return found
 
 
 def _sides(tree: RigidTree, body: int) -> list[tuple[float, float, float]]:
