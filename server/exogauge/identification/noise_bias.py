@@ -25,6 +25,7 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
+STILL_SEEN = 0.1  # of an amplitude behind a stored low-pass: beyond, noise and rounding are all there is
 NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for noise
 
 
@@ -75,8 +76,12 @@ def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[
 def _seen_noise(robot: Robot, log: Log, cutoff_hz: float) -> Mapping[str, float]:
     """Channel -> std."""
     above = min(NOISE_ABOVE * cutoff_hz, 0.4 * log.rate_hz)
+    if log.stored is not None:
+        above = min(above, log.stored.falls_to(STILL_SEEN, log.rate_hz))
     return {
-        name: max(white_noise_std(log.channels[name], log.rate_hz, above), robot.noise.get(noise_kind(name), 0.0))
+        name: max(
+            white_noise_std(log.channels[name], log.rate_hz, above, log.stored), robot.noise.get(noise_kind(name), 0.0)
+        )
         for name in needed_channels(robot)
     }
 

@@ -8,18 +8,20 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.logs.filtering import LowPass
+from exogauge.logs.filtering import LowPass, StoredPass
 
 Array = NDArray[np.float64]
 
 SEGMENT = 200  # samples per robust estimate
 MAD_TO_STD = 1.4826  # of a Gaussian
 MANY = 50_000  # values show a lattice as well as all do, and sort faster
+ROUNDED = 3.0  # times what rounding leaves of itself, from which noise behind a low-pass is seen
 FEW_LEVELS = 20  # with fewer distinct values a lattice could be chance: then values must repeat
 
 
-def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
-    """Std of the white noise in values (T,), in their unit, over the whole band from 0 to rate_hz / 2.
+def white_noise_std(values: Array, rate_hz: float, above_hz: float, stored: StoredPass | None = None) -> float:
+    """Std of the white noise in values (T,), in their unit, over the whole band from 0 to rate_hz / 2; that which was
+    there before values passed `stored`, where they did.
 
     Takes what lies above above_hz (choose it above all motion), the median absolute deviation of each short segment
     and the median of those, so that impacts and half a log of standing still do no harm; then scales up by the part
@@ -29,7 +31,10 @@ def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
     rest = values - low_pass.apply(values)
     step = quantisation_step(values)
     spread = float(np.median(_spreads(rest, max(1, rest.size // SEGMENT))))
-    return max(spread / _seen_share(low_pass), step / math.sqrt(12.0) if step else 0.0)
+    rounding = step / math.sqrt(12.0) if step else 0.0
+    if stored is not None and spread > ROUNDED * rounding * _seen_share(low_pass, None):
+        return spread / _seen_share(low_pass, stored)
+    return max(spread / _seen_share(low_pass, None), rounding)
 
 
 def quantisation_step(values: Array) -> float | None:
@@ -63,7 +68,10 @@ def _spreads(values: Array, segments: int) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _seen_share(low_pass: LowPass) -> float:
-    """Of the std of white noise, what the low-pass takes away."""
+def _seen_share(low_pass: LowPass, stored: StoredPass | None) -> float:
+    """Of the std of white noise that has passed `stored`, what is left without the low-pass."""
     frequency = np.linspace(0.0, 0.5 * low_pass.rate_hz, 2001)
-    return math.sqrt(float(np.mean((1.0 - low_pass.gain(frequency)) ** 2)))
+    left = 1.0 - low_pass.gain(frequency)
+    if stored is not None:
+        left = left * stored.gain(frequency, low_pass.rate_hz)
+    return math.sqrt(float(np.mean(left**2)))
