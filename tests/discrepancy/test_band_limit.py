@@ -12,6 +12,7 @@ from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.identify import identify
+from exogauge.identification.noise_bias import noise_behind_stored
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.stored_band import stored_edge
@@ -226,6 +227,23 @@ def test_what_the_noise_floor_stands_for_is_said(robot, study, noise, limited, s
     found = limits(replace(robot, noise=noise), recordings)
     assert found is not None
     assert said in found.finding.sentence
+
+
+@pytest.mark.parametrize(("order", "late"), [(2, True), (3, False)])
+def test_noise_that_only_low_passed_logs_hold_is_seen_where_nothing_jumps(robot, study, order, late):
+    """The joints of these logs turn round every second or so; one that does not stands for those that creep."""
+    rng, stored = np.random.default_rng(order), StoredPass(4.0, order, late)
+    sections = butter(order, 4.0, fs=RATE, output="sos")
+    slow = changed(study(noise=0.0), lambda name, x: np.linspace(0.0, 1.0, len(x)) if name == "q.j1" else 0.0 * x)
+    noisy = changed(slow, lambda name, x: x + 0.05 * rng.normal(size=x.shape) if name.startswith("tau.") else x)
+    limited = changed(noisy, stored_through(sections, both_ways=not late))
+    model = identify(robot, study(), SETTINGS).model
+    for each in limited:
+        behind = noise_behind_stored(robot, model.prepare(replace(each.log, stored=stored)))
+        assert behind["tau.j1"] == pytest.approx(0.05, rel=0.25)
+    turning = changed(study(noise=0.05), stored_through(sections, both_ways=not late))
+    behind = noise_behind_stored(robot, model.prepare(replace(turning[0].log, stored=stored)))
+    assert all(behind[f"tau.{name}"] is None or behind[f"tau.{name}"] < 0.1 for name in ("j1", "j2", "j3"))
 
 
 def wear(log):

@@ -170,7 +170,7 @@ def _finding(
         f"fades above, and in every joint friction turns round as slowly as such a filter does. "
         f"With the model passed through the same low-pass the {judges.said.format(held_out.channel)}, turns included, "
         f"falls from {held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE. "
-        f"{of_the_noise_floor(before.model.robot, limited, held_out.channel)}"
+        f"{of_the_noise_floor(after.model, limited, held_out.channel)}"
     )
     return Finding(
         rank=1,

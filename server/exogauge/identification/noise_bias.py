@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.statistics import Statistics
@@ -20,12 +21,11 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
 from exogauge.identification.solution import Solution
 from exogauge.logs.model import Log
-from exogauge.logs.noise import white_noise_std
+from exogauge.logs.noise import noise_before_stored, white_noise_std
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
-STILL_SEEN = 0.1  # of an amplitude behind a stored low-pass: beyond, noise and rounding are all there is
 NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for noise
 
 
@@ -53,14 +53,32 @@ def draw_noise(
     """Channel -> (T,) white noise as large as the channel's own.
 
     Its std is seen in the channel's part above twice the cut-off, or is what the maker states, if that is more. A log
-    that was low-passed before it was stored shows none: there it is `known`, and passes that low-pass too.
+    that was low-passed before it was stored hardly shows any: there it is `known`, or what the maker states, or else
+    what is seen where that low-pass falls off; and it passes that low-pass too.
     """
+    log, seen = prepared.log, _seen_noise(robot, prepared.log, prepared.low_pass.cutoff_hz)
+    if log.stored is not None:
+        behind = noise_behind_stored(robot, prepared)
+        told = {name: max(known.get(name, 0.0), robot.noise.get(noise_kind(name), 0.0)) for name in seen}
+        seen = {name: max(std, told[name] or behind[name] or 0.0) for name, std in seen.items()}
+    return {name: log.as_stored(std * rng.normal(size=log.samples)) for name, std in seen.items()}
+
+
+def noise_behind_stored(robot: Robot, prepared: Prepared) -> Mapping[str, float | None]:
+    """Channel -> std of its white noise before the log was low-passed and stored, where that can be seen. A joint's own
+    is looked for where it does not stop, start or turn round."""
     log = prepared.log
-    noise = {}
-    for name, seen in _seen_noise(robot, log, prepared.low_pass.cutoff_hz).items():
-        std = max(seen, known.get(name, 0.0)) if log.stored else seen
-        noise[name] = log.as_stored(std * rng.normal(size=log.samples))
-    return noise
+    assert log.stored is not None
+    reach = log.stored.settle_samples(log.rate_hz)
+    turns = np.diff(prepared.raw_direction, axis=0, prepend=prepared.raw_direction[:1]) != 0.0
+    free = ~binary_dilation(turns, np.ones((2 * reach + 1, 1), dtype=bool)) & prepared.settled[:, None]
+    own = {joint.name: np.abs(robot.axes_from_joints[:, k]) > 0.0 for k, joint in enumerate(robot.joints)}
+    found = {}
+    for name in needed_channels(robot):
+        axes = own.get(name.partition(".")[2])
+        without_jumps = prepared.settled if axes is None else np.all(free[:, axes], axis=1)
+        found[name] = noise_before_stored(log.channels[name], log.rate_hz, log.stored, without_jumps)
+    return found
 
 
 def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[str, float]:
@@ -76,12 +94,8 @@ def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[
 def _seen_noise(robot: Robot, log: Log, cutoff_hz: float) -> Mapping[str, float]:
     """Channel -> std."""
     above = min(NOISE_ABOVE * cutoff_hz, 0.4 * log.rate_hz)
-    if log.stored is not None:
-        above = min(above, log.stored.falls_to(STILL_SEEN, log.rate_hz))
     return {
-        name: max(
-            white_noise_std(log.channels[name], log.rate_hz, above, log.stored), robot.noise.get(noise_kind(name), 0.0)
-        )
+        name: max(white_noise_std(log.channels[name], log.rate_hz, above), robot.noise.get(noise_kind(name), 0.0))
         for name in needed_channels(robot)
     }
 

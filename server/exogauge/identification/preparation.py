@@ -195,7 +195,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     raw_carried = -_wrenches(robot.cuts, log)
     axis_velocity = dq @ C.T
     finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
-    fine_velocity = differentiate(finest.apply(_before_stored(log, raw_q)), log.rate_hz) @ C.T
+    fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
     direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / finest.cutoff_hz))
     rest = 1.0 - np.abs(direction)
     alike = replace(low_pass, stored=log.stored)
@@ -227,11 +227,6 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         added=zeros(robot, log.samples),
         raw_added=zeros(robot, log.samples),
     )
-
-
-def _before_stored(log: Log, values: Array) -> Array:
-    """Without the low-pass that they had passed before they were stored."""
-    return values if log.stored is None else log.stored.undone(values, log.rate_hz)
 
 
 def left_out_samples(log: Log, low_pass: LowPass) -> NDArray[np.bool_]:

@@ -23,7 +23,6 @@ Array = NDArray[np.float64]
 AT_ONCE = 16  # channels: what is worked on stays in the cache
 MANY = 20_000  # values from which loading numba pays, for a process that has not yet
 FREQUENCIES = 20_000  # at which a gain is computed, to be read off
-LEAST_LEFT = 0.02  # of an amplitude, from which it can be had back
 SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 
@@ -61,24 +60,6 @@ class StoredPass:
         whole, part = int(delay), delay % 1.0
         at = np.minimum(beyond + whole + np.arange(len(flat) + 1), len(extended) - 1)
         return np.asarray((line + (1.0 - part) * passed[at[:-1]] + part * passed[at[1:]]).reshape(values.shape))
-
-    def undone(self, values: Array, rate_hz: float) -> Array:
-        """values: (T,) or (T, K) that have passed it -> the same shape, as they were before, but still as late as slow
-        motion is: to find the moments at which they turned round. What it left less than `LEAST_LEFT` of stays away.
-        """
-        flat = values.reshape(len(values), -1)
-        beyond = min(self.settle_samples(rate_hz), len(flat) - 1)
-        if beyond < 1:
-            return values.copy()
-        line = np.linspace(flat[0], flat[-1], len(flat))
-        extended = np.pad(flat - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
-        sections, _, _, delay = _stored_sections(self, rate_hz)
-        frequency = np.fft.rfftfreq(len(extended), 1.0 / rate_hz)
-        _, gain = sosfreqz(sections, frequency, fs=rate_hz)
-        left = gain * np.exp(2j * np.pi * frequency * delay / rate_hz) if self.late else np.abs(gain) ** 2
-        inverse = np.conj(left) / (np.abs(left) ** 2 + LEAST_LEFT**2) * (1.0 + LEAST_LEFT**2)
-        back = np.fft.irfft(np.fft.rfft(extended, axis=0) * inverse[:, None], len(extended), axis=0)
-        return np.asarray((line + back[beyond : beyond + len(flat)]).reshape(values.shape))
 
     def delay_s(self, rate_hz: float) -> float:
         """By which slow motion is late [s]."""

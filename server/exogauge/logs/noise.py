@@ -16,12 +16,13 @@ SEGMENT = 200  # samples per robust estimate
 MAD_TO_STD = 1.4826  # of a Gaussian
 MANY = 50_000  # values show a lattice as well as all do, and sort faster
 ROUNDED = 3.0  # times what rounding leaves of itself, from which noise behind a low-pass is seen
+FALLEN = (0.1, 0.03, 0.01)  # of an amplitude behind a stored low-pass: beyond, noise is sought
+LEAST_S = 4.0  # of a log in which nothing jumps
 FEW_LEVELS = 20  # with fewer distinct values a lattice could be chance: then values must repeat
 
 
-def white_noise_std(values: Array, rate_hz: float, above_hz: float, stored: StoredPass | None = None) -> float:
-    """Std of the white noise in values (T,), in their unit, over the whole band from 0 to rate_hz / 2; that which was
-    there before values passed `stored`, where they did.
+def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
+    """Std of the white noise in values (T,), in their unit, over the whole band from 0 to rate_hz / 2.
 
     Takes what lies above above_hz (choose it above all motion), the median absolute deviation of each short segment
     and the median of those, so that impacts and half a log of standing still do no harm; then scales up by the part
@@ -31,10 +32,29 @@ def white_noise_std(values: Array, rate_hz: float, above_hz: float, stored: Stor
     rest = values - low_pass.apply(values)
     step = quantisation_step(values)
     spread = float(np.median(_spreads(rest, max(1, rest.size // SEGMENT))))
+    return max(spread / _seen_share(low_pass), step / math.sqrt(12.0) if step else 0.0)
+
+
+def noise_before_stored(
+    values: Array, rate_hz: float, stored: StoredPass, without_jumps: NDArray[np.bool_]
+) -> float | None:
+    """Std of the white noise that was in values (T,) before they passed `stored`, from what lies beyond its band.
+
+    None where rounding hides it, or where something jumps all the time: a jump, of friction say, leaves more there than
+    noise does. Of several frequencies what says least, for motion reaches the first. without_jumps: (T,)
+    """
+    if np.count_nonzero(without_jumps) < LEAST_S * rate_hz:
+        return None
+    step = quantisation_step(values)
     rounding = step / math.sqrt(12.0) if step else 0.0
-    if stored is not None and spread > ROUNDED * rounding * _seen_share(low_pass, None):
-        return spread / _seen_share(low_pass, stored)
-    return max(spread / _seen_share(low_pass, None), rounding)
+    found = []
+    for share in FALLEN:
+        low_pass = LowPass(min(stored.falls_to(share, rate_hz), 0.4 * rate_hz), rate_hz)
+        rest = (values - low_pass.apply(values))[without_jumps]
+        spread = MAD_TO_STD * float(np.median(np.abs(rest - np.median(rest))))
+        if spread > ROUNDED * rounding * _seen_share(low_pass):
+            found.append(spread / _seen_share(low_pass, stored))
+    return min(found, default=None)
 
 
 def quantisation_step(values: Array) -> float | None:
@@ -68,10 +88,10 @@ def _spreads(values: Array, segments: int) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _seen_share(low_pass: LowPass, stored: StoredPass | None) -> float:
-    """Of the std of white noise that has passed `stored`, what is left without the low-pass."""
+def _seen_share(low_pass: LowPass, stored: StoredPass | None = None) -> float:
+    """Of the std of white noise, that has passed `stored`, what the low-pass takes away."""
     frequency = np.linspace(0.0, 0.5 * low_pass.rate_hz, 2001)
-    left = 1.0 - low_pass.gain(frequency)
+    taken = 1.0 - low_pass.gain(frequency)
     if stored is not None:
-        left = left * stored.gain(frequency, low_pass.rate_hz)
-    return math.sqrt(float(np.mean(left**2)))
+        taken = taken * stored.gain(frequency, low_pass.rate_hz)
+    return math.sqrt(float(np.mean(taken**2)))
