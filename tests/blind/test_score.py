@@ -112,6 +112,20 @@ def test_only_cases_that_are_right_count_as_restored(tmp_path: Path) -> None:
     assert restored == {"n": 1, "within_1_1": 0, "named": {"n": 3, "within_1_1": 2}}
 
 
+@pytest.mark.parametrize(("log", "restored"), [("", 1), ("id_2", 0)])
+def test_what_a_finding_leaves_is_what_is_left_once_all_are_in_the_model(
+    tmp_path: Path, log: str, restored: int
+) -> None:
+    said = finding(1, "stribeck", "joint_2", after=0.2)
+    said["held_out"]["log"] = log
+    out = benchmark(tmp_path, {"case_0001": [said]})
+    path = out / "results" / "case_0001.json"
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["discrepancy"]["chain"] = [{"worst_rmse": 0.2, "worst_floor": 0.1}, {"worst_rmse": 0.1, "worst_floor": 0.1}]
+    path.write_text(json.dumps(record), encoding="utf-8")
+    assert score(out)["restored"]["within_1_1"] == restored
+
+
 @pytest.mark.parametrize("nothing", [[], None])
 def test_an_evaluation_that_says_nothing_raises_no_alarm_and_finds_nothing(tmp_path: Path, nothing) -> None:
     found = score(benchmark(tmp_path, dict.fromkeys(PERFECT, nothing)))

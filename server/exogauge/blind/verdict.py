@@ -21,7 +21,8 @@ class Verdict:
 
     ranking: the findings, then what else was considered beside the first. also: what the first cannot be told from, by
     its own account. over_floor: the largest held-out RMSE over noise floor that is left on a channel that a finding
-    names; None where none is. visible: everything hidden is at least three noise floors large.
+    names, by that finding or, if that is less, at the end of the chain with all that was named; None where there is
+    none. visible: everything hidden is at least three noise floors large.
     """
 
     case: str
@@ -84,11 +85,7 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
     first: Mapping[str, Any] = findings[0] if findings else {}
     others = sorted(first.get("alternatives", []), key=lambda each: -float(each["score"] or 0.0))
     ranking = [*named, *(name for name in at.names(others) if name not in named)]
-    left: dict[str, float] = {}  # channel -> with all that was named there: the last one added leaves least
-    for held in (each["held_out"] for each in findings if each.get("held_out")):
-        if held["noise_floor"]:
-            channel, ratio = held["channel"], held["rmse_after"] / held["noise_floor"]
-            left[channel] = min(ratio, left.get(channel, ratio))
+    left = _left(found, findings)
     return Verdict(
         case=answer["case"],
         robot=answer["robot"],
@@ -102,6 +99,20 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
         seconds=float(result["seconds"]),
         error=result["error"],
     )
+
+
+def _left(found: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> Mapping[str, float]:
+    """Channel -> held-out RMSE over noise floor with all that was named there: the last one added leaves least."""
+    ends = {name: found[name][-1] for name in ("chain", "wear_chain") if found.get(name)}
+    left: dict[str, float] = {}
+    for held in (each["held_out"] for each in findings if each.get("held_out")):
+        if held["noise_floor"]:
+            channel, ratio = held["channel"], held["rmse_after"] / held["noise_floor"]
+            end = ends.get("wear_chain" if channel.startswith("support.") else "chain")
+            if end and end["worst_floor"] and not held.get("log"):  # what is left at worst once all are in the model
+                ratio = min(ratio, end["worst_rmse"] / end["worst_floor"])
+            left[channel] = min(ratio, left.get(channel, ratio))
+    return left
 
 
 @final

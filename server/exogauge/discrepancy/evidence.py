@@ -22,6 +22,8 @@ UNITS = {
     "velocity": "rad/s", "position": "rad", "load": "N·m", "time": "s", "acceleration": "rad/s²", "drive": "N·m",
     "temperature": "°C", "motor_velocity": "rad/s",
 }  # fmt: skip
+COVERED = ("temperature", "load", "velocity", "position")  # coordinates in which held-out logs may go beyond
+MOST_OF, BEYOND = 0.98, 0.1  # of a log's samples; of what was fitted
 VELOCITIES = ("velocity", "motor_velocity")
 
 
@@ -55,6 +57,33 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     spread = np.sqrt(np.maximum(mean(before**2) - mean(before) ** 2, 0.0) / count[full])
     unit = UNITS.get(effect.coordinate) or candidate.site.in_si(model, effect.coordinate, candidate.shape)[1]
     return Evidence(effect.coordinate, unit, mean(at), mean(before), mean(after), spread, mean(torque))
+
+
+def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> str:
+    """A sentence where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on;
+    or ""."""
+    candidate, name = found.candidate, found.candidate.effect.coordinate
+    if name not in COVERED:
+        return ""
+    seen: dict[bool, list[Array]] = {False: [], True: []}
+    for each in (each for each in rows if kind in each.rows):
+        values = each.seen.coordinate(name, candidate.shape)[each.rows[kind].samples]
+        seen[each.held_out].append(np.quantile(values, [1.0 - MOST_OF, MOST_OF]) if len(values) else np.zeros(0))
+    if not all(any(len(ends) for ends in each) for each in seen.values()):
+        return ""
+    (low, high), (least, most) = (
+        (min(ends[0] for ends in each if len(ends)), max(ends[1] for ends in each if len(ends)))
+        for each in (seen[False], seen[True])
+    )
+    beyond = [(low - least, least, low), (most - high, most, high)]
+    further, reached, fitted = max(beyond)
+    if further <= BEYOND * (high - low):
+        return ""
+    unit = UNITS[name]
+    return (
+        f" The held-out logs reach a {name} of {reached:.3g} {unit}, what was fitted ends at {fitted:.3g} {unit}: "
+        "between them the formula is only continued."
+    )
 
 
 def _sign(equations: Equations, kind: int) -> float:

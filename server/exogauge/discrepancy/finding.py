@@ -9,7 +9,7 @@ import numpy as np
 
 from exogauge.discrepancy.candidates import Candidate
 from exogauge.discrepancy.doubt import parameters
-from exogauge.discrepancy.evidence import evidence, strongest
+from exogauge.discrepancy.evidence import continued, evidence, strongest
 from exogauge.discrepancy.ground import Ground
 from exogauge.discrepancy.judge import Judgement, apart
 from exogauge.discrepancy.locate import channels, pooled
@@ -68,7 +68,8 @@ def name_effect(
         parameters=parameters(model, winner.score, rows),
         held_out=held_out,
         score=score,
-        sentence=_sentence(place, effect, strongest(shown, held_out.unit), _falls(held_out, winner), others),
+        sentence=_sentence(place, effect, strongest(shown, held_out.unit), _falls(held_out, winner), others)
+        + continued(winner.score, winner.kind, rows),
         alternatives=tuple(others),
         also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
         motion=effect.needs if alike else "",

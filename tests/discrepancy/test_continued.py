@@ -1,0 +1,30 @@
+"""Where held-out logs go beyond what was fitted, a formula is only continued, and the finding says so."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
+
+
+def warmed(recording, begin):
+    """From `begin` [°C] on by 6 K in each log; j1's viscous friction falls by 0.02 N·m·s/rad per kelvin."""
+    log = recording.log
+    temperature = begin + 0.2 * log.time
+    speed = np.gradient(log.channels["q.j1"], log.time)
+    torque = log.channels["tau.j1"] - 0.02 * (temperature - 25.0) * speed
+    return replace(recording, log=replace(log, channels=log.channels | {"tau.j1": torque, "temp.j1": temperature}))
+
+
+@pytest.mark.parametrize(("begins", "beyond"), [((25.0, 37.0, 50.0), True), ((25.0, 45.0, 36.0), False)])
+def test_a_log_that_is_warmer_than_all_that_were_fitted_is_told(study, search, begins, beyond):
+    found = search([warmed(each, begin) for each, begin in zip(study(noise=0.02), begins, strict=True)])
+    (finding,) = found.discrepancy.findings
+    assert (finding.effect, finding.place.name) == ("thermal_viscous", "j1")
+    assert ("only continued" in finding.sentence) is beyond
+    told = re.search(r"reach a temperature of ([\d.]+) °C, what was fitted ends at ([\d.]+) °C", finding.sentence)
+    assert bool(told) is beyond
+    if told:  # most of 50 to 56 °C, and of 37 to 43 °C
+        assert [float(each) for each in told.groups()] == pytest.approx([56.0, 43.0], abs=0.3)
