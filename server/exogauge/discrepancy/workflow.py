@@ -70,14 +70,15 @@ def find_missing_effects(
     search = Search(models[-1], recordings, _seen_in(recordings, effects), settings, progress)
     search.run()
     search, joined = look_into_odd_logs(search)
-    looked_like_a_push = search.steps and any(each.effect == CONTACT for each in findings)
-    if looked_like_a_push and not pushes(search.current.model, whole):  # what was named since explains it
-        tick = partial(_still_at, progress)
-        return find_missing_effects(found, given, effects, settings, tick, touched=False)
     assert search.first is not None
     assert search.last is not None
     bends, equations = own_curves(search), search.base.model.equations
     bends += remainders(search, bends)
+    last = bends[-1].found if bends else search.current
+    looked_like_a_push = search.steps and any(each.effect == CONTACT for each in findings)
+    if looked_like_a_push and not pushes(last.model, whole):  # what was named since explains it
+        tick = partial(_still_at, progress)
+        return find_missing_effects(found, given, effects, settings, tick, touched=False)
     findings += _with_bends(len(findings), search, bends)
     models = [*models[:-1], search.base, *(step.found for step in search.steps), *(bend.found for bend in bends)]
     additions = [(each.effect, each.place) for each in findings]
