@@ -167,6 +167,21 @@ def test_it_is_not_looked_for_where_it_cannot_be_told(effect, load, why):
     assert EFFECTS[effect].applies(axis(t, q, rich))
 
 
+def test_a_gear_that_gives_way_under_a_weight_is_looked_for_in_slow_motion_too():
+    """Where it hangs lower gravity asks for less: 30 N·m, at an inertia of 1 kg·m², bend 5 Hz by 0.03 rad."""
+    t = np.arange(0.0, 60.0, 0.005)
+    q = 1.2 * np.sin(2.0 * np.pi * 0.1 * t)
+    light = axis(t, q, 30.0 * np.sin(q))
+    assert not EFFECTS["elasticity"].applies(light)
+    heavy = replace(light, inertia=np.ones(len(t)), slope=30.0 * np.cos(q), usual_inertia=1.0)
+    assert EFFECTS["elasticity"].applies(heavy)
+    lacking = EFFECTS["elasticity"].columns(heavy, (5.0, 0.15))[:, 0] / (2.0 * np.pi * 5.0) ** 2
+    k = (2.0 * np.pi * 5.0) ** 2
+    np.testing.assert_allclose(
+        lacking[400:], (30.0 * np.cos(q) * 30.0 * np.sin(q) / (k + 30.0 * np.cos(q)))[400:], atol=0.02
+    )
+
+
 def test_warmth_is_not_looked_for_in_a_short_log_without_a_thermometer():
     t = np.arange(0.0, 15.0, 0.01)
     brief = axis(t, np.sin(t), np.sin(t))

@@ -8,11 +8,12 @@ import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.rates import rate_of_change, second_rate_of_change
+from exogauge.effects.rates import rate_of_change
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 SOFTEST = (2.0 * np.pi * 2.0) ** -2  # [s²] the link on its spring at 2 Hz; a softer joint is no robot's
 SOFT_HZ = 5.0  # a soft joint's resonance; where it would not show, none does
+USUAL_DAMPING = 0.15  # ζ
 LEAST_STIFF = 0.1  # of the spring's stiffness, that gravity leaves: with less a link would topple
 LEAST_SHARE = 0.01  # of the rms torque
 
@@ -28,15 +29,15 @@ class Elasticity:
     With an encoder at the link the rotor turns by τ_load/k more, which is the same column with c < 0. That is not
     looked for: noise of the positions makes c < 0 by itself.
 
-    It cannot be told where the motion is slow against ω (`applies` says so), nor well from rotor inertia where the
-    load is mostly gravity, whose second derivative goes with the acceleration.
+    It cannot be told where the motion is slow against ω and no weight bends the spring (`applies` says so), nor well
+    from rotor inertia where the load is mostly gravity, whose second derivative goes with the acceleration.
     """
 
     name = "elasticity"
     place = "joint"
     sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
     coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
-    shapes = (Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)), Shape("zeta", "1", 0.02, 0.7, (0.15,)))
+    shapes = (Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)), Shape("zeta", "1", 0.02, 0.7, (USUAL_DAMPING,)))
     departing = (Quantity("c_quadratic", "s²"), Quantity("c_cubic", "s²"))
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
@@ -62,8 +63,9 @@ class Elasticity:
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):
             return False
-        jolt = float(np.sqrt(np.mean(second_rate_of_change(signals.load, signals.time) ** 2)))
-        return jolt / (2.0 * np.pi * SOFT_HZ) ** 2 > LEAST_SHARE * signals.torque_scale
+        soft = _Spring(signals, (SOFT_HZ, USUAL_DAMPING))
+        lacking = soft.lacking(signals.load, soft.response(signals.load)) / soft.omega**2
+        return float(np.std(lacking)) > LEAST_SHARE * signals.torque_scale
 
 
 @final
