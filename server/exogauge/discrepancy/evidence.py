@@ -63,8 +63,8 @@ def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> str:
     """A sentence where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on;
     or ""."""
     candidate, name = found.candidate, found.candidate.effect.coordinate
-    if name not in COVERED:
-        return ""
+    if name not in COVERED or any(getattr(each.seen.signals, name, None) is None for each in rows):
+        return ""  # a log without it is drawn over time
     seen: dict[bool, list[Array]] = {False: [], True: []}
     for each in (each for each in rows if kind in each.rows):
         values = each.seen.coordinate(name, candidate.shape)[each.rows[kind].samples]

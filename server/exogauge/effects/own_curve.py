@@ -75,8 +75,12 @@ class OwnCurve:
             own = self.of.columns(signals, shape)
             relative = np.abs(own / np.array(self.sizes))
             bent = np.concatenate([own * relative, own * relative**2], axis=1)
-        along = [self._along(signals, shape, place) for place in _searched(self.of)]
-        return np.asarray(np.concatenate([bent, *along], axis=1)[:, list(self.terms)])
+        every, width = [bent], len(self.of.coefficients)
+        for number, place in enumerate(_searched(self.of)):
+            first = bent.shape[1] + number * width
+            asked = any(first <= term < first + width for term in self.terms)
+            every.append(self._along(signals, shape, place) if asked else np.zeros((len(bent), width)))
+        return np.asarray(np.concatenate(every, axis=1)[:, list(self.terms)])
 
     def _along(self, signals: Any, shape: tuple[float, ...], place: int) -> Array:
         """(T, C) by how much the columns change per share of that shape's range."""

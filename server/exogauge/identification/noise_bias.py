@@ -58,9 +58,9 @@ def draw_noise(
     """
     log, seen = prepared.log, _seen_noise(robot, prepared.log, prepared.low_pass.cutoff_hz)
     if log.stored is not None:
-        behind = noise_behind_stored(robot, prepared)
         told = {name: max(known.get(name, 0.0), robot.noise.get(noise_kind(name), 0.0)) for name in seen}
-        seen = {name: max(std, told[name] or behind[name] or 0.0) for name, std in seen.items()}
+        behind = {} if all(told.values()) else noise_behind_stored(robot, prepared)
+        seen = {name: max(std, told[name] or behind.get(name) or 0.0) for name, std in seen.items()}
     return {name: log.as_stored(std * rng.normal(size=log.samples)) for name, std in seen.items()}
 
 
