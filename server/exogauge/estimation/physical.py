@@ -139,7 +139,7 @@ def _without_others(R_phi: Array, z: Array, R_other: Array) -> tuple[Array, Arra
     """(A, b): min over other of ‖R_phi phi + R_other other - z‖² = ‖A phi - b‖² + constant; A: at most 10 N rows."""
     rest: Array = np.column_stack([R_phi, z])
     if R_other.size:
-        U, singular, _ = np.linalg.svd(R_other, full_matrices=False)
+        U, singular, _ = sl.svd(R_other, full_matrices=False, lapack_driver="gesvd")  # gesdd may not converge
         Q = U[:, singular > 1e-13 * singular[0]]
         rest = np.asarray(rest - Q @ (Q.T @ rest), dtype=np.float64)
     columns = R_phi.shape[1]

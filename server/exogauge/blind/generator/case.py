@@ -73,7 +73,8 @@ def undisturbed(plan: CasePlan, maker: Built, seed: int) -> Scene:
         rng = stream(seed, f"wear {number}")
         wear = draw_wear(rng, kind.wires, maker.size, maker.links, robot.tree, motion, worn)
     runs = axis_runs(stream(seed, f"run {number}"), robot, motion, wear.pull() if wear is not None else None)
-    return scene(kind, maker.links, robot, motion, plan.logs, runs, wear, sensors.current_std())
+    k_T_std = K_T_STD[plan.k_T] if plan.actuation == "current" else 0.0
+    return scene(kind, maker.links, robot, motion, plan.logs, runs, wear, sensors.current_std(), k_T_std)
 
 
 def disturbed_runs(here: Scene, effects: Sequence[Placed], plan: CasePlan, seed: int) -> Sequence[AxisRun]:

@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import svd
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import butter, sosfiltfilt
 
@@ -54,7 +55,7 @@ class Baseline:
         return self._left(torque, self.Q_drive, on)
 
     def _left(self, torque: Array, Q: Array, on: Mask | None) -> float:
-        e = low_passed(torque)[:, ::_EVERY][self.kept]
+        e = thinned(torque)[self.kept]
         left = e - Q @ (Q.T @ e)
         if on is not None:
             left = left[on[:, ::_EVERY][self.kept]]
@@ -82,7 +83,7 @@ class CutBaseline:
         return self._rms(e - e.mean(axis=0), on)
 
     def _thinned(self, wrench: Array) -> Array:
-        return (low_passed(wrench)[:, ::_EVERY] / self.std).ravel()
+        return (thinned(wrench) / self.std).ravel()
 
     def _rms(self, left: Array, on: Mask | None) -> Array:
         rows = left.reshape(-1, 6)
@@ -111,7 +112,7 @@ def baselines(
     look: Callable[[Array], Mask] = steady,
 ) -> list[Baseline]:
     """One for every joint; look: which samples count, by the direction of motion."""
-    bodies = _thinned_kinematics(tree, motion)
+    bodies = thinned_kinematics(tree, motion)
     bands = _band_columns(wear) if wear is not None else np.zeros((*motion.q.shape, 0))
     return [
         _baseline(regressor_row(tree, bodies, joint), run, bands[:, :, joint], look(run.direction))
@@ -120,23 +121,23 @@ def baselines(
 
 
 def cut_baseline(tree: Tree, cut: Cut, motion: Motion, std: Array) -> CutBaseline:
-    columns = cut_columns(tree, cut, _thinned_kinematics(tree, motion))
+    columns = cut_columns(tree, cut, thinned_kinematics(tree, motion))
     offset = np.broadcast_to(np.eye(6), (len(columns), 6, 6))
     A = (np.concatenate([columns, offset], axis=2) / std[:, None]).reshape(-1, columns.shape[2] + 6)
     return CutBaseline(std, _range_of(A))
 
 
-def _thinned_kinematics(tree: Tree, motion: Motion) -> Kinematics:
-    q, dq, ddq = (low_passed(x)[:, ::_EVERY].reshape(-1, motion.q.shape[2]) for x in (motion.q, motion.dq, motion.ddq))
+def thinned_kinematics(tree: Tree, motion: Motion) -> Kinematics:
+    q, dq, ddq = (thinned(x).reshape(-1, motion.q.shape[2]) for x in (motion.q, motion.dq, motion.ddq))
     return kinematics(tree, q, dq, ddq)
 
 
 def _baseline(bodies: Array, run: AxisRun, bands: Array, look: Mask) -> Baseline:
     """bodies: (L·n, 10·B); bands: (L, T, P); look: (L, T)."""
     direction, kept = run.direction[:, ::_EVERY], look[:, ::_EVERY]
-    own = [low_passed(x)[:, ::_EVERY].ravel() for x in (run.dq, run.ddq)]
+    own = [thinned(x).ravel() for x in (run.dq, run.ddq)]
     drive = np.column_stack([*own, direction.ravel(), np.ones(direction.size)])
-    pulls = low_passed(bands)[:, ::_EVERY].reshape(direction.size, bands.shape[2])
+    pulls = thinned(bands).reshape(direction.size, bands.shape[2])
     A = np.hstack([bodies, drive, pulls])
     return Baseline(kept, _range_of(A[kept.ravel()]), _range_of(drive[kept.ravel()]))
 
@@ -150,10 +151,15 @@ def _band_columns(wear: Wear) -> Array:
 
 
 def _range_of(A: Array) -> Array:
-    """(N, R) orthonormal."""
+    """(N, R) orthonormal. LAPACK's faster gesdd does not converge for every matrix of lower rank."""
     sizes = np.linalg.norm(A, axis=0)
-    U, s, _ = np.linalg.svd(A[:, sizes > 0.0] / sizes[sizes > 0.0], full_matrices=False)
+    U, s, _ = svd(A[:, sizes > 0.0] / sizes[sizes > 0.0], full_matrices=False, lapack_driver="gesvd")
     return np.asarray(U[:, s > _RANK * s[0]])
+
+
+def thinned(values: Array) -> Array:
+    """(L, n, ...) every tenth sample of what is left below 10 Hz."""
+    return low_passed(values)[:, ::_EVERY]
 
 
 def low_passed(values: Array) -> Array:

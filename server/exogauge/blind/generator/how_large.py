@@ -10,7 +10,7 @@ import numpy as np
 from exogauge.blind.generator.cut import AXES
 from exogauge.blind.generator.hidden.effect import HiddenEffect
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
-from exogauge.blind.generator.hidden.whole import Change
+from exogauge.blind.generator.hidden.whole import WholeEffect
 from exogauge.blind.generator.scene import Scene
 
 STATED = {"kt_gain": 0.02}  # effects on joints that are errors of a stated number: the least standard deviation of it
@@ -19,7 +19,8 @@ STATED = {"kt_gain": 0.02}  # effects on joints that are errors of a stated numb
 @final
 @dataclass(frozen=True)
 class HowLarge:
-    """ratio: excess over floor; of a wrong number not more than its error over its stated standard deviation.
+    """ratio: excess over floor; of a wrong number not more than the standard deviations, of it and of all others that
+    are stated, by which the logs contradict it.
 
     excess, floor: [N·m or N] on `channel`, as logs name it, `tau` where currents are logged too.
     """
@@ -34,16 +35,21 @@ class HowLarge:
 
 
 def trace_on_joint(scene: Scene, effect: HiddenEffect, joint: int, size: float) -> HowLarge:
-    torque, floor = effect.torque(scene.runs[joint], size), scene.floors[joint]
+    torque, floor, channel = effect.torque(scene.runs[joint], size), scene.floors[joint], f"tau.{scene.joints[joint]}"
     stated = STATED.get(effect.name)
-    excess = scene.baselines[joint].excess(torque) if stated is None else scene.baselines[joint].held(torque)
-    ratio = excess / floor if stated is None else min(excess / floor, size / stated)
-    return HowLarge(ratio, excess, floor, f"tau.{scene.joints[joint]}")
+    if stated is None:
+        excess = scene.baselines[joint].excess(torque)
+        return HowLarge(excess / floor, excess, floor, channel)
+    excess = scene.baselines[joint].held(torque)
+    every = np.zeros(scene.motion.q.shape)
+    every[:, :, joint] = torque
+    return HowLarge(min(excess / floor, size / stated, scene.stated.contradicted(every, None)), excess, floor, channel)
 
 
-def largest_trace(scene: Scene, change: Change, believed: float | None, size: float) -> HowLarge:
-    """believed: std of a stated number whose error is `size`; then bodies and bands count as known, and the ratio is at
-    most size / believed."""
+def largest_trace(scene: Scene, effect: WholeEffect, size: float) -> HowLarge:
+    """Of a stated number that is wrong bodies and bands count as known, and the ratio is no more than by how many
+    standard deviations the logs contradict what is stated."""
+    change, believed = effect.change(scene, size), effect.believed(scene)
     every = list[HowLarge]()
     if change.torque is not None:
         for j, (baseline, floor) in enumerate(zip(scene.baselines, scene.floors, strict=True)):
@@ -57,7 +63,19 @@ def largest_trace(scene: Scene, change: Change, believed: float | None, size: fl
     best = max(every, key=lambda each: each.ratio)
     if believed is None:
         return best
-    return HowLarge(min(best.ratio, size / believed), best.excess, best.floor, best.channel)
+    ratio = min(best.ratio, size / believed, _contradicted(scene, effect, size))
+    return HowLarge(ratio, best.excess, best.floor, best.channel)
+
+
+def _contradicted(scene: Scene, effect: WholeEffect, size: float) -> float:
+    """Against the robot and the bands as they would be with what is stated."""
+    wrong, right = effect.change(scene, size), effect.change(scene, 0.0)
+    torque, wrench = (
+        None if new is None or old is None else new - old
+        for new, old in ((wrong.torque, right.torque), (wrong.wrench, right.wrench))
+    )
+    stated = scene.stated if wrong.on is None else scene.stated_with_wear
+    return stated.contradicted(torque, wrench)
 
 
 def trace_in_log(scene: Scene, effect: BandLimitedLog, size: float) -> HowLarge:

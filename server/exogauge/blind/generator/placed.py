@@ -158,12 +158,10 @@ def _on_all_joints(effect: HiddenEffect, scene: Scene) -> _Candidate:
 
 
 def _elsewhere(effect: WholeEffect, where: Mapping[str, str | bool], scene: Scene) -> _Candidate:
-    unit = effect.change(scene, 1.0) if effect.linear else None
+    unit = largest_trace(scene, effect, 1.0) if effect.linear else None
 
     def trace(size: float) -> HowLarge:
-        if unit is not None:
-            return largest_trace(scene, unit, effect.believed(scene), 1.0).times(size)
-        return largest_trace(scene, effect.change(scene, size), effect.believed(scene), size)
+        return largest_trace(scene, effect, size) if unit is None else unit.times(size)
 
     return _Candidate(effect, None, where, effect.limits(scene), effect.linear, trace)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -12,10 +13,11 @@ from numpy.typing import NDArray
 from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.cut import cut_wrench
 from exogauge.blind.generator.dynamics import UP, Kinematics, kinematics
-from exogauge.blind.generator.excess import Baseline, CutBaseline, baselines, cut_baseline
+from exogauge.blind.generator.excess import Baseline, CutBaseline, baselines, cut_baseline, thinned_kinematics
 from exogauge.blind.generator.log_plans import LogPlan
 from exogauge.blind.generator.motion import Motion
 from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.blind.generator.stated import Stated, stated
 from exogauge.blind.generator.true_robot import TrueRobot
 from exogauge.blind.generator.wear import Wear
 from exogauge.synthetic.robot_facts import Link
@@ -42,6 +44,7 @@ class Scene:
     baselines: Sequence[Baseline]
     cut_baseline: CutBaseline
     floors: Sequence[float]
+    k_T_std: float
 
     @property
     def joints(self) -> list[str]:
@@ -57,6 +60,23 @@ class Scene:
         """Logs without the device."""
         return [n for n, log in enumerate(self.logs) if not log.worn]
 
+    @cached_property
+    def stated(self) -> Stated:
+        """By the logs of which the robot is identified."""
+        return self._stated("identification")
+
+    @cached_property
+    def stated_with_wear(self) -> Stated:
+        return self._stated("identification", "with_device")
+
+    def _stated(self, *roles: str) -> Stated:
+        robot, moving = self.robot, thinned_kinematics(self.robot.tree, self.motion)
+        noise = np.array(self.floors), self.cut_baseline.std
+        kept = np.stack([each.kept for each in self.baselines], axis=2)
+        kept = kept & np.isin([log.role for log in self.logs], roles)[:, None, None]
+        frame = self.kind.sensor.frame
+        return stated(self.links, robot.tree, frame, moving, self.runs, self.wear, self.k_T_std, noise, kept)
+
 
 def scene(
     kind: RobotKind,
@@ -67,6 +87,7 @@ def scene(
     runs: list[AxisRun],
     wear: Wear | None,
     current_std: float,
+    k_T_std: float,
 ) -> Scene:
     std = np.repeat([kind.sensor.force, kind.sensor.moment], 3)
     moving = all_samples(robot, motion)
@@ -83,6 +104,7 @@ def scene(
         baselines(robot.tree, motion, runs, wear),
         cut_baseline(robot.tree, robot.cut, motion, std),
         [run.drive.k_T * current_std for run in runs],
+        k_T_std,
     )
 
 

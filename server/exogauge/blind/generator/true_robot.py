@@ -42,9 +42,10 @@ class TrueDrive:
 @final
 @dataclass(frozen=True)
 class TrueRobot:
-    """phi: (J, 10) of the moving bodies. cut: what the force/torque sensor carries."""
+    """masses: of links that have one. phi: (J, 10) of the moving bodies. cut: what the force/torque sensor carries."""
 
     tree: Tree
+    masses: Mapping[str, Mass]
     phi: Array
     cut: Cut
     drives: tuple[TrueDrive, ...]
@@ -76,7 +77,7 @@ def draw_robot(rng: np.random.Generator, links: Sequence[Link], frame: str, k_T_
     masses = {link.name: _drawn_mass(rng, link) for link in links if link.mass > 0.0}
     drives = tuple(_drawn_drive(rng, link.joint.drive, k_T_std) for link in links if link.joint is not None)
     tree = tree_of(links)
-    return TrueRobot(tree, bodies_of(links, masses), cut_at(links, frame, tree, masses), drives)
+    return TrueRobot(tree, masses, bodies_of(links, masses), cut_at(links, frame, tree, masses), drives)
 
 
 def record(robot: TrueRobot, joints: Sequence[str]) -> Mapping[str, Mapping[str, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self, final
 
 import numpy as np
@@ -26,7 +26,8 @@ _ROUND = 0.04  # radius of gyration of a payload [m]
 class Payload:
     """size [kg] at `place` [m] in the hand's frame; from log `since` on: 0, in all of them.
 
-    A hand that never was without it shows it only by what the maker states of its mass.
+    A hand that never was without it shows it only by what the maker states of its mass; there the hand itself is as
+    heavy as that.
     """
 
     hand: str
@@ -34,7 +35,7 @@ class Payload:
     since: int
 
     name: ClassVar[str] = "payload"
-    linear: ClassVar[bool] = True
+    linear: ClassVar[bool] = False
     reported: ClassVar[bool] = False
 
     @classmethod
@@ -53,28 +54,34 @@ class Payload:
     def believed(self, scene: Scene) -> float | None:
         if self.since:
             return None
-        return INERTIAL_STD * next(link.mass for link in scene.links if link.name == self.hand)
+        return INERTIAL_STD * self._stated(scene)
 
     def change(self, scene: Scene, size: float) -> Change:
         on, offset = carrier(scene.links, self.hand)
         body = scene.robot.tree.names.index(on)
         load = Mass(size, offset + self.place, _ROUND**2 / 3.0 * np.eye(3)).phi()
+        if not self.since:
+            hand = scene.robot.masses[self.hand]
+            load = load + replace(hand.moved(offset), mass=self._stated(scene) - hand.mass).phi()
         cut = scene.robot.cut
         carried = body == cut.body and self.hand in links_beyond(scene.links, scene.kind.sensor.frame)
         change = _heavier(scene, body, load, carried or body in cut.bodies)
         return _since(change, self.since)
 
+    def _stated(self, scene: Scene) -> float:
+        return next(link.mass for link in scene.links if link.name == self.hand)
+
 
 @final
 @dataclass(frozen=True)
 class LinkMass:
-    """A moving link is heavier (sign 1) or lighter (-1) than stated by size [kg], everywhere alike."""
+    """A moving link is heavier (sign 1) or lighter (-1) than stated by size [kg], everywhere alike: not by chance."""
 
     body: int
     sign: float
 
     name: ClassVar[str] = "link_mass"
-    linear: ClassVar[bool] = True
+    linear: ClassVar[bool] = False
     reported: ClassVar[bool] = False
 
     @classmethod
@@ -88,15 +95,20 @@ class LinkMass:
         return cls(scene.robot.tree.names.index(str(where["link"])), float(rng.choice([-1.0, 1.0])))
 
     def limits(self, scene: Scene) -> tuple[float, float]:
-        mass = float(scene.robot.phi[self.body, 0])
+        mass = self._stated(scene)
         return 0.1 * mass, (1.0 if self.sign > 0 else 0.6) * mass
 
     def believed(self, scene: Scene) -> float | None:
-        return INERTIAL_STD * float(scene.robot.phi[self.body, 0])
+        return INERTIAL_STD * self._stated(scene)
 
     def change(self, scene: Scene, size: float) -> Change:
         own = scene.robot.phi[self.body]
-        return _heavier(scene, self.body, self.sign * size / own[0] * own, self.body in scene.robot.cut.bodies)
+        more = (self._stated(scene) + self.sign * size) / own[0] - 1.0
+        return _heavier(scene, self.body, more * own, self.body in scene.robot.cut.bodies)
+
+    def _stated(self, scene: Scene) -> float:
+        name = scene.robot.tree.names[self.body]
+        return sum(link.mass for link in scene.links if link.mass > 0.0 and carrier(scene.links, link.name)[0] == name)
 
 
 @final
