@@ -105,15 +105,16 @@ def test_an_effect_that_only_the_fitted_logs_have_is_rejected(search, study, on_
     assert reason.startswith("on held-out logs")
 
 
-def test_a_single_moment_is_no_effect(search, study, on_joint, record):
+def test_a_cable_that_holds_once_is_a_contact_and_no_effect_of_its_joint(search, study, on_joint, record):
+    """Far above all other moments, so that it does not matter that the joint turns meanwhile."""
+
     def caught(m):
         """Once, at the heaviest moment of the log: a cable that holds for half a second."""
         heaviest = m.t[np.argmax(np.abs(m.drive[:, 2]))]
         return 4.0 * np.sign(m.drive) * np.exp(-(((m.t - heaviest) / 0.25) ** 2))[:, None]
 
     found = search([Recording(record(1, on_joint(2, caught)), False), *study()[1:]])
-    assert named(found) == []
-    assert {each.place.name for each in found.discrepancy.rejected} == {"j3"}
+    assert named(found) == [("contact", "link", "lj3")]
 
 
 def test_without_a_held_out_log_nothing_is_claimed_and_the_result_says_why(search, study, on_joint):

@@ -31,6 +31,7 @@ BRIEFEST_S = 0.11  # gears jolt for as long as they swing; a hand, a cable or a 
 FORCE_KNOWN = 0.7  # standard deviations: part of a force may be felt by no joint, however clear the push is
 ONE_AXIS = 0.95  # of the gain: seen by one joint alone, where friction and gears make bursts too
 WHOLLY_SEEN = 0.8  # of the burst's time: these come where the joint starts, stops or turns
+ALONE_ABOVE = 5.0  # times the next moment, in the square root of the gain: what starts and turns do, they do again
 FAR_ABOVE = 1.5  # times the level
 ALIKE = 1.25  # ratio of speeds
 FEWEST = 20  # samples as slow, elsewhere
@@ -96,7 +97,7 @@ def pushes(model: RobotModel, recordings: Sequence[Recording], known: Sequence[P
     to be there still."""
     logs = log_rows(model, recordings)
     scanned = [gains(rows, force_columns(model, rows)) for rows in logs]
-    moments = bursts(logs, scanned)
+    moments, next_gain = bursts(logs, scanned)
     bar = level([rows.time for rows in logs], [gain for gain, _ in scanned])
     reach = reaches(model.robot.tree)
     explained = []
@@ -104,7 +105,9 @@ def pushes(model: RobotModel, recordings: Sequence[Recording], known: Sequence[P
         rows = logs[moment.log]
         explained.append(explain(rows, force_columns(model, rows), reach, moment.middle, moment.duration))
     plausible = [
-        each for each in explained if _one_force(each) and (_again(each, known) or not _own_jolt(model, each, logs))
+        each
+        for each in explained
+        if _one_force(each) and (_again(each, known) or not _own_jolt(model, each, logs, next_gain))
     ]
     sure = [
         each
@@ -119,16 +122,17 @@ def _one_force(push: Push) -> bool:
     return push.share > EXPLAINED and push.force < LARGEST_N and push.duration > BRIEFEST_S and known
 
 
-def _own_jolt(model: RobotModel, push: Push, logs: Sequence[LogRows]) -> bool:
+def _own_jolt(model: RobotModel, push: Push, logs: Sequence[LogRows], next_gain: float) -> bool:
     """Whether one joint alone may have given itself the jolt.
 
     A gear that swings or a bristle that bends does, as the joint starts or turns; no hand picks that. And friction
-    does, at a speed that is rare: so at other moments of such speed there has to be nothing like it.
+    does, at a speed that is rare: so at other moments of such speed there has to be nothing like it. next_gain: of the
+    next moment that is no burst.
     """
     axis = push.kind - model.equations.first_axis
     if push.alone < ONE_AXIS or not 0 <= axis < len(model.robot.joints):
         return False
-    if push.seen[push.kind] < WHOLLY_SEEN:
+    if push.seen[push.kind] < WHOLLY_SEEN and np.sqrt(push.best.gain) < ALONE_ABOVE * np.sqrt(next_gain):
         return True
     during, others = list[Array](), list[Array]()  # (2, n) speed and what is unexplained
     for rows in logs:

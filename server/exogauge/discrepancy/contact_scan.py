@@ -77,8 +77,8 @@ def _near_ends(rows: LogRows) -> NDArray[np.bool_]:
     return np.asarray((rows.time < log.time[0] + ends) | (rows.time > log.time[-1] - ends))
 
 
-def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> list[Moment]:
-    """Largest first. found: of `gains`, log by log."""
+def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> tuple[list[Moment], float]:
+    """Largest first, and the gain of the next moment that is none. found: of `gains`, log by log."""
     peaks = [moment for log, rows in enumerate(logs) for moment in _peaks(log, rows.time, *found[log])]
     peaks.sort(key=lambda each: -each.gain)
     bar = level([rows.time for rows in logs], [gain for gain, _ in found])
@@ -86,8 +86,8 @@ def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> lis
     for count in range(min(len(high), MOST_BURSTS), 0, -1):
         left = peaks[count].gain if len(peaks) > count else 0.0
         if np.sqrt(high[count - 1].gain) > ABOVE * np.sqrt(left):
-            return high[:count]
-    return []
+            return high[:count], left
+    return [], 0.0
 
 
 def level(times: Sequence[Array], every: Sequence[Array]) -> float:

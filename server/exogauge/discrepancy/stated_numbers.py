@@ -24,7 +24,8 @@ MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from it
 BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
 BROAD_SHARE = 0.5  # of a link that is as described but of another density
 BROAD_GAIN = 0.25
-LEAST_OF_DOUBT = 0.1  # of a moment's stated doubt, that is about lengths
+LEAST_OF_DOUBT = 0.1  # of a first moment's doubt, that is about where the centre lies
+SECOND_MOMENTS = 2.0  # times rho: how far the model's prior lets inertias go
 TORQUE_DOUBT = 0.02  # relative, of a logged torque: what a calibration leaves, of which no maker writes
 
 
@@ -80,24 +81,40 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
 
 
 def as_stated(model: RobotModel) -> Prior:
-    """The model's prior with what a maker means by a doubted mass: a link that is heavier is so in all its moments.
+    """The model's prior with what a maker means by a doubted link: one that is heavier is so in all its moments, and
+    where its centre lies elsewhere all of its inertia lies there.
 
-    Ten independent doubts of the same sizes hold such a link for far less likely. What is left of each moment's doubt
-    is about lengths, and stays independent.
+    Ten independent doubts of the same sizes leave moments free that no link can have. Beside the mass, doubted by the
+    share rho, what is in doubt is the centre by rho g and by rho the inertia about it, g the radius of gyration.
     """
     prior = model.solution.prior
     mean, std, seen = prior.mean.copy(), prior.std.copy(), prior.seen.copy()
     for body, phi in enumerate(model.robot.tree.phi):
-        own = slice(10 * body + 1, 10 * body + 10)
-        mass = 10 * body
+        mass, first, second = 10 * body, slice(10 * body + 1, 10 * body + 4), slice(10 * body + 4, 10 * body + 10)
         if phi[0] <= 0.0 or std[mass] <= 0.0:
             continue
-        share = np.where(std[own] > 0.0, phi[1:] / phi[0], 0.0)
-        seen[:, mass] = prior.seen[:, mass] + prior.seen[:, own] @ share
-        mean[own] -= share * mean[mass]
-        left = std[own] ** 2 - (share * std[mass]) ** 2
-        std[own] = np.sqrt(np.maximum(left, (LEAST_OF_DOUBT * std[own]) ** 2))
+        centre, share = phi[1:4] / phi[0], np.where(std[mass + 1 : mass + 10] > 0.0, phi[1:] / phi[0], 0.0)
+        shift = np.where(std[second, None] > 0.0, _inertia_by_first_moment(centre), 0.0)
+        seen[:, mass] += prior.seen[:, mass + 1 : mass + 10] @ share
+        seen[:, first] += prior.seen[:, second] @ shift
+        mean[first] -= share[:3] * mean[mass]
+        mean[second] -= share[3:] * mean[mass] + shift @ mean[first]
+        spread = (std[first] / std[mass]) ** 2  # g² + c²
+        of_lengths = 1.0 - np.mean(centre @ centre / np.maximum(spread, 1e-300))  # g² of it
+        least = LEAST_OF_DOUBT**2
+        std[first] *= np.sqrt(max(of_lengths, least))
+        std[second] *= max(of_lengths, least) / SECOND_MOMENTS
     return Prior(mean, std, seen)
+
+
+def _inertia_by_first_moment(c: Array) -> Array:
+    """(6, 3) of the inertia about the origin by m c where the mass keeps its inertia about its centre c (3,)."""
+    x, y, z = 2.0 * c
+    half = 0.5
+    return np.array([
+        [0.0, y, z], [-half * y, -half * x, 0.0], [x, 0.0, z],
+        [-half * z, 0.0, -half * x], [0.0, -half * z, -half * y], [x, y, 0.0],
+    ])  # fmt: skip
 
 
 def _doubted(data: LettingGo, doubts: Sequence[tuple[int, float]]) -> LettingGo:
