@@ -16,7 +16,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 
 SURE = 9.0  # twice the log likelihood ratio: odds of 90, and some twenty numbers are looked at
-SIGNIFICANT = 2.0  # standard deviations of the mass or the gain alone; the evidence asks for more of all of it together
+SIGNIFICANT = 1.65  # standard deviations of the mass or the gain: its sign is known; the evidence asks for more
 TELL_APART = 6.0  # by which the best number must stand above another one
 MOST = 2
 
@@ -25,7 +25,7 @@ MOST = 2
 @dataclass(frozen=True)
 class Change:
     """A number that is let go. evidence: twice the log likelihood ratio for that. value, std: (k,) of the change, of a
-    link mass [kg] and first moments [kg·m], of a gain its share."""
+    link its ten parameters [kg, kg·m, kg·m²], of a gain its share."""
 
     stated: Stated
     evidence: float
@@ -83,7 +83,7 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
 
 def _change(model: RobotModel, stated: Stated, evidence: float, value: Array, std: Array) -> Change:
     if stated.sort == "scaled":
-        own = model.robot.tree.phi[stated.index, :4]
+        own = model.robot.tree.phi[stated.index]
         value, std = value * own, std * np.abs(own)
     return Change(stated, evidence, value, std)
 

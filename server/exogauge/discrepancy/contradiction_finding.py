@@ -79,8 +79,8 @@ def _errors(held_out: HeldOut) -> str:
 def _load(best: Change) -> dict[str, Estimate]:
     """Mass, and where its centre is in the link's frame."""
     mass, std = float(best.value[0]), float(best.std[0])
-    centre, own = best.value[1:] / mass, best.stated.sort == "scaled"  # the link's centre, whatever the mass
-    doubt = np.zeros(3) if own else np.hypot(best.std[1:] / mass, centre * std / mass)
+    centre, own = best.value[1:4] / mass, best.stated.sort == "scaled"  # the link's centre, whatever the mass
+    doubt = np.zeros(3) if own else np.hypot(best.std[1:4] / mass, centre * std / mass)
     found = {"mass": Estimate(mass, std, "kg")}
     return found | {name: Estimate(float(c), float(s), "m") for name, c, s in zip("xyz", centre, doubt, strict=True)}
 

@@ -57,12 +57,7 @@ def _as_stated(model: RobotModel, change: Change) -> Parameters:
         xi[stated.index, gain] = model.solution.prior.seen_mean[gain_columns(model.equations)[stated.index]]
         return replace(own, xi=xi)
     phi = own.phi.copy()
-    if stated.sort == "scaled":
-        phi[stated.index] -= (
-            change.value[0] / model.robot.tree.phi[stated.index, 0] * model.robot.tree.phi[stated.index]
-        )
-    else:
-        phi[stated.index, :4] -= change.value
+    phi[stated.index] -= change.value
     return replace(own, phi=phi)
 
 

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Sort = Literal["load", "scaled", "gain", "gains"]
 
 MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from its frame: std of a broad belief
-BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3)])
+BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3), *([MASS_KG * REACH_M**2] * 6)])
 BROAD_SHARE = 0.5  # of a link that is as described but of another density
 BROAD_GAIN = 0.25
 LEAST_OF_DOUBT = 0.1  # of a first moment's doubt, that is about where the centre lies
@@ -32,7 +32,7 @@ TORQUE_DOUBT = 0.02  # relative, of a logged torque: what a calibration leaves, 
 @final
 @dataclass(frozen=True)
 class Stated:
-    """sort: `load` mass [kg] and first moments [kg·m] on top of body `index`; `scaled` that body denser by a share;
+    """sort: `load` ten parameters, mass [kg] first, on top of body `index`; `scaled` that body denser by a share;
     `gain` the motor of axis `index` gives more by a share; `gains` all of them alike. columns: among `LettingGo`'s.
     broad: (k,) std of each change before the data."""
 
@@ -56,7 +56,7 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
 
     seen = model.solution.prior.seen
     for body in bodies:
-        rows.moved(seen[:, 10 * body : 10 * body + 4] * BROAD)
+        rows.moved(seen[:, 10 * body : 10 * body + 10] * BROAD)
         add("load", body, BROAD)
         if phi[body, 0] > 0.0:
             rows.moved(BROAD_SHARE * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
