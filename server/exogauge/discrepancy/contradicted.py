@@ -71,7 +71,7 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
             changes.append(_change(model, stated, let.evidence, let.change * stated.broad, let.std * stated.broad))
         ordered, common = _best_of_each(changes)
         best = ordered[0]
-        if best.evidence < SURE or not best.significant or (not best.of_link and common > best.evidence):
+        if not _is_sure(best) or (not best.of_link and common > best.evidence):
             break
         alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < TELL_APART)
         others = tuple(each for each in ordered[1:3] if each not in alike)
@@ -89,15 +89,20 @@ def _change(model: RobotModel, stated: Stated, evidence: float, value: Array, st
 
 
 def _best_of_each(changes: Sequence[Change]) -> tuple[list[Change], float]:
-    """Of every link the change that explains more, most evidence first; and the evidence for all gains alike."""
+    """Of every link the change that explains more, of those that say whether it is heavier where there are such, most
+    evidence first; and the evidence for all gains alike."""
     first: dict[tuple[bool, int], Change] = {}
     common = -np.inf
-    for each in sorted(changes, key=lambda each: -each.evidence):
+    for each in sorted(changes, key=lambda each: (not _is_sure(each), -each.evidence)):
         if each.stated.sort == "gains":
             common = each.evidence
         else:
             first.setdefault(_key(each.stated), each)
-    return list(first.values()), common
+    return sorted(first.values(), key=lambda each: -each.evidence), common
+
+
+def _is_sure(change: Change) -> bool:
+    return change.evidence >= SURE and change.significant
 
 
 def _key(stated: Stated) -> tuple[bool, int]:
