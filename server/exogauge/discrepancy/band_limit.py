@@ -34,6 +34,7 @@ BoolArray = NDArray[np.bool_]
 SURE = 3.0  # standard errors by which held-out blocks must gain
 ONCE = 6.0  # standard errors asked of logs that judge themselves, by blocks of single joints
 WORTH = 0.05  # of the mean square error
+MOST = 0.5  # of the mean square error of the middle joint: little else takes that from all of them, and `SURE` will do
 JOINTS = 0.75  # share of joints that must gain that much: every joint passes a stored low-pass, presliding is one's own
 ALIKE = 1.5  # ratio of the edges of logs that were stored alike
 ALL = "all"
@@ -121,8 +122,8 @@ def _surely_better(
     before: Identification, after: Identification, judges: _Judges, free: Mapping[str, BoolArray]
 ) -> bool:
     """Whether the blocks of these logs gain: each joint counts by its share of its own error. Of logs that judge
-    themselves every joint's blocks count by themselves, as joints turn at their own times. free: log -> samples that
-    count."""
+    themselves every joint's blocks count by themselves, as joints turn at their own times, and rarely: few blocks hold
+    most of it. free: log -> samples that count."""
     gains = [
         _gains(one, other, free[one.log], [f"tau.{joint.name}" for joint in before.model.robot.joints])
         for one, other in zip(before.predictions, after.predictions, strict=True)
@@ -132,7 +133,9 @@ def _surely_better(
     gain = gain[:, np.isfinite(gain).any(axis=0)][np.isfinite(gain).any(axis=1)]
     if gain.shape[1] < 2 or np.mean(np.nanmean(gain, axis=1) > WORTH) < JOINTS:
         return False
-    parts, sure = (gain[np.isfinite(gain)], ONCE) if judges.themselves else (np.nanmean(gain, axis=0), SURE)
+    parts, sure = np.nanmean(gain, axis=0), SURE
+    if judges.themselves:
+        parts, sure = gain[np.isfinite(gain)], SURE if np.median(np.nanmean(gain, axis=1)) > MOST else ONCE
     return bool(parts.mean() > WORTH and parts.mean() > sure * parts.std(ddof=1) / np.sqrt(len(parts)))
 
 
