@@ -220,12 +220,14 @@ def test_the_curve_has_the_power_that_is_asked_for_and_the_size_of_its_coefficie
 
 def test_a_slip_lasts_to_the_end_of_its_log_or_beyond_it():
     effect, whole = EFFECTS["band_slip"], signals(l_0=0.4)
-    within = (whole.start + 10.0) / whole.span
-    slipped = effect.added_tension(whole, (within, 0.0))[:, 0] != 0.0
-    np.testing.assert_array_equal(slipped, whole.time >= 10.0 - 1e-9)
+    moment = (whole.start + 10.0) / whole.span
+    slipped = effect.added_tension(whole, (moment, 0.0, 0.4))[:, 0]
+    np.testing.assert_array_equal(slipped != 0.0, whole.time > 9.8 + 1e-9)
+    np.testing.assert_allclose(slipped[whole.time > 10.2], -whole.stiffness)
+    assert slipped[np.argmin(np.abs(whole.time - 10.0))] == pytest.approx(-0.5 * whole.stiffness, rel=0.02)
     before = 0.5 * whole.start / whole.span
-    assert not effect.added_tension(whole, (before, 0.0)).any()
-    assert effect.added_tension(whole, (before, 1.0)).all()
+    assert not effect.added_tension(whole, (before, 0.0, 0.4)).any()
+    assert effect.added_tension(whole, (before, 1.0, 0.4)).all()
 
 
 def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):

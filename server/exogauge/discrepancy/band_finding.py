@@ -123,6 +123,7 @@ def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
         "moment": (wire.span, 0.0, "moment", "s"),
         "lasting": (0.0, 0.0, "", ""),
         "stick": (0.0, 0.0, "", ""),
+        "within": (0.0, 0.0, "", ""),
         "slack": (wire.travel, wire.shortest, "natural_length", "m" if wire.course.routing is not None else "rad"),
     }
     return told.get(name, (1.0, 0.0, name, unit))

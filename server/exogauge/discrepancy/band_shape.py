@@ -15,21 +15,23 @@ from exogauge.discrepancy.band_ground import Ground, weighed
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, judge
 from exogauge.discrepancy.band_model import Added, fit
 from exogauge.discrepancy.band_score import BandScore
+from exogauge.effects.shaped import Shape
 
 Array = NDArray[np.float64]
 
 TRIALS = 14  # fits, per shape
 WORTH = 4.0  # of the cost, in independent errors: less is chance
 FIRST_STEP = 0.08  # of a shape's range
+FINE = 12  # values of a grid, beyond which the first step is less than one of its steps
 
 
 def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> BandJudgement:
     """The winner, judged anew with the shape that fits best, if that may still be claimed and explains more of what was
-    left out of the fit; else as it was."""
+    left out of the fit; else as it was. Of an effect of one moment nothing was left out."""
     added, without = winner.added, ground.fitted.wear
     shapes = added.effect.shapes
     free = [k for k, one in enumerate(shapes) if one.grid != (one.low, one.high)]
-    if not free or winner.once:
+    if not free:
         return winner
     setting = weighed(ground, winner.fitted).setting
 
@@ -43,7 +45,7 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
         return fit(setting, without.with_added(tried(shares))).cost
 
     start = np.array([shapes[k].share(added.shape[k]) for k in free])
-    steps = np.where(start < 0.9, FIRST_STEP, -FIRST_STEP)
+    steps = np.array([_first_step(shapes[k]) for k in free]) * np.where(start < 0.9, 1.0, -1.0)
     found = minimize(
         cost, start, method="Nelder-Mead",
         options={"maxfev": TRIALS * len(free), "initial_simplex": np.vstack([start, start + np.diag(steps)]),
@@ -52,5 +54,10 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
     if found.fun > cost(start) - WORTH:
         return winner
     again = judge(ground, BandScore(tried(found.x), 0.0, winner.evidence, winner.left), folds)
-    better = float(np.nansum(again.blocks)) > float(np.nansum(winner.blocks))
+    better = winner.once or float(np.nansum(again.blocks)) > float(np.nansum(winner.blocks))
     return again if better and not again.objection else winner
+
+
+def _first_step(shape: Shape) -> float:
+    """As a share of its range."""
+    return FIRST_STEP if len(shape.grid) < FINE else 0.5 / len(shape.grid)

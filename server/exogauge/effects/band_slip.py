@@ -15,8 +15,8 @@ from exogauge.effects.shaped import Shape
 class BandSlip:
     """T = -k Δl where taut, from one moment on: the natural length has grown by Δl.
 
-    moment: share of the time of all logs laid end to end. lasting: 1, it stays so in all later logs; 0, the band is
-    back in its place when the next log begins.
+    moment: share of the time of all logs laid end to end at which half of it is gone; it goes evenly, `within` [s].
+    lasting: 1, it stays so in all later logs; 0, the band is back in its place when the next log begins.
     """
 
     name = "band_slip"
@@ -26,6 +26,7 @@ class BandSlip:
     shapes = (
         Shape("moment", "share", 0.0, 1.0, tuple(np.linspace(0.0, 1.0, 121)[:-1].tolist())),
         Shape("lasting", "1", 0.0, 1.0, (0.0, 1.0)),
+        Shape("within", "s", 0.01, 1.0, (0.1,)),
     )
     confounds = ("natural_length", "band_relaxation")
     needs = "The same motion again after the slip, and once more after the band was put on anew."
@@ -35,11 +36,11 @@ class BandSlip:
     sort: Sort = "law"
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
-        moment, lasting = shape[0] * signals.span, shape[1] >= 0.5
-        after = signals.clock >= moment
-        if not lasting:
-            after = after & (moment >= signals.start)
-        return (-signals.stiffness * signals.taut * after)[:, None]
+        moment, lasting, within = shape[0] * signals.span, shape[1] >= 0.5, shape[2]
+        gone = np.clip((signals.clock - moment) / within + 0.5, 0.0, 1.0)
+        if not lasting and moment < signals.start:
+            gone = np.zeros_like(gone)
+        return (-signals.stiffness * signals.taut * gone)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(np.any(signals.stretch > 0.0))
