@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -37,8 +37,9 @@ class Judgement:
     """z: standard errors by which the held-out square error falls; z_fitted: the same in the fitted logs.
 
     kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
-    [N·m or N]. blocks: by how much the weighted square error falls in each held-out block, for comparing candidates
-    with each other. logs: that all of this is about, the held-out ones. objection: why it may not be claimed, or "".
+    [N·m or N]; of_kinds: the same of all that it acts on. blocks: by how much the weighted square error falls in each
+    held-out block, for comparing candidates with each other. logs: that all of this is about, the held-out ones.
+    objection: why it may not be claimed, or "".
     once: what sits in fitted logs alone cannot be held out: then it is about these, and more is asked.
     """
 
@@ -48,6 +49,7 @@ class Judgement:
     z_fitted: float
     before: float
     after: float
+    of_kinds: Mapping[int, tuple[float, float]]
     blocks: Blocks
     logs: tuple[str, ...]
     once: bool
@@ -57,6 +59,10 @@ class Judgement:
     def explained(self) -> float:
         """Share of the held-out square error that goes."""
         return 1.0 - (self.after / max(self.before, 1e-300)) ** 2
+
+    def shown_by(self, kind: int) -> Judgement:
+        before, after = self.of_kinds[kind]
+        return replace(self, kind=kind, before=before, after=after)
 
 
 @final
@@ -105,16 +111,21 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     by_kind = {kind: weights[kind] * sum(float(each.gain.sum()) for each in out or fitted if each.kind == kind)
                for kind in {each.kind for each in out or fitted}}  # fmt: skip
     kind = max(by_kind, key=lambda one: by_kind[one])
-    shown = [each for each in out if each.kind == kind]
-    before, after = (
-        float(np.sqrt(np.mean(np.concatenate(values) ** 2))) if values else float("nan")
-        for values in ([each.before for each in shown], [each.after for each in shown])
-    )
+    of_kinds = {each: _errors([change for change in out if change.kind == each]) for each in by_kind}
+    before, after = of_kinds[kind]
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
     asked = min(sure, SURE_IF_CLEAR) if score.evidence > CLEAR else sure
     objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else asked)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
-    return Judgement(score, kind, z, z_fitted, before, after, blocks, logs, once, objection)
+    return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
+
+
+def _errors(changes: Sequence[_Change]) -> tuple[float, float]:
+    if not changes:
+        return float("nan"), float("nan")
+    every = ([each.before for each in changes], [each.after for each in changes])
+    before, after = (float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in every)
+    return before, after
 
 
 def apart(one: Judgement, other: Judgement) -> float:

@@ -113,7 +113,7 @@ class Search:
         self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
         for first in claimed if len(self.steps) < MOST_EFFECTS else []:
-            winner = with_closest_shape(ground, first, rows)
+            winner = self._weighed(with_closest_shape(ground, first, rows))
             judged = [winner if each is first else each for each in judged]
             candidate = winner.score.candidate
             self._tell(self.done + 0.05, f"adding {candidate.effect.name}")
@@ -141,7 +141,16 @@ class Search:
         is identified with it."""
         if judged.objection or judged.score.elsewhere:
             return judged
+        judged = judged.shown_by(self._clearest(judged))
         return replace(judged, objection=self._not_worth(judged, judged.kind, gone(judged.before, judged.after)))
+
+    def _clearest(self, judged: Judgement) -> int:
+        """Of the rows that it acts on those that gain most against their noise: of these that lack most, the weights
+        know little."""
+        told = {judged.kind, *channels(self.base.model.equations)}  # rows at rest have no channel of their own
+        floors = {kind: self._floor(kind) for kind in judged.of_kinds if kind in told}
+        sizes = {k: gone(*judged.of_kinds[k]) / floor for k, floor in floors.items() if floor > 0.0}
+        return max([judged.kind, *sizes], key=lambda kind: sizes.get(kind, 0.0))
 
     def _kind_that_gains(self, winner: Judgement, before: Ground, after: Ground) -> int:
         """Its own, or where most of the gain lies elsewhere the one that gains most against its noise."""
