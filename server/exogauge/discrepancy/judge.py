@@ -26,6 +26,7 @@ CLEAR = 60.0  # evidence of the fitted logs from which held-out ones have one cl
 SURE_IF_CLEAR = 2.5
 SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
 ONCE = 6.0  # standard errors asked of what sits in one fitted log and so cannot be held out
+ONCE_IF_CLEAR, NEARLY_ALL = 4.0, 0.9  # the same where this share of the square error of these logs goes with it
 LEAST = 0.05  # of the held-out square error
 WORSE = 3.0  # standard errors by which a regime may not get worse
 FEWEST_IN_REGIME = 30
@@ -115,7 +116,9 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     before, after = of_kinds[kind]
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
     asked = min(sure, SURE_IF_CLEAR) if score.evidence > CLEAR else sure
-    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, ONCE if once else asked)
+    if once:
+        asked = ONCE_IF_CLEAR if explained > NEARLY_ALL else ONCE
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
 
@@ -143,7 +146,14 @@ def _summed(changes: Sequence[_Change], weights: Array) -> dict[tuple[str, int],
 
 
 def _objection(
-    z: float, z_fitted: float, explained: float, blocks: int, out: Sequence[_Change], weights: Array, sure: float
+    z: float,
+    z_fitted: float,
+    explained: float,
+    blocks: int,
+    out: Sequence[_Change],
+    weights: Array,
+    sure: float,
+    once: bool,
 ) -> str:
     if blocks < FEWEST_BLOCKS:
         return "too little steady motion in logs that were not fitted to judge it"
@@ -152,7 +162,7 @@ def _objection(
     if explained < LEAST:
         return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
     if z < sure:
-        where = "in the log that has it" if sure == ONCE else "on held-out logs"
+        where = "in the log that has it" if once else "on held-out logs"
         return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.2g} are asked for)"
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
