@@ -28,3 +28,22 @@ def test_a_log_that_is_warmer_than_all_that_were_fitted_is_told(study, search, b
     assert bool(told) is beyond
     if told:  # most of 50 to 56 °C, and of 37 to 43 °C
         assert [float(each) for each in told.groups()] == pytest.approx([56.0, 43.0], abs=0.3)
+
+
+def test_friction_that_warms_up_is_drawn_over_time_where_no_thermometer_is_logged(study, search):
+    found = search([without_thermometer(each) for each in study(seconds=60.0, noise=0.02)])
+    (finding,) = found.discrepancy.findings
+    assert (finding.effect, finding.place.name) == ("thermal_viscous", "j1")
+    assert (finding.evidence.coordinate, finding.evidence.unit) == ("time", "s")
+    assert "°C" not in finding.sentence
+    assert finding.evidence.at.max() <= 60.0
+
+
+def without_thermometer(recording):
+    """j1 warms up by friction as it runs, and nobody logs how warm it is."""
+    log = recording.log
+    speed = np.gradient(log.channels["q.j1"], log.time)
+    warmth = 1.0 - np.exp(-log.time / 20.0)
+    return replace(recording, log=replace(log, channels=log.channels | {
+        "tau.j1": log.channels["tau.j1"] - 0.4 * warmth * speed
+    }))  # fmt: skip

@@ -35,7 +35,8 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     known = [each for each in rows if kind in each.rows]
     shown = [each for each in known if each.held_out] or known
     edge = model.solution.solved.x - model.solution.unbounded.x  # the model that is added to keeps to physical ranges
-    over = [each.seen.coordinate(effect.coordinate, candidate.shape) for each in shown]
+    name = _logged(effect.coordinate, known)
+    over = [each.seen.coordinate(name, candidate.shape) for each in shown]
     at = np.concatenate([values[each.rows[kind].samples] for values, each in zip(over, shown, strict=True)])
     before = sign * np.concatenate([each.rows[kind].e - each.rows[kind].A @ edge[own[kind]] for each in shown])
     after = sign * np.concatenate(
@@ -45,7 +46,7 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     torque = -sign * np.concatenate(columns) @ found.coefficients
     bins = int(np.clip(len(at) // USUAL, 1, BINS))
     edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
-    if effect.coordinate in VELOCITIES:  # friction turns round at zero: no bin may hold both sides
+    if name in VELOCITIES:  # friction turns round at zero: no bin may hold both sides
         edges = np.unique([*edges, np.clip(0.0, edges[0], edges[-1])])
     place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
     count = np.bincount(place, minlength=len(edges) - 1)
@@ -55,16 +56,16 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
         return np.asarray(np.bincount(place, values, minlength=len(count))[full] / count[full])
 
     spread = np.sqrt(np.maximum(mean(before**2) - mean(before) ** 2, 0.0) / count[full])
-    unit = UNITS.get(effect.coordinate) or candidate.site.in_si(model, effect.coordinate, candidate.shape)[1]
-    return Evidence(effect.coordinate, unit, mean(at), mean(before), mean(after), spread, mean(torque))
+    unit = UNITS.get(name) or candidate.site.in_si(model, name, candidate.shape)[1]
+    return Evidence(name, unit, mean(at), mean(before), mean(after), spread, mean(torque))
 
 
 def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> str:
     """A sentence where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on;
     or ""."""
-    candidate, name = found.candidate, found.candidate.effect.coordinate
-    if name not in COVERED or any(getattr(each.seen.signals, name, None) is None for each in rows):
-        return ""  # a log without it is drawn over time
+    candidate, name = found.candidate, _logged(found.candidate.effect.coordinate, rows)
+    if name not in COVERED:
+        return ""
     seen: dict[bool, list[Array]] = {False: [], True: []}
     for each in (each for each in rows if kind in each.rows):
         values = each.seen.coordinate(name, candidate.shape)[each.rows[kind].samples]
@@ -84,6 +85,11 @@ def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> str:
         f" The held-out logs reach a {name} of {reached:.3g} {unit}, what was fitted ends at {fitted:.3g} {unit}: "
         "between them the formula is only continued."
     )
+
+
+def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:
+    """The coordinate, or time where a log does not hold it."""
+    return "time" if any(getattr(each.seen.signals, coordinate, None) is None for each in rows) else coordinate
 
 
 def _sign(equations: Equations, kind: int) -> float:
