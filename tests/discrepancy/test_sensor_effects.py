@@ -118,6 +118,8 @@ def test_a_base_that_stands_askew_is_named_with_its_angles(search: Search) -> No
     tilt = np.array([0.02, -0.03, 0.0])
     found = search(gravity=pin.exp3(tilt).T @ GRAVITY)
     assert named(found)[0] == ("base_tilt", "base", "base", "")
+    worst = max(found.discrepancy.located, key=lambda each: each.rmse / each.noise_floor)
+    assert found.discrepancy.findings[0].held_out.channel == worst.channel
     told = found.discrepancy.findings[0].parameters
     size = np.hypot(told["about_x"].value, told["about_y"].value)
     assert size == pytest.approx(np.hypot(*tilt[:2]), rel=0.1)
