@@ -58,10 +58,10 @@ def test_the_joint_that_the_model_does_not_explain_is_marked_by_name(
     staged: tuple[Stage, RobotView, Robot], unpack: Any
 ) -> None:
     stage, view, robot = staged
-    findings = [{"effect": "torque_ripple", "where": {"joint": "hip"}}, {"effect": "load", "where": {"link": "foot"}}]
+    findings = [{"effect": "stribeck", "where": {"joint": "hip"}}, {"effect": "load", "where": {"link": "foot"}}]
     marked = marked_joints({"discrepancy": {"findings": findings}}, robot.tree.joints)
-    assert marked == {"hip": "torque ripple"}
+    assert marked == {"hip": "Stribeck friction"}
     assert marked_joints({"discrepancy": None}, robot.tree.joints) == {}
     mark_joints(stage, view, robot.tree, marked)
     (name,) = stage.layers["marks"]
-    assert unpack(stage.packed({})).message("LabelMessage", f"{name}/label")["props"]["text"] == "hip: torque ripple"
+    assert unpack(stage.packed({})).message("LabelMessage", f"{name}/label")["props"]["text"] == "hip: Stribeck friction"

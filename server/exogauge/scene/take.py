@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
+from exogauge.effects.words import effect_words
 from exogauge.errors import BadInput
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
@@ -79,13 +80,13 @@ def take(logged: LoggedRobot, series: Path | None, results: Mapping[str, Any]) -
 
 
 def marked_joints(results: Mapping[str, Any], joints: Sequence[str]) -> dict[str, str]:
-    """Joint -> the effect that the results say is missing there."""
+    """Joint -> the effect, in words, that the results say is missing there."""
     findings = (results.get("discrepancy") or {}).get("findings") or []
     marked: dict[str, str] = {}
     for finding in findings:
         joint = (finding.get("where") or {}).get("joint")
         if joint in joints:
-            marked.setdefault(str(joint), str(finding.get("effect", "")).replace("_", " "))
+            marked.setdefault(str(joint), effect_words(str(finding.get("effect", ""))))
     return marked
 
 
