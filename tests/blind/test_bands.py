@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exogauge.blind.generator.dynamics import joint_torques
-from exogauge.blind.generator.hidden.band import BandRelaxation, BandSlip, BandViaFriction, BandViscous
+from exogauge.blind.generator.hidden.band import BandRelaxation, BandSlip, BandViaFriction, BandViscous, together
 from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS
 from exogauge.blind.generator.places import poses, wire
 from exogauge.blind.generator.tree import carrier
@@ -87,6 +87,26 @@ def test_no_band_ever_pushes(torso8, name: str) -> None:
         tension = np.sum(total * band.slope, axis=2) / np.sum(band.slope**2, axis=2)
         assert tension.min() > -1e-9
         np.testing.assert_allclose(band.pull(tension), total, atol=1e-9)
+
+
+def test_a_band_that_lets_go_for_two_reasons_does_not_push_either(torso8) -> None:
+    (band, *_), worn = torso8.wear.bands, torso8.wear.worn
+    both = [
+        kind.draw(np.random.default_rng(2), torso8, {"band": band.wire.name}) for kind in (BandRelaxation, BandViscous)
+    ]
+    pulls = [each.change(torso8, 4.0 * each.limits(torso8)[1]).pull for each in both]
+    assert np.any(sum(each.tension for each in pulls) < -band.tension)
+    total = together(torso8, pulls)[worn] + band.pull(band.tension)
+    tension = np.sum(total * band.slope, axis=2) / np.sum(band.slope**2, axis=2)
+    assert tension.min() > -1e-9
+    np.testing.assert_allclose(band.pull(tension), total, atol=1e-9)
+
+
+def test_what_one_band_does_alone_is_what_it_does_among_others(torso8) -> None:
+    for name in sorted(IN_BANDS):
+        kind = ELSEWHERE[name]
+        change = kind.draw(np.random.default_rng(2), torso8, where := kind.places(torso8)[0]).change(torso8, 0.3)
+        np.testing.assert_allclose(together(torso8, [change.pull]), change.torque, atol=1e-9, err_msg=f"{name} {where}")
 
 
 def test_a_slipped_anchor_stays_where_it_is(torso8) -> None:

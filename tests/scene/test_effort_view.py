@@ -64,4 +64,6 @@ def test_the_joint_that_the_model_does_not_explain_is_marked_by_name(
     assert marked_joints({"discrepancy": None}, robot.tree.joints) == {}
     mark_joints(stage, view, robot.tree, marked)
     (name,) = stage.layers["marks"]
-    assert unpack(stage.packed({})).message("LabelMessage", f"{name}/label")["props"]["text"] == "hip: Stribeck friction"
+    assert (
+        unpack(stage.packed({})).message("LabelMessage", f"{name}/label")["props"]["text"] == "hip: Stribeck friction"
+    )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.blind.generator.axis_run import AxisRun
+from exogauge.blind.generator.hidden.band import together
 from exogauge.blind.generator.hidden.effect import HiddenEffect
 from exogauge.blind.generator.hidden.kinds import CLUTTER, ELSEWHERE, IN_LOGS, ON_JOINTS, SMALLEST
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
@@ -93,8 +94,10 @@ def motor_torque(run: AxisRun, effects: Sequence[Placed], joint: int) -> Array:
 
 def pull(scene: Scene, effects: Sequence[Placed]) -> Array | None:
     """(L, T, J) [N·m] that joints must give beside bodies and bands; None where nothing asks them."""
-    changes = [_whole_effect(e).change(scene, e.size).torque for e in effects if e.effect.name in ELSEWHERE]
-    torques = [each for each in changes if each is not None]
+    changes = [_whole_effect(e).change(scene, e.size) for e in effects if e.effect.name in ELSEWHERE]
+    torques = [each.torque for each in changes if each.torque is not None and each.pull is None]
+    pulls = [each.pull for each in changes if each.pull is not None]
+    torques += [together(scene, pulls)] if pulls else []
     return np.asarray(sum(torques)) if torques else None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self, final
 
@@ -10,7 +11,7 @@ from scipy.signal import lfilter
 
 from exogauge.blind.generator.hidden.effect import Array
 from exogauge.blind.generator.hidden.presliding import bristle
-from exogauge.blind.generator.hidden.whole import Change, Where
+from exogauge.blind.generator.hidden.whole import Change, Pull, Where
 from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.scene import Scene
 from exogauge.blind.generator.wear import LENGTH_STD, STIFFNESS_STD, Band, Wear
@@ -32,7 +33,20 @@ def more(scene: Scene, band: Band, tension: Array) -> Change:
     """tension: (W, T) or, by stretches, (W, T, S) [N] beside k (l - l_0)."""
     wear = wear_of(scene)
     on = np.broadcast_to(wear.worn[:, None], scene.shape)
-    return Change(wear.in_all_logs(band.pull(tension)), None, on)
+    return Change(wear.in_all_logs(band.pull(tension)), None, on, Pull(band.wire.name, tension))
+
+
+def together(scene: Scene, pulls: Sequence[Pull]) -> Array:
+    """(L, T, J) [N·m] of all that bands have beside k (l - l_0): none pushes, however much of it lets go at once."""
+    wear, torque = wear_of(scene), np.zeros((*scene.shape, len(scene.joints)))
+    springs = {band.wire.name: band.tension for band in wear.bands}
+    for band in (*wear.bands, *wear.spare):
+        own = [pull.tension for pull in pulls if pull.band == band.wire.name]
+        if own:
+            more = sum(np.zeros_like(band.lengths) + (each if each.ndim == 3 else each[:, :, None]) for each in own)
+            spring = springs.get(band.wire.name, np.zeros(band.length.shape))
+            torque += wear.in_all_logs(band.pull(np.maximum(more, -spring[:, :, None])))
+    return torque
 
 
 class _OnOneBand:

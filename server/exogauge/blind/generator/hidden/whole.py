@@ -17,13 +17,24 @@ Where = Mapping[str, str | bool]
 
 @final
 @dataclass(frozen=True)
+class Pull:
+    """tension: (W, T) or, by stretches, (W, T, S) [N] that a band has beside k (l - l_0)."""
+
+    band: str
+    tension: Array
+
+
+@final
+@dataclass(frozen=True)
 class Change:
     """torque: (L, T, J) [N·m] that joints must give beside all else. wrench: (L, T, 6) beside what the sensor says
-    without it. None: nothing. on: (L, T) where it acts, None: everywhere."""
+    without it. None: nothing. on: (L, T) where it acts, None: everywhere. pull: where the torque is a declared band's.
+    """
 
     torque: Array | None
     wrench: Array | None
     on: NDArray[np.bool_] | None = None
+    pull: Pull | None = None
 
 
 class WholeEffect(Protocol):
