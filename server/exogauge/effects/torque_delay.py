@@ -24,7 +24,7 @@ class TorqueDelay:
     sentence = "The torque acts later than its log says, or is logged later than it acts."
     coefficients = (Quantity("delta", "s", low=-0.1, high=0.1),)
     shapes: tuple[Shape, ...] = ()
-    departing = (Quantity("delta_squared", "s²"),)
+    departing = (Quantity("delta_squared", "s²"), Quantity("delta_cubed", "s³"))
     confounds = ("viscous",)
     needs = "Quick changes of the load, and reversals at speed."
     coordinate = "acceleration"
@@ -33,8 +33,9 @@ class TorqueDelay:
         return -rate_of_change(signals.drive, signals.time)[:, None]
 
     def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        """(T, 1) ½ ü, the next term of a delay that is long for what the motor does in it."""
-        return 0.5 * second_rate_of_change(signals.drive, signals.time)[:, None]
+        """(T, 2) ½ ü and -⅙ u⃛, the next terms of a delay or a lag that is long for what the motor does in it."""
+        twice = second_rate_of_change(signals.drive, signals.time)
+        return np.stack([0.5 * twice, -rate_of_change(twice, signals.time) / 6.0], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
         return bool(np.any(signals.direction != 0.0)) and signals.torque_scale > 0.0
