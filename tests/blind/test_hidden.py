@@ -90,15 +90,16 @@ def test_a_link_in_its_play_moves_as_two_masses_do(arm6) -> None:
     load = 3.0 * np.cos(2 * np.pi * 0.8 * time)[None]
     fields = {"q": 0.0 * constant, "load": load, "inertia": 0.8 * constant, "stiffness": 5.0 * constant, "time": time}
     run = replace(arm6.runs[0], **fields)
-    effect, gap = Backlash(30.0, 0.3), 0.006
+    effect, gap = Backlash(30.0, 0.3, 0.2), 0.006
     k, I, K = (2 * np.pi * 30.0) ** 2 * 0.8, 0.8, 5.0  # noqa: E741
-    c = 2 * 0.3 * np.sqrt(k * I)
+    c, give = 2 * 0.3 * np.sqrt(k * I), np.sqrt(2.0 * np.sqrt(np.mean(load**2)) * gap / I) / (2 * np.pi * 30.0)
 
     def law(t: float, state: np.ndarray) -> list[float]:
         r, v = state
         over = r - np.clip(r, -gap / 2, gap / 2)
         damping = (c if over else 0.0) + 0.02 * c
-        return [v, -(k * over + damping * v + np.interp(t, time, load[0]) + K * r) / I]
+        tooth = k * over * (1.0 + 0.2 * (over / give) ** 2)
+        return [v, -(tooth + damping * v + np.interp(t, time, load[0]) + K * r) / I]
 
     start, fine = [-gap / 2 - load[0, 0] / k, 0.0], np.arange(10 * samples) / (10 * RATE_HZ)
     exact = solve_ivp(law, (0.0, fine[-1]), start, t_eval=fine, rtol=1e-8, atol=1e-12, max_step=1e-3)

@@ -33,7 +33,7 @@ UNITS = {
     "band": {"N/m", "N/m²", "N·s/m", "m", "1"},
 }
 SHAPE_UNITS = {
-    "joint": {"1", "s", "Hz", "rad", "1/rev", "1/K", *OWN_SIZES},
+    "joint": {"1", "s", "1/s", "Hz", "rad", "1/rev", "1/K", *OWN_SIZES},
     "pair": {"1", "s"},
     "sensor": {"1", "s"},
     "base": set(),
@@ -41,7 +41,7 @@ SHAPE_UNITS = {
     "band": {"s", "1", "m", "share", "travel"},
 }
 ERRS_BOTH_WAYS = ("sensor", "base")
-FINEST = {"torque_ripple": 40, "band_slip": 120}  # values of one shape: orders and moments are told apart one by one
+FINEST = {"torque_ripple": 40, "band_slip": 120, "backlash": 13}  # values of one shape: orders, moments, landings
 FEW = 8
 
 every_effect = pytest.mark.parametrize(

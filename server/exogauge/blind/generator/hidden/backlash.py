@@ -20,11 +20,13 @@ class Backlash:
     """The encoder sits at the motor; the link is half of size [rad] away, on the side to which its load pushes.
 
     While the load changes its sign the link flies through the gap and lands on a stiff tooth (frequency [Hz] of the
-    link on it, damping ratio): two masses, simulated with implicit steps. Gravity's slope acts on the shifted link.
+    link on it, damping ratio), which is stiffer by `harder` where it gives way as far as under the usual landing: two
+    masses, simulated with implicit steps. Gravity's slope acts on the shifted link.
     """
 
     frequency: float
     damping: float
+    harder: float
 
     name: ClassVar[str] = "backlash"
     linear: ClassVar[bool] = False
@@ -32,14 +34,17 @@ class Backlash:
 
     @classmethod
     def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
-        return cls(float(rng.uniform(25.0, 45.0)), float(rng.uniform(0.15, 0.4)))
+        frequency, damping, harder = (float(x) for x in rng.uniform([25.0, 0.15, 0.1], [45.0, 0.4, 0.5]))
+        return cls(frequency, damping, harder)
 
     def largest(self, run: AxisRun) -> float:
         return 0.02
 
     def torque(self, run: AxisRun, size: float) -> Array:
-        k = (2 * np.pi * self.frequency) ** 2 * float(run.inertia.mean())
-        return two_masses(run, k, self.damping, 0.5 * size)
+        omega, inertia = 2 * np.pi * self.frequency, float(run.inertia.mean())
+        usual = float(np.sqrt(np.mean(run.load**2)))
+        give = np.sqrt(2.0 * usual * size / inertia) / omega  # with the speed that the usual load gives it in the gap
+        return two_masses(run, omega**2 * inertia, self.damping, 0.5 * size, self.harder / give**2)
 
 
 @final
