@@ -129,7 +129,7 @@ def test_a_recording_shows_what_the_job_found_and_is_drawn_once(client: TestClie
         "slack band": (None, "dashed"),
         "joint torque": (None, "¾ turn = 10 N·m"),
     }
-    assert said["marked"] == [{"joint": "elbow", "effect": "stribeck"}]
+    assert said["marked"] == [{"joint": "elbow", "effect": "Stribeck friction"}]
     assert said["notes"][0] == "The base is fixed."
     again = client.get(f"{V1}/jobs/{job}/scenes/worn.scene", headers={"If-None-Match": answer.headers["etag"]})
     assert again.status_code == 304
