@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
+
+from exogauge.compiled import compiled
 
 Array = NDArray[np.float64]
 
 FINEST_S = 2.5e-4  # of a step: teeth ring at some tens of hertz
 MOST_TURNS = 4  # within one step
-
-
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """njit where numba is installed; without it a log takes some seventy times as long."""
-    try:
-        from numba import njit
-    except ImportError:
-        return function
-    compiled: Callable[..., Any] = njit(cache=True, nogil=True)(function)
-    return compiled
 
 
 def between_teeth(
@@ -42,7 +31,7 @@ def between_teeth(
     return s, s_ddot
 
 
-@_compiled
+@compiled
 def _steps(
     pull: Array, back: Array, tooth: Array, damping: Array, drag: Array, h: float, parts: int, s: Array, s_ddot: Array
 ) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, final
+from collections.abc import Mapping
+from typing import final
 
 import numpy as np
 
+from exogauge.compiled import compiled
 from exogauge.devices.laws.law import Array, Quantity, WireMotion
 
 SHORTEST = 1e-9  # [m] a segment without length counts as one this long
@@ -39,17 +40,7 @@ class ViaFriction:
         return stiffness * natural_length * strain
 
 
-def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """njit where numba is installed; without it a log takes some seventy times as long."""
-    try:
-        from numba import njit
-    except ImportError:
-        return function
-    compiled: Callable[..., Any] = njit(cache=True, nogil=True)(function)
-    return compiled
-
-
-@_compiled
+@compiled
 def _march(w: float, first: int, L: Array, ratio: Array, held: Array, strain: Array, slip: Array) -> float:
     """Strains from segment `first` on if that has w; slip: how much slides from each to the next, the last must be 0.
 
@@ -65,7 +56,7 @@ def _march(w: float, first: int, L: Array, ratio: Array, held: Array, strain: Ar
     return moved
 
 
-@_compiled
+@compiled
 def _slide(low: float, high: float, L: Array, ratio: Array, held: Array, strain: Array, work: Array) -> None:
     """(S,) the strains after a step in which something slides. low, high: they hold that of the first segment.
 
@@ -96,7 +87,7 @@ def _slide(low: float, high: float, L: Array, ratio: Array, held: Array, strain:
         low, high, first = low_strain[j + 1] * (1.0 - EDGE), high_strain[j + 1] * (1.0 + EDGE), j + 1
 
 
-@_compiled
+@compiled
 def _strains(lengths: Array, ratios: Array, l_0: float, strains: Array) -> None:
     """Fills strains (T, S) with L/n - 1, 0 where slack. lengths: (T, S) [m]. ratios: (T, S-1) e^{μφ}."""
     samples, segments = lengths.shape
