@@ -109,11 +109,10 @@ def as_stated(model: RobotModel) -> Prior:
 
 def _inertia_by_first_moment(c: Array) -> Array:
     """(6, 3) of the inertia about the origin by m c where the mass keeps its inertia about its centre c (3,)."""
-    x, y, z = 2.0 * c
-    half = 0.5
+    x, y, z = c
     return np.array([
-        [0.0, y, z], [-half * y, -half * x, 0.0], [x, 0.0, z],
-        [-half * z, 0.0, -half * x], [0.0, -half * z, -half * y], [x, y, 0.0],
+        [0.0, 2 * y, 2 * z], [-y, -x, 0.0], [2 * x, 0.0, 2 * z],
+        [-z, 0.0, -x], [0.0, -z, -y], [2 * x, 2 * y, 0.0],
     ])  # fmt: skip
 
 

@@ -28,8 +28,8 @@ class Pull:
 @dataclass(frozen=True)
 class Change:
     """torque: (L, T, J) [N·m] that joints must give beside all else. wrench: (L, T, 6) beside what the sensor says
-    without it. None: nothing. on: (L, T) where it acts, None: everywhere. pull: where the torque is a declared band's.
-    """
+    without it. None: nothing. on: (L, T) where it acts, None: everywhere. pull: where the torque is a band's,
+    declared or not."""
 
     torque: Array | None
     wrench: Array | None
