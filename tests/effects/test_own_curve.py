@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from exogauge.effects.catalogue import sensor_effects, shaped_effects
 from exogauge.effects.own_curve import OwnCurve, possible_terms
@@ -84,28 +83,3 @@ def test_terms_along_a_shape_lead_to_the_columns_of_a_shape_nearby(name):
         own = [k for k in along if bent.coefficients[k].name.endswith(f"_along_{one.name}")]
         told = step * bent.columns(seen, shape)[:, own]
         assert np.abs(change - told).max() < 0.1 * np.abs(change).max()
-
-
-def test_a_spring_that_grows_stiffer_is_a_bend_of_one_that_does_not():
-    """Against the swing of a link on a cubic spring, integrated by SciPy."""
-    effect, t = EFFECTS["elasticity"], np.arange(0.0, 6.0, 1e-3)
-    J, f, zeta, torque, stiffer = 0.7, 6.0, 0.2, 4.0, 0.001
-    omega = 2.0 * np.pi * f
-    k, d = J * omega**2, 2.0 * zeta * omega * J
-    times, rise = t, np.clip(t, 0.0, 1.0)
-    load = rise * (5.0 * np.sin(9.0 * t) + 3.0 * np.sin(21.0 * t + 1.0))
-
-    def swing(_t, state):
-        r, speed = state
-        push = -np.interp(_t, times, load) - d * speed - k * r * (1.0 + stiffer * (k * r / torque) ** 2)
-        return [speed, push / J]
-
-    found = solve_ivp(swing, (0.0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-12, max_step=2e-3).y
-    lacking = -(omega**2) * J * np.array([swing(*each)[1] for each in zip(t, found.T, strict=True)])
-    zero = np.zeros(len(t))
-    seen = AxisSignals(t, zero, zero, zero, zero, load, load, None, 1.0, torque, 1.0, usual_inertia=J)
-    straight = effect.columns(seen, (f, zeta))[:, 0]
-    bend = stiffer * effect.departures(seen, (f, zeta))[:, 1]
-    settled = t > 1.0
-    left = (lacking - straight - bend)[settled]
-    assert np.abs(left).max() < 0.2 * np.abs((lacking - straight)[settled]).max()
