@@ -65,7 +65,7 @@ class Search:
 
     failed: what was added and taken back. rejected: what the last round judged and did not claim. tried: candidates.
     rounds: grounds laid. done: share of the work, as told. only: number of a log; then nothing is tried but what begins
-    with it, or sits in it.
+    with it, or sits in it. eyes: the model whose loads effects see; None: the base, and then what comes of it.
     """
 
     base: Identification
@@ -82,6 +82,7 @@ class Search:
     rounds: int = 0
     done: float = 0.0
     only: int | None = None
+    eyes: Identification | None = None
 
     @property
     def current(self) -> Identification:
@@ -96,7 +97,7 @@ class Search:
         self.drop_what_is_not_needed()
 
     def resume(self, steps: Sequence[Step]) -> None:
-        """From what another search has named on."""
+        """From what another search has named, or what is known better now, on."""
         self._again(steps)
         self._forward()
 
@@ -229,8 +230,10 @@ class Search:
 
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = floors_of(self.base.validation)
-        found = self.base
-        for _ in range(RELINEARISED if any(_depends_on_loads(each) for each in effects) else 1):
+        found, passes = self.base, RELINEARISED if any(_depends_on_loads(each) for each in effects) else 1
+        if self.eyes is not None:
+            found, passes = self.eyes, 1
+        for _ in range(passes):
             extension = Extension(found.model, tuple(effects), floors)
             found = identify(self.base.model.robot, self.recordings, self.settings, extension=extension)
         return found

@@ -63,9 +63,10 @@ class SiteRows:
 
 
 def collect_rows(
-    model: RobotModel, recordings: Sequence[Recording], sites: Sequence[Site]
+    model: RobotModel, recordings: Sequence[Recording], sites: Sequence[Site], eyes: RobotModel | None = None
 ) -> Mapping[Site, tuple[SiteRows, ...]]:
-    """Site -> its rows in every log that has any. Sites share the rows that they have in common."""
+    """Site -> its rows in every log that has any. Sites share the rows that they have in common. eyes: the model whose
+    loads its effects see, if it is not the same."""
     found: dict[Site, list[SiteRows]] = {site: [] for site in sites}
     if not sites:
         return {}
@@ -86,7 +87,7 @@ def collect_rows(
             kinds = site.kinds(equations)
             mine = {kind: rows[kind] for kind in kinds if kind in rows}
             if mine:
-                time, seen = recording.log.time - recording.log.time[0], site.see(model, prepared)
+                time, seen = recording.log.time - recording.log.time[0], site.see(eyes or model, prepared)
                 found[site].append(
                     SiteRows(recording.log.name, recording.held_out, time, seen, prepared.low_pass, kinds, mine)
                 )

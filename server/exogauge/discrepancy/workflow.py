@@ -26,6 +26,7 @@ from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.remainders import remainders
 from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
 from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.shapes_again import shapes_again
 from exogauge.discrepancy.with_motions import with_motions
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
@@ -70,6 +71,7 @@ def find_missing_effects(
     search = Search(models[-1], recordings, _seen_in(recordings, effects), settings, progress)
     search.run()
     search, joined = look_into_odd_logs(search)
+    shapes_again(search)
     assert search.first is not None
     assert search.last is not None
     bends, equations = own_curves(search), search.base.model.equations

@@ -22,7 +22,8 @@ class Backlash:
     (J [kg·m²], J_0 its mean) make of that lag, both of the posture. Once the load changes its sign the link flies:
     only drag d [1/s] holds it, it lands on the other tooth, which gives way as a spring does (J_0 on it swings at f,
     damped by ζ), and rebounds (`between_teeth`). t_f is the time that a flight takes under the axis' rms torque with
-    its usual inertia and no drag: t_f² = 2 b J_0 / τ, if the teeth were stiff.
+    its usual inertia and no drag: t_f² = 2 b J_0 / τ, if the teeth were stiff. load_offset [N·m]: at which load of the
+    model the teeth bear none; a model's load that is off by a hundredth changes its sign much too late.
 
     An encoder at the link misses no load, and only the rotor jumps: there backlash is not looked for. Where the load
     never changes its sign, s is constant, and masses explain it.
@@ -37,18 +38,20 @@ class Backlash:
         Shape("f", "Hz", 8.0, 80.0, (30.0,)),
         Shape("zeta", "1", 0.02, 0.9, (0.25,)),
         Shape("d", "1/s", 0.0, 10.0, (2.0,)),
+        Shape("load_offset", "rms torque", -0.05, 0.05, (0.0,)),
     )
     confounds = ("coulomb", "motor_offset")
     needs = "Motion in which the joint's load changes its sign many times, such as swings through the vertical."
     coordinate = "load"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        t_f, f, zeta, d = shape
+        t_f, f, zeta, d, load_offset = shape
         J, K, share = _swing(signals)
-        kappa = 0.25 * (signals.torque_scale or 1.0) * t_f**2 * share  # ½ b J: 2 = ½ (τ / κ) t_f²
+        scale = signals.torque_scale or 1.0
+        kappa = 0.25 * scale * t_f**2 * share  # ½ b J: 2 = ½ (τ / κ) t_f²
         omega, step = 2.0 * np.pi * f, _step(signals.time)
         s, s_ddot = between_teeth(
-            signals.load / kappa,
+            (signals.load - load_offset * scale) / kappa,
             np.divide(K, J, out=np.zeros_like(K), where=J > 0.0),
             omega**2 / share,
             2.0 * zeta * omega / share,

@@ -1,0 +1,67 @@
+"""A shape that was found with a robot bent by what it lacked is sought once more with the model that has it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.own_curves import held_out_rmse
+from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.shapes_again import SOUGHT_AGAIN, shapes_again
+from exogauge.effects.catalogue import missing_effects
+from exogauge.identification.settings import Settings
+
+pytestmark = pytest.mark.slow
+
+PEAK, SPEED = 1.5, 0.15
+
+
+def peak(motion):
+    """Stribeck's curve at j2, as in the catalogue."""
+    torque = np.zeros_like(motion.q)
+    v = motion.v[:, 1]
+    torque[:, 1] = PEAK * np.sign(v) * np.exp(-((v / SPEED) ** 2))
+    return torque
+
+
+@pytest.fixture
+def named(study, identified):
+    recordings = study(peak)
+    search = Search(identified(recordings), recordings, missing_effects(), Settings(cutoff_hz=8.0), lambda *_: None)
+    search.run()
+    return search
+
+
+def at_shape(search: Search, shape: tuple[float, ...]) -> None:
+    """The same steps, the only one's shape replaced."""
+    (step,) = search.steps
+    added = replace(step.added, shape=shape)
+    search.steps = [replace(step, added=added, found=search.identified([added]))]
+
+
+def test_a_shape_that_is_off_is_put_right_and_told(named):
+    (right,) = named.steps
+    assert right.finding.effect == "stribeck"
+    v_s, delta = right.added.shape
+    at_shape(named, (3.0 * v_s, delta))
+    (off,) = named.steps
+    worse, floor = held_out_rmse(off.finding, off.finding.held_out.channel, off.found)
+    assert worse > 1.2 * floor, "three times too wide a peak hardly shows: this shows nothing"
+    shapes_again(named)
+    (again,) = named.steps
+    found = again.finding.parameters
+    assert found["v_s"].value == pytest.approx(SPEED, rel=0.1)
+    assert found["tau_b"].value == pytest.approx(PEAK, rel=0.1)
+    assert again.found.model.extension.effects == (again.added,), "the model that is handed on has the new shape"
+    assert again.finding.held_out.rmse_after < 1.05 * floor
+    assert SOUGHT_AGAIN.split("{")[0] in again.finding.sentence
+
+
+def test_one_that_leaves_nothing_stays(named):
+    before = list(named.steps)
+    assert len(before) == 1
+    shapes_again(named)
+    assert named.steps == before
+    assert named.eyes is None
