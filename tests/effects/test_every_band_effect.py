@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from exogauge.effects.band import BandSignals
 from exogauge.effects.catalogue import all_effects, band_effects, shaped_effects
@@ -178,7 +179,7 @@ def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(
     whole = replace(whole, segment_length=np.hstack([0.2 + stretching, np.tile([0.1, 0.15, 0.15], (4000, 1))]))
     seen = WireMotion(whole.time, whole.length, whole.rate, whole.segment_length, whole.wrap)
     law = all_laws()["via_friction"].tension(seen, K, 0.5, {"friction": mu}) - whole.tension[:, None]
-    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 2e-4))[:, :, 0]
+    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 2e-4, 1.0))[:, :, 0]
     slides = np.abs(whole.rate) > 0.03  # after a turn the law lets go from point to point, the effect at each by itself
     off = np.abs(law - effect)[slides].max(axis=1) / np.abs(law[slides]).max(axis=1)
     assert np.median(off) < 0.03
@@ -187,14 +188,29 @@ def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(
 
 def test_a_via_point_that_gives_way_further_takes_longer_to_let_the_band_slide():
     effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
-    stiff, soft = (np.abs(effect.added_tension(whole, (0.2, way))).sum() for way in (2e-4, 0.02))
+    stiff, soft = (np.abs(effect.added_tension(whole, (0.2, way, 1.3))).sum() for way in (2e-4, 0.02))
     assert soft < 0.8 * stiff
 
 
-def test_friction_that_is_slow_in_full_is_friction_of_four_times_the_way():
-    effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
-    slow, quick = effect.added_tension(whole, (0.2, 0.003)).sum(axis=2), effect.added_tension(whole, (0.2, 0.012))
-    np.testing.assert_allclose(slow, quick[:, :, 0], atol=1e-12)
+def test_one_via_point_lets_go_by_dahls_law():
+    """Two stretches, pulled out evenly after a turn: from its own side to the other as the law's integral says."""
+    effect, way, n, mu = EFFECTS["band_via_friction"], 0.004, 1.5, 1e-6
+    whole = signals(l_0=0.4)
+    slid = np.concatenate([np.linspace(0.0, 0.03, 2000), np.linspace(0.03, 0.01, 2000)])  # of the part before the point
+    share = (0.2 + slid) / 0.4  # u = l_0 times this share of the length
+    length = np.full(4000, 0.6)
+    whole = replace(
+        whole, length=length, segment_length=np.stack([share, 1.0 - share], axis=1) * 0.6, wrap=np.full((4000, 1), 0.5)
+    )
+    apart = -np.diff(effect.added_tension(whole, (mu, way, n))[:, :, 0], axis=1)[:, 0] / (0.5 * whole.tension)
+    back = solve_ivp(lambda u, c: -((1.0 + c) ** n) / way, (0.0, 0.02), [1.0 - kept_after(0.03 / way, n)], rtol=1e-9,
+                     t_eval=[0.002, 0.01, 0.02]).y[0]  # fmt: skip
+    np.testing.assert_allclose(apart[[2000 + round(u / 0.02 * 1999) for u in (0.002, 0.01, 0.02)]], back, atol=2e-3)
+
+
+def kept_after(ways: float, n: float) -> float:
+    """u of du/dw = -u^n from 1, integrated."""
+    return float(solve_ivp(lambda _w, u: -(u**n), (0.0, ways), [1.0], rtol=1e-10, atol=1e-12).y[0, -1])
 
 
 def test_a_damper_acts_in_full_as_soon_as_the_band_is_taut():

@@ -6,31 +6,31 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort, relaxed
+from exogauge.effects.band import Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
+from exogauge.effects.presliding import bristle
 from exogauge.effects.shaped import Shape
-
-SLOWER = 4.0  # times the way that the second part takes
 
 
 @final
 class BandViaFriction:
-    """T_{j+1} = T_j e^{-μ φ_j c_j} at via point j (capstan), the mean along the band k x; linear in μ about one tried,
-    and in the part of μ that builds up over 4 w instead of w: what gives way has no single length.
+    """T_{j+1} = T_j e^{-μ φ_j c_j} at via point j (capstan), the mean along the band k x; linear in μ about one tried.
 
     φ_j is the angle by which the band turns there. c_j, -1…1, is 1 where the band slides at point j towards the side it
-    comes from, and takes some way w to become so after each turn: dc = (du - |du| c)/w (Dahl), because the band, the
-    cloth and whatever holds the point give way before it slides. u is what would slide without friction, l_0 times the
-    share of the length that lies before the point. Every point is taken by itself.
+    comes from, and takes some way w to become so after each turn, because the band, the cloth and whatever holds the
+    point give way before it slides: dc/du = (1 - c s)^n / w, s = sgn du (Dahl), as a joint's `presliding`. u is what
+    would slide without friction, l_0 times the share of the length that lies before the point. Every point is taken by
+    itself.
     """
 
     name = "band_via_friction"
     place = "band"
     sentence = "The band rubs at its via points, so that its tension differs along its way."
-    coefficients = (Quantity("friction", "1", low=0.0), Quantity("slow_friction", "1", low=0.0))
+    coefficients = (Quantity("friction", "1", low=0.0),)
     shapes = (
         Shape("stick", "1", 0.01, 0.8, (0.1, 0.3)),
         Shape("way", "m", 1e-4, 0.03, (0.0003, 0.001, 0.003, 0.01)),
+        Shape("n", "1", 1.0, 2.0, (1.0, 1.5)),
     )
     confounds = ("band_viscous", "stiffness")
     needs = "The same stretches at several speeds in both directions, with turns at several lengths."
@@ -42,13 +42,11 @@ class BandViaFriction:
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         L, phi = signals.segment_length, signals.wrap
         if L is None or phi is None:
-            return np.zeros((len(signals.time), 1, 2))
-        mu, way = shape
-        total = np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
-        slid = np.diff(signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / total, axis=0, prepend=0.0)
-        slid[:1] = 0.0
-        quick, slow = (self._pull(signals, L, phi * _held(slid, w), mu) for w in (way, SLOWER * way))
-        return np.stack([quick, slow - quick], axis=2)
+            return np.zeros((len(signals.time), 1, 1))
+        mu, way, n = shape
+        before = signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
+        c = np.stack([bristle(slid / way, n) for slid in before.T], axis=1) if before.size else before
+        return self._pull(signals, L, phi * c, mu)[:, :, None]
 
     @staticmethod
     def _pull(signals: BandSignals, L: Array, held: Array, mu: float) -> Array:
@@ -60,15 +58,6 @@ class BandViaFriction:
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(signals.wrap is not None and np.any(signals.wrap * signals.taut[:, None] > 0.0))
-
-
-def _held(slid: Array, way: float) -> Array:
-    """(T, S-1) c of every via point. slid: (T, S-1) [m] from sample to sample."""
-    kept = np.exp(-np.abs(slid) / way)
-    c = np.empty_like(slid)
-    for point, (own, towards) in enumerate(zip(kept.T, np.sign(slid).T, strict=True)):
-        c[:, point] = relaxed(own, (1.0 - own) * towards)
-    return c
 
 
 EFFECT = BandViaFriction()
