@@ -187,6 +187,14 @@ class Wire:
             wrap=None if segments is None else segments[1],
         )
 
+    def stretch(self, l_0: float) -> Array:
+        """(N,) [m] beyond l_0, low-passed as the torque: the low-pass rounds the corner where the band comes taut."""
+        return np.concatenate([run.log.as_torque(np.maximum(run.length - l_0, 0.0)) for run in self.runs])
+
+    def taut(self, l_0: float) -> Array:
+        """(N,) share of the moment that a band of natural length l_0 is taut: minus the slope of `stretch` with l_0."""
+        return np.concatenate([run.log.as_torque((run.length > l_0).astype(float)) for run in self.runs])
+
     def applies(self, effect: BandEffect, k: float, l_0: float) -> bool:
         return any(effect.applies(self.signals(run, k, l_0, effect.per_segment)) for run in self.runs)
 

@@ -166,7 +166,7 @@ def residual(logs: WearLogs, bands: Sequence[Band], wires: Sequence[Wire], wear:
     e = logs.torque.copy()
     for b, (band, wire) in enumerate(zip(bands, wires, strict=False)):
         k, l_0 = wear.spring(b)
-        e += wire.jacobian * (k * np.maximum(wire.length - l_0, 0.0))[:, None]
+        e += wire.jacobian * (k * wire.stretch(l_0))[:, None]
         if band.law != "linear":
             e += _beyond_spring(band, wire, k, l_0)
     whole = tensions(wires, wear)
@@ -195,9 +195,9 @@ def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     W = len(wear.k)
     parts = np.zeros((*logs.torque.shape, 2 * W))
     for b in range(W):
-        stretch = wires[b].length - wear.l_0[b]
-        parts[:, :, b] = -wires[b].jacobian * np.maximum(stretch, 0.0)[:, None]
-        parts[:, :, W + b] = wires[b].jacobian * (wear.k[b] * (stretch > 0.0))[:, None]
+        wire, l_0 = wires[b], float(wear.l_0[b])
+        parts[:, :, b] = -wire.jacobian * wire.stretch(l_0)[:, None]
+        parts[:, :, W + b] = wire.jacobian * (wear.k[b] * wire.taut(l_0))[:, None]
     more = []
     pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
     for each in wear.added:
