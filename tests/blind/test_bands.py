@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 
 from exogauge.blind.generator.dynamics import joint_torques
-from exogauge.blind.generator.hidden.band import BandRelaxation, BandSlip, BandViaFriction, BandViscous, together
+from exogauge.blind.generator.hidden.band import (
+    BandLength,
+    BandRelaxation,
+    BandSlip,
+    BandStiffness,
+    BandViaFriction,
+    BandViscous,
+    together,
+)
 from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS
+from exogauge.blind.generator.how_large import HowLarge
+from exogauge.blind.generator.placed import Placed, pull
 from exogauge.blind.generator.places import poses, wire
 from exogauge.blind.generator.tree import carrier
 from exogauge.blind.generator.wear import FURTHEST, LENGTH_STD, STIFFNESS_STD, Band
@@ -109,6 +119,22 @@ def test_what_one_band_does_alone_is_what_it_does_among_others(torso8) -> None:
         np.testing.assert_allclose(together(torso8, [change.pull]), change.torque, atol=1e-9, err_msg=f"{name} {where}")
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_stiffer_and_longer_band_is_one_spring(torso8, turned: bool) -> None:
+    """Whichever of the two is drawn first: k (l - l_0) with the new k and the new l_0."""
+    name = torso8.wear.bands[0].wire.name
+    band = next(each for each in torso8.wear.bands if each.wire.name == name)
+    found = HowLarge("", 1.0, 1.0, 1.0)
+    hidden = [
+        Placed(BandStiffness(name, 1.0), None, {"band": name}, 0.5, found),
+        Placed(BandLength(name, 1.0), None, {"band": name}, 0.04, found),
+    ]
+    asked = pull(torso8, hidden[::-1] if turned else hidden)
+    k, l_0 = 1.5 * band.stated[0], 1.04 * band.stated[1]
+    expected = band.pull(k * np.maximum(band.length - l_0, 0.0) - band.tension)
+    np.testing.assert_allclose(asked[torso8.wear.worn], expected, atol=1e-9)
+
+
 def test_a_slipped_anchor_stays_where_it_is(torso8) -> None:
     band = torso8.wear.bands[0]
     slip = BandSlip(band.wire.name, 1, 10.0, 0.2)
@@ -127,7 +153,7 @@ def test_what_drags_in_a_band_takes_work(torso8) -> None:
     for effect, size in (
         (BandViscous(name, 0.7, 0.1), 3.0),
         (BandRelaxation(name, 0.8, 4.0, 0.4), 0.4),
-        (BandViaFriction(name, 1e-3, 1.4), 0.3),
+        (BandViaFriction(name, 1e-3, 1.4, 0.3, 3.0), 0.3),
     ):
         work = np.sum(effect.change(torso8, size).torque * dq, axis=(1, 2))[torso8.wear.worn] / 200.0
         assert work.min() > 0.05, effect

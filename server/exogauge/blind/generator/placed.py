@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.blind.generator.axis_run import AxisRun
-from exogauge.blind.generator.hidden.band import together
+from exogauge.blind.generator.hidden.band import OnASpring, together
 from exogauge.blind.generator.hidden.effect import HiddenEffect
 from exogauge.blind.generator.hidden.kinds import CLUTTER, ELSEWHERE, IN_LOGS, ON_JOINTS, SMALLEST
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
-from exogauge.blind.generator.hidden.whole import WholeEffect
+from exogauge.blind.generator.hidden.whole import Change, WholeEffect
 from exogauge.blind.generator.how_large import HowLarge, largest_trace, trace_in_log, trace_on_joint
 from exogauge.blind.generator.plan import FAINT, VISIBLE, CasePlan
 from exogauge.blind.generator.scene import Scene
@@ -94,7 +94,12 @@ def motor_torque(run: AxisRun, effects: Sequence[Placed], joint: int) -> Array:
 
 def pull(scene: Scene, effects: Sequence[Placed]) -> Array | None:
     """(L, T, J) [N·m] that joints must give beside bodies and bands; None where nothing asks them."""
-    changes = [_whole_effect(e).change(scene, e.size) for e in effects if e.effect.name in ELSEWHERE]
+    elsewhere = [each for each in effects if each.effect.name in ELSEWHERE]
+    changes, here = list[Change](), scene
+    for each in sorted(elsewhere, key=lambda one: not isinstance(one.effect, OnASpring)):
+        changes.append(_whole_effect(each).change(here, each.size))
+        if isinstance(each.effect, OnASpring):  # what a band does beside its spring it does with that spring
+            here = each.effect.changed(here, each.size)
     torques = [each.torque for each in changes if each.torque is not None and each.pull is None]
     pulls = [each.pull for each in changes if each.pull is not None]
     torques += [together(scene, pulls)] if pulls else []

@@ -29,7 +29,8 @@ class Band:
     """lengths: (W, T, S) [m] of its stretches in the logs in which it is worn, slopes: (W, T, S, J) [m/rad],
     wraps: (W, T, S-1) [rad] by which it bends between them.
 
-    stiffness [N/m], natural_length [m]: true ones; stated: what device.yaml says of the two.
+    stiffness [N/m], natural_length [m], which may change over time: (W, T): true ones; stated: what device.yaml says of
+    the two.
     """
 
     wire: Wire
@@ -37,7 +38,7 @@ class Band:
     slopes: Array
     wraps: Array
     stiffness: float
-    natural_length: float
+    natural_length: float | Array
     stated: tuple[float, float]
 
     @property
@@ -93,7 +94,7 @@ class Wear:
     def record(self) -> Mapping[str, Mapping[str, float]]:
         """For the answers."""
         return {
-            band.wire.name: {"stiffness_n_per_m": band.stiffness, "natural_length_m": band.natural_length}
+            band.wire.name: {"stiffness_n_per_m": band.stiffness, "natural_length_m": float(band.natural_length)}
             for band in self.bands
         }
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self, final
 
 import numpy as np
@@ -49,6 +50,13 @@ def together(scene: Scene, pulls: Sequence[Pull]) -> Array:
     return torque
 
 
+def with_band(scene: Scene, band: Band) -> Scene:
+    """The scene with this band in place of the one of its name."""
+    wear = wear_of(scene)
+    bands = tuple(band if each.wire.name == band.wire.name else each for each in wear.bands)
+    return replace(scene, wear=replace(wear, bands=bands))
+
+
 class _OnOneBand:
     """Places of effects that sit in a band of the device."""
 
@@ -62,9 +70,17 @@ class _OnOneBand:
         return None
 
 
+class OnASpring(_OnOneBand, ABC):
+    """Those that change the band's spring itself."""
+
+    @abstractmethod
+    def changed(self, scene: Scene, size: float) -> Scene:
+        """The scene in which other effects of the same band act: with its spring as this one leaves it."""
+
+
 @final
 @dataclass(frozen=True)
-class BandStiffness(_OnOneBand):
+class BandStiffness(OnASpring):
     """This band alone is stiffer (sign 1) or softer by the share size than is stated."""
 
     band: str
@@ -85,13 +101,19 @@ class BandStiffness(_OnOneBand):
 
     def change(self, scene: Scene, size: float) -> Change:
         band = named(scene, self.band)
-        stiffness = band.stated[0] * (1.0 + self.sign * size)
-        return more(scene, band, (stiffness - band.stiffness) * band.stretch)
+        return more(scene, band, (self._of(band, size) - band.stiffness) * band.stretch)
+
+    def changed(self, scene: Scene, size: float) -> Scene:
+        band = named(scene, self.band)
+        return with_band(scene, replace(band, stiffness=self._of(band, size)))
+
+    def _of(self, band: Band, size: float) -> float:
+        return band.stated[0] * (1.0 + self.sign * size)
 
 
 @final
 @dataclass(frozen=True)
-class BandLength(_OnOneBand):
+class BandLength(OnASpring):
     """Its natural length is longer (sign 1) or shorter by the share size than is stated."""
 
     band: str
@@ -112,12 +134,19 @@ class BandLength(_OnOneBand):
 
     def change(self, scene: Scene, size: float) -> Change:
         band = named(scene, self.band)
-        return more(scene, band, _longer(band, band.stated[1] * (1.0 + self.sign * size) - band.natural_length))
+        return more(scene, band, _longer(band, self._of(band, size) - band.natural_length))
+
+    def changed(self, scene: Scene, size: float) -> Scene:
+        band = named(scene, self.band)
+        return with_band(scene, replace(band, natural_length=self._of(band, size)))
+
+    def _of(self, band: Band, size: float) -> float:
+        return band.stated[1] * (1.0 + self.sign * size)
 
 
 @final
 @dataclass(frozen=True)
-class BandSlip(_OnOneBand):
+class BandSlip(OnASpring):
     """An anchor gives way by size [m], once: in the log-th log with the device, at `begin`, within `within` [s]."""
 
     band: str
@@ -140,11 +169,18 @@ class BandSlip(_OnOneBand):
 
     def change(self, scene: Scene, size: float) -> Change:
         band = named(scene, self.band)
+        return more(scene, band, _longer(band, size * self._gone(scene, band)))
+
+    def changed(self, scene: Scene, size: float) -> Scene:
+        band = named(scene, self.band)
+        return with_band(scene, replace(band, natural_length=band.natural_length + size * self._gone(scene, band)))
+
+    def _gone(self, scene: Scene, band: Band) -> Array:
         gone = np.zeros_like(band.length)
         x = np.clip((scene.motion.time - self.begin) / self.within, 0.0, 1.0)
         gone[self.log] = x**2 * (3.0 - 2.0 * x)
         gone[self.log + 1 :] = 1.0
-        return more(scene, band, _longer(band, size * gone))
+        return gone
 
 
 @final
@@ -232,20 +268,24 @@ class BandHardening(_OnOneBand):
 class BandViaFriction(_OnOneBand):
     """It rubs where it bends: tensions on both sides of a via point differ by e^(size · wrap angle · c).
 
-    c, -1…1, follows how far the band has slid there, as a bristle that gives way over `way` [m]; the stretch towards
-    which it slides pulls more. The stretches' mean tension, by length, stays what it was.
+    c, -1…1, follows how far the band has slid there, as two bristles that give way over `way` [m] and, with the share
+    `soft`, over `longer` times that; the stretch towards which it slides pulls more. The stretches' mean tension, by
+    length, stays what it was.
     """
 
     band: str
     way: float
     power: float
+    soft: float
+    longer: float
 
     name: ClassVar[str] = "band_via_friction"
     linear: ClassVar[bool] = False
 
     @classmethod
     def draw(cls, rng: np.random.Generator, scene: Scene, where: Where) -> Self:
-        return cls(str(where["band"]), float(rng.uniform(5e-4, 3e-3)), float(rng.uniform(1.2, 1.6)))
+        way, power, soft, longer = rng.uniform([5e-4, 1.2, 0.2, 2.0], [3e-3, 1.6, 0.4, 4.0])
+        return cls(str(where["band"]), float(way), float(power), float(soft), float(longer))
 
     def limits(self, scene: Scene) -> tuple[float, float]:
         return 0.0, 0.6
@@ -256,7 +296,11 @@ class BandViaFriction(_OnOneBand):
         uneven = np.zeros_like(band.lengths)
         for corner in range(band.lengths.shape[2] - 1):
             slid = band.natural_length * share[:, :, : corner + 1].sum(axis=2)
-            held = np.array([bristle(each, self.way, self.power) for each in slid])
+            quick, slow = (
+                np.array([bristle(each, way, self.power) for each in slid])
+                for way in (self.way, self.way * self.longer)
+            )
+            held = (1.0 - self.soft) * quick + self.soft * slow
             uneven[:, :, corner + 1] = uneven[:, :, corner] - size * band.wraps[:, :, corner] * held
         relative = np.exp(uneven)
         relative /= np.sum(relative * share, axis=2, keepdims=True)
