@@ -277,6 +277,20 @@ def test_the_truth_lies_within_a_few_standard_deviations(trunk, effect):
 
 
 @pytest.mark.slow
+def test_when_an_anchor_slips_is_told_as_sharply_as_it_is_known(trunk):
+    """Half of it is gone 9.15 s into the fifth log; the error over several noises is what the std says it is."""
+    off = []
+    for seed in range(1, 6):
+        seen = gathered(trunk, ("left", "band_slip"), seed)
+        before = sum(len(each.time) / RATE for each in seen.evidences[:4])
+        moment = search(trunk, ("left", "band_slip"), seed).findings[0].parameters["moment"]
+        assert moment.std < 0.15, "the slip takes 0.3 s and is twenty noises large"
+        off.append((moment.value - before - 9.15) / moment.std)
+    assert np.abs(off).max() < 4.0
+    assert np.sqrt(np.mean(np.square(off))) > 0.2
+
+
+@pytest.mark.slow
 def test_something_that_pulls_where_no_band_is_declared_is_named_at_that_joint_or_across_it(trunk):
     found = search(trunk, ("none", "extra_band"))
     (finding,) = found.findings

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.band_evidence import band_evidence, strongest
-from exogauge.discrepancy.band_ground import Ground
+from exogauge.discrepancy.band_ground import Ground, weighed
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, apart, rmse
 from exogauge.discrepancy.band_logs import Wire
+from exogauge.discrepancy.band_model import fit
 from exogauge.discrepancy.band_score import BandScore, Scorer
 from exogauge.discrepancy.band_stated import Contradicted
 from exogauge.discrepancy.result import Alternative, Finding, HeldOut, Place
@@ -24,7 +25,9 @@ Array = NDArray[np.float64]
 
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect
 NEARLY_SURE = 2.0  # standard errors, from which a rival is no worse an answer, though it could not be claimed alone
-SHIFT = 0.02  # of a shape's range: how far it is moved to see how sharply it is known
+SHIFT = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
+MUCH_LESS, LITTLE_LESS = 4.0, 0.5  # of the gain: it is moved less, or further, until it falls by something between
+MOST_STEPS = 16
 CHANNEL = "support."  # of a joint's supporting torque
 
 
@@ -106,8 +109,7 @@ def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
     for quantity, value, std in zip(effect.coefficients, winner.added.coefficients, winner.std, strict=True):
         angular = wire.course.routing is None and quantity.unit == "N/m"
         found[quantity.name] = Estimate(float(value), float(std), "N·m/rad" if angular else quantity.unit)
-    without = replace(winner.fitted.wear, added=winner.fitted.wear.added[:-1])
-    scorer = Scorer(ground.setting, replace(ground.fitted, wear=without)) if effect.shapes else None
+    scorer = _beside_the_springs(ground, winner) if effect.shapes else None
     for place, one in enumerate(effect.shapes):
         size, offset, name, unit = _in_si(one.name, one.unit, wire)
         if name:
@@ -115,6 +117,13 @@ def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
             value = offset + size * winner.added.shape[place]
             found[name] = Estimate(value, abs(size) * _sharpness(scorer, winner, place), unit)
     return found
+
+
+def _beside_the_springs(ground: Ground, winner: BandJudgement) -> Scorer:
+    """Of the effect's shapes, errors counted by what is left with it."""
+    setting = weighed(ground, winner.fitted).setting
+    without = replace(winner.fitted.wear, added=winner.fitted.wear.added[:-1])
+    return Scorer(setting, replace(fit(setting, without), wear=without))
 
 
 def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
@@ -130,18 +139,27 @@ def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
 
 
 def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
-    """Standard deviation of a shape, from how the gain falls on both sides of it; inf where it does not."""
+    """Standard deviation of a shape: how far it must be moved for the gain to fall by one independent error, from both
+    sides together; inf where it does not fall within the shape's range."""
     added, one = winner.added, winner.added.effect.shapes[place]
-    step = SHIFT * (one.high - one.low) if one.low <= 0.0 else 0.2 * added.shape[place]
+    here = added.shape[place]
 
     def gain(value: float) -> float:
         shape = (*added.shape[:place], value, *added.shape[place + 1 :])
         found: BandScore | None = scorer.score(added.effect, added.wire, shape)
         return found.gain if found is not None else 0.0
 
-    here, sides = gain(added.shape[place]), [gain(added.shape[place] + s * step) for s in (-1.0, 1.0)]
-    curvature = (2.0 * here - sum(sides)) / step**2
-    return float(np.sqrt(2.0 / curvature)) if curvature > 0.0 else float("inf")
+    best, step = gain(here), SHIFT * (one.high - one.low)
+    for _ in range(MOST_STEPS):
+        ends = [max(here - step, one.low), min(here + step, one.high)]
+        fallen = float(np.mean([best - gain(end) for end in ends]))
+        if fallen > MUCH_LESS:
+            step *= 0.5
+        elif fallen < LITTLE_LESS and step < one.high - one.low:
+            step *= 2.0
+        else:
+            break
+    return float(step / np.sqrt(fallen)) if fallen > 0.0 else float("inf")
 
 
 def _moment(ground: Ground, winner: BandJudgement) -> str:
