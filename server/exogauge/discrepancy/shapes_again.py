@@ -2,7 +2,7 @@
 
 A shape is searched before its effect is in the model. What the effect sees there, above all the load of its joint,
 comes of a robot that was bent by what it lacked: where a load changes its sign, and with it when a gear falls to the
-other side of its gap, is off by a fifth of a second, and the search ends on a summit beside the true one.
+other side of its gap, is off by some hundredths of a second, and the search ends on a summit beside the true one.
 """
 
 from __future__ import annotations
