@@ -32,7 +32,7 @@ LIGHTEST = 0.01  # of the robot's mass: of a link whose inertia says how large i
 SHORTEST_TRAVEL = 0.005  # [m] of a wire that motions stretch
 LIKELY = 3  # joints that are followed up, and wires that are judged
 FURTHEST = 0.2  # [m] by which ends are led better
-STEP, STEPS = 5e-4, 40  # of a slope, in shares of that; at most so many downhill
+STEP, STEPS = 5e-4, 120  # of a slope, in shares of that; at most so many downhill
 WORTH = 6.0  # evidence beyond what the number of tries gives by chance
 
 
@@ -148,7 +148,7 @@ def _led_better(
     best = minimize(
         cost, np.concatenate([np.zeros(places), shares]), method="L-BFGS-B",
         bounds=[(-1.0, 1.0)] * places + [(0.0, 1.0)] * len(shares),
-        options={"eps": STEP, "maxiter": STEPS, "ftol": 1e-5},
+        options={"eps": STEP, "maxiter": STEPS, "ftol": 1e-7},
     )  # fmt: skip
     return led(best.x[:places]), shape(best.x[places:])
 

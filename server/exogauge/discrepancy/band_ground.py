@@ -80,7 +80,7 @@ def lay_ground(
         weight, independent = weights(logs, sigma, memory)
         setting = Setting(logs, device.bands, wires, weight, independent, belief)
         fitted = fit(setting, start)
-        sigma, memory = _spread(logs, fitted.e, floor), memories(logs, fitted.e)
+        sigma, memory = spread(logs, fitted.e, floor), memories(logs, fitted.e)
     null = _null_logs(gathered, own, beyond) if approach == "B" else None
     ground = Ground(device, approach, model, setting, fitted, floor, sigma, memory, null)
     return weighed(ground, fitted)
@@ -97,7 +97,7 @@ def whitened(ground: Ground) -> tuple[Setting, Fitted]:
 def weighed(ground: Ground, fitted: Fitted) -> Ground:
     """The same ground with every joint weighed by what a fit leaves on it, and fitted so."""
     logs = ground.setting.logs
-    sigma, memory = _spread(logs, fitted.e, ground.floor), memories(logs, fitted.e)
+    sigma, memory = spread(logs, fitted.e, ground.floor), memories(logs, fitted.e)
     weight, independent = weights(logs, sigma, memory)
     setting = replace(ground.setting, weight=weight, independent=independent)
     return replace(ground, setting=setting, fitted=fit(setting, fitted.wear), sigma=sigma, memory=memory)
@@ -125,7 +125,8 @@ def memories(logs: WearLogs, e: Array) -> Array:
     return result
 
 
-def _spread(logs: WearLogs, e: Array, floor: Array) -> Array:
+def spread(logs: WearLogs, e: Array, floor: Array) -> Array:
+    """(D,) [N·m] RMS of residuals e (N, D) where they count, at least the floor."""
     square = np.sum(np.where(logs.used, e, 0.0) ** 2, axis=0) / np.maximum(logs.used.sum(axis=0), 1)
     return np.asarray(np.maximum(np.sqrt(square), np.maximum(floor, LEAST_SIGMA)))
 

@@ -19,7 +19,7 @@ from exogauge.discrepancy.band_beyond import Beyond
 from exogauge.discrepancy.band_doubt import deviations
 from exogauge.discrepancy.band_extra import further_wires
 from exogauge.discrepancy.band_finding import CHANNEL, name_contradicted, name_effect, rejection
-from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whitened
+from exogauge.discrepancy.band_ground import Ground, lay_ground, spread, weighed, whitened
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
 from exogauge.discrepancy.band_model import Wear, fit
 from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
@@ -195,8 +195,11 @@ def _sharpened(
 
 
 def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:
-    """What explains most of what was left out of the fit, if it is more than the winner does."""
-    wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
+    """What explains most of what was left out of the fit, if it is more than the winner does. Joints are weighed by what
+    the winner leaves on them: by what it takes off, an exact course on those that it pulls at would hardly count."""
+    sharper = replace(ground, sigma=spread(ground.setting.logs, winner.fitted.e, ground.floor))
+    wider, scorer, scores, _ = further_wires(sharper, Scorer(*whitened(sharper)), winner.added.effect, led_better=True)
+    wider = replace(wider, sigma=ground.sigma)
     found = [judge(wider, scorer.refined(each), folds) for each in scores]
     best = max((each for each in found if not each.objection), key=_gained, default=winner)
     return (wider, best) if _gained(best) > _gained(winner) else (ground, winner)
