@@ -90,7 +90,7 @@ def test_a_link_in_its_play_moves_as_two_masses_do(arm6) -> None:
     load = 3.0 * np.cos(2 * np.pi * 0.8 * time)[None]
     fields = {"q": 0.0 * constant, "load": load, "inertia": 0.8 * constant, "stiffness": 5.0 * constant, "time": time}
     run = replace(arm6.runs[0], **fields)
-    effect, gap = Backlash(30.0, 0.3, 0.2, 2.6), 0.006
+    effect, gap = Backlash(30.0, 0.3, 0.2, 1.2), 0.006
     k, I, K = (2 * np.pi * 30.0) ** 2 * 0.8, 0.8, 5.0  # noqa: E741
     c, give = 2 * 0.3 * np.sqrt(k * I), np.sqrt(2.0 * np.sqrt(np.mean(load**2)) * gap / I) / (2 * np.pi * 30.0)
 
@@ -98,7 +98,7 @@ def test_a_link_in_its_play_moves_as_two_masses_do(arm6) -> None:
         r, v = state
         over = r - np.clip(r, -gap / 2, gap / 2)
         damping = (c if over else 0.0) + 0.02 * c
-        tooth = k * over * (1.0 + 0.2 * abs(over / give) ** 2.6)
+        tooth = k * over * (1.0 + 0.2 * (np.exp(1.2 * abs(over) / give) - 1.0) / (np.exp(1.2) - 1.0))
         return [v, -(tooth + damping * v + np.interp(t, time, load[0]) + K * r) / I]
 
     start, fine = [-gap / 2 - load[0, 0] / k, 0.0], np.arange(10 * samples) / (10 * RATE_HZ)
@@ -241,7 +241,7 @@ def test_a_spring_in_a_joint_gives_way_by_the_load_over_its_stiffness(arm6) -> N
     load = 4.0 * np.sin(2 * np.pi * 0.25 * time)[None]
     run = replace(arm6.runs[0], q=0 * ones, load=load, inertia=0.5 * ones, stiffness=6.0 * ones, time=time)
     size = (2 * np.pi * 15.0) ** -2
-    felt = Elasticity(0.3, 0.0, 2.0).torque(run, size)[0]
+    felt = Elasticity(0.3, 0.0, 1.0).torque(run, size)[0]
     k = 0.5 / size
     np.testing.assert_allclose(felt[200:-1], (-6.0 * load / (k + 6.0))[0, 200:-1], atol=0.02 * 6.0 * 4.0 / k + 2e-3)
 

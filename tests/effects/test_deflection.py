@@ -38,7 +38,7 @@ def integrated(k: float, d: float, cubic: float) -> tuple[np.ndarray, np.ndarray
 @pytest.mark.parametrize("cubic", [0.0, 3000.0])
 def test_the_link_swings_on_its_spring_as_a_finer_integration_says(cubic: float):
     r, r_ddot = integrated(900.0, 4.0, cubic)
-    found = deflection(load(T), inertia(T), 4.0, 900.0, cubic, slope(T), 0.005)
+    found = deflection(load(T), inertia(T), 4.0, 900.0, cubic, 2.0, slope(T), 0.005)
     stiffer = cubic * float(np.max(r**2))
     assert cubic == 0.0 or stiffer > 0.2, "the spring hardly stiffens: this shows nothing"
     assert np.abs(found[0] - r).max() < 0.01 * np.abs(r).max()
@@ -48,7 +48,7 @@ def test_the_link_swings_on_its_spring_as_a_finer_integration_says(cubic: float)
 @pytest.mark.parametrize("cubic", [0.0, 2000.0])
 def test_under_a_constant_load_it_stays_where_the_spring_holds_it(cubic: float):
     steady = np.ones(50)
-    r, r_ddot = deflection(5.0 * steady, steady, 2.0, 400.0, cubic, 0.0 * steady, 0.01)
+    r, r_ddot = deflection(5.0 * steady, steady, 2.0, 400.0, cubic, 2.0, 0.0 * steady, 0.01)
     np.testing.assert_allclose(400.0 * r * (1.0 + cubic * r**2), -5.0, rtol=1e-9)
     np.testing.assert_allclose(r_ddot, 0.0, atol=1e-9)
 
@@ -68,7 +68,7 @@ def test_an_elastic_gear_lacks_what_its_link_does_beside_the_motor():
     found = solve_ivp(swing, (0.0, T[-1]), [0.0, 0.0], t_eval=T, rtol=1e-8, atol=1e-12, max_step=2e-3).y
     expected = -(omega**2) * J * np.array([swing(*each)[1] for each in zip(T, found.T, strict=True)])
     seen = AxisSignals(T, 0 * T, 0 * T, 0 * T, 0 * T, asked, asked, None, 1.0, torque, 1.0, 0, ones * J, 0 * T, J)
-    straight, bent = (shaped_effects()["elasticity"].columns(seen, (f, zeta, own))[:, 0] for own in (0.0, gamma))
+    straight, bent = (shaped_effects()["elasticity"].columns(seen, (f, zeta, own, 2.0))[:, 0] for own in (0.0, gamma))
     settled = T > 1.0
     size = np.abs(expected[settled]).max()
     assert np.abs(straight - expected)[settled].max() > 0.1 * size, "the spring hardly stiffens: this shows nothing"

@@ -187,7 +187,7 @@ def test_a_gear_that_gives_way_under_a_weight_is_looked_for_in_slow_motion_too()
     assert not EFFECTS["elasticity"].applies(light)
     heavy = replace(light, inertia=np.ones(len(t)), slope=30.0 * np.cos(q), usual_inertia=1.0)
     assert EFFECTS["elasticity"].applies(heavy)
-    lacking = EFFECTS["elasticity"].columns(heavy, (5.0, 0.15, 0.0))[:, 0] / (2.0 * np.pi * 5.0) ** 2
+    lacking = EFFECTS["elasticity"].columns(heavy, (5.0, 0.15, 0.0, 2.0))[:, 0] / (2.0 * np.pi * 5.0) ** 2
     k = (2.0 * np.pi * 5.0) ** 2
     np.testing.assert_allclose(
         lacking[400:], (30.0 * np.cos(q) * 30.0 * np.sin(q) / (k + 30.0 * np.cos(q)))[400:], atol=0.02

@@ -158,7 +158,7 @@ def test_a_link_on_its_spring_lacks_what_its_simulation_says(swing, seen):
         np.sqrt(k / 0.8),
     )
     known = replace(seen(joint, joint.load), inertia=0.8 * even, slope=slope, usual_inertia=0.8)
-    shape = (omega / (2.0 * np.pi), d / (2.0 * 0.8 * omega), 0.0)
+    shape = (omega / (2.0 * np.pi), d / (2.0 * 0.8 * omega), 0.0, 2.0)
     column = 0.8 / k * shaped_effects()["elasticity"].columns(known, shape)[:, 0]
     lacking = through_a_gear(joint, k, d, 0.0) - joint.load
     steady = (joint.t > 2.0) & (joint.t < joint.t[-1] - 2.0)

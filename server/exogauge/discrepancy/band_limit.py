@@ -26,7 +26,7 @@ from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
 from exogauge.identification.validate import floors_of, rmse_in_steady_motion, unit_of
 from exogauge.logs.model import Log
-from exogauge.logs.stored_band import Edge, stored_edge
+from exogauge.logs.stored_band import Edge, stored_edges
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -63,8 +63,7 @@ def band_limits(
 
     found: identification of `recordings` as they are. identify_anew: the same with other recordings.
     """
-    found_edges = {each.log.name: stored_edge(each.log) for each in recordings if each.log.stored is None}
-    edges = {name: edge for name, edge in found_edges.items() if edge}
+    edges = stored_edges([each.log for each in recordings if each.log.stored is None])
     if not edges or not any(each.held_out for each in recordings):
         return None
     progress(0.0, "looking for the band in which the logs were stored")

@@ -195,8 +195,11 @@ def _sharpened(
 
 
 def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:
-    """What explains most of what was left out of the fit, if it is more than the winner does. Joints are weighed by what
-    the winner leaves on them: by what it takes off, an exact course on those that it pulls at would hardly count."""
+    """What explains most of what was left out of the fit, if it is more than the winner does.
+
+    Joints are weighed by what the winner leaves on them: by what it takes off, an exact course on those that it pulls
+    at would hardly count.
+    """
     sharper = replace(ground, sigma=spread(ground.setting.logs, winner.fitted.e, ground.floor))
     wider, scorer, scores, _ = further_wires(sharper, Scorer(*whitened(sharper)), winner.added.effect, led_better=True)
     wider = replace(wider, sigma=ground.sigma)

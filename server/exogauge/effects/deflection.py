@@ -15,16 +15,23 @@ MOST_CORRECTIONS = 20
 
 
 def deflection(
-    load: Array, inertia: Array, damping: float, stiffness: float, cubic: float, slope: Array, step: float
+    load: Array,
+    inertia: Array,
+    damping: float,
+    stiffness: float,
+    harder: float,
+    power: float,
+    slope: Array,
+    step: float,
 ) -> tuple[Array, Array]:
-    """r [rad] and r̈ [rad/s²], (T,) each, of J r̈ + d ṙ + k r (1 + c r²) + K r = -load, from rest.
+    """r [rad] and r̈ [rad/s²], (T,) each, of J r̈ + d ṙ + k r (1 + c |r|^p) + K r = -load, from rest.
 
     load [N·m], inertia J [kg·m²], slope K [N·m/rad]: (T,), linear between samples; damping d [N·m·s/rad], stiffness k
-    [N·m/rad], cubic c [1/rad²]. By the trapezoidal rule, which is stable for every step [s].
+    [N·m/rad], harder c [1/rad^p], power p. By the trapezoidal rule, which is stable for every step [s].
     """
     parts = max(1, int(np.ceil(step / COARSEST_S)))
     r, r_ddot = np.empty(len(load)), np.empty(len(load))
-    _steps(load, inertia, damping, stiffness, cubic, slope, step / parts, parts, r, r_ddot)
+    _steps(load, inertia, damping, stiffness, harder, power, slope, step / parts, parts, r, r_ddot)
     return r, r_ddot
 
 
@@ -35,6 +42,7 @@ def _steps(
     d: float,
     k: float,
     c: float,
+    p: float,
     slope: Array,
     h: float,
     parts: int,
@@ -43,7 +51,8 @@ def _steps(
 ) -> None:
     at, v, acc = 0.0, 0.0, 0.0
     for _ in range(MOST_CORRECTIONS):  # where it rests
-        change = (load[0] + (k + slope[0] + k * c * at * at) * at) / (k + slope[0] + 3.0 * k * c * at * at)
+        more = k * c * abs(at) ** p
+        change = (load[0] + (k + slope[0] + more) * at) / (k + slope[0] + (1.0 + p) * more)
         at -= change
         if abs(change) <= SOLVED * abs(at):
             break
@@ -59,8 +68,9 @@ def _steps(
             for _ in range(MOST_CORRECTIONS):
                 place = coasting + 0.25 * h * h * now
                 rate = speed + 0.5 * h * now
-                left = J * now + d * rate + (k + K + k * c * place * place) * place + pull
-                change = left / (J + 0.5 * h * d + 0.25 * h * h * (k + K + 3.0 * k * c * place * place))
+                more = k * c * abs(place) ** p
+                left = J * now + d * rate + (k + K + more) * place + pull
+                change = left / (J + 0.5 * h * d + 0.25 * h * h * (k + K + (1.0 + p) * more))
                 now -= change
                 if 0.25 * h * h * abs(change) <= SOLVED * abs(place):
                     break

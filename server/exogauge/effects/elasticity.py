@@ -20,7 +20,8 @@ LEAST_SHARE = 0.01  # of the rms torque
 @final
 class Elasticity:
     """τ = -ω² c (J r̈ + K r), ω = 2π f, encoder at the motor: the link lies r beyond the motor on a spring
-    k = J_0 ω² with damping 2 ζ ω J_0, so that J r̈ + 2 ζ ω J_0 ṙ + (k + K) r = -τ_load, and τ_load lacks J r̈ + K r.
+    k = J_0 ω² with damping 2 ζ ω J_0, so that J r̈ + 2 ζ ω J_0 ṙ + k r (1 + γ |r/r_0|^p) + K r = -τ_load, and τ_load
+    lacks J r̈ + K r. r_0: what it gives, were it straight, under the axis' rms torque.
 
     J: inertia of what the axis turns, J_0 its mean; K: slope of gravity's load over the angle; both change with the
     posture (`deflection`). c = 1/ω² if all of the load is on the spring. For a stiff spring that is c τ̈_load.
@@ -40,13 +41,14 @@ class Elasticity:
         Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)),
         Shape("zeta", "1", 0.02, 0.7, (USUAL_DAMPING,)),
         Shape("gamma", "1", 0.0, 0.5, (0.0,)),
+        Shape("power", "1", 1.0, 3.0, (2.0,)),
     )
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        f, zeta, gamma = shape
+        f, zeta, gamma, power = shape
         samples, J_0 = len(signals.time), signals.usual_inertia or 1.0
         if samples < 3:
             return np.zeros((samples, 1))
@@ -56,13 +58,13 @@ class Elasticity:
         J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
         K = np.zeros(samples) if signals.slope is None else np.maximum(signals.slope, (LEAST_STIFF - 1.0) * k)
         step = float(signals.time[-1] - signals.time[0]) / (samples - 1)
-        r, r_ddot = deflection(signals.load, J, 2.0 * zeta * omega * J_0, k, gamma / usual**2, K, step)
+        r, r_ddot = deflection(signals.load, J, 2.0 * zeta * omega * J_0, k, gamma / usual**power, power, K, step)
         return np.asarray(-(omega**2) * (J * r_ddot + K * r))[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):
             return False
-        lacking = self.columns(signals, (SOFT_HZ, USUAL_DAMPING, 0.0)) / (2.0 * np.pi * SOFT_HZ) ** 2
+        lacking = self.columns(signals, (SOFT_HZ, USUAL_DAMPING, 0.0, 2.0)) / (2.0 * np.pi * SOFT_HZ) ** 2
         return float(np.std(lacking)) > LEAST_SHARE * signals.torque_scale
 
 

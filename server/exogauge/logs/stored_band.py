@@ -24,6 +24,7 @@ SHORTEST = 512  # samples: below, a spectrum shows no edge
 RESOLVED = 5.0  # bins of the spectrum: what lies below is the window's own width
 OCTAVES = 1.5  # over which a fall is seen
 FALL_DB = 50.0  # in those; friction that turns round falls by 9, as it builds up over a short way by 27 at most
+LIKE_OTHERS_DB = 40.0  # the same of a log whose fellows end
 BIN = 1.15  # half width, as a factor, of what one level is the median of
 HIGHEST = 0.1  # of the sampling rate: an edge above is the anti-aliasing that every log should have
 ROUND_OFF = 1e-9  # relative; a channel that varies less does not vary
@@ -49,14 +50,23 @@ class Edge:
     steep: bool = True
 
 
-def stored_edge(log: Log) -> Edge | None:
+def stored_edges(logs: Sequence[Log]) -> dict[str, Edge]:
+    """Log -> its edge, of those that end. Where more than half end, a lesser fall will do for the others."""
+    own = {log.name: stored_edge(log) for log in logs}
+    if sum(edge is not None and edge.steep for edge in own.values()) > SHARE * len(own):
+        own = {log.name: own[log.name] or stored_edge(log, LIKE_OTHERS_DB) for log in logs}
+    return {name: edge for name, edge in own.items() if edge}
+
+
+def stored_edge(log: Log, fall_db: float = FALL_DB) -> Edge | None:
     """Median edge of the efforts of a log; None unless at least half of those that vary end, and alike, or unless all
     noise fades.
 
-    A log made without noise ends as well: what is seen is that nothing is there, not why.
+    A log made without noise ends as well: what is seen is that nothing is there, not why. fall_db: asked
+    of the efforts.
     """
     efforts = [values for name, values in log.channels.items() if name.startswith(EFFORTS) and _varies(values)]
-    edges = [edge for edge in (_edge(values, log.rate_hz) for values in efforts) if edge]
+    edges = [edge for edge in (_edge(values, log.rate_hz, fall_db) for values in efforts) if edge]
     steep = _common(edges, len(efforts))
     if steep is not None:
         return steep
@@ -102,7 +112,7 @@ def _varies(values: Array) -> bool:
     return finite and bool(np.ptp(values) > ROUND_OFF * np.max(np.abs(values)))
 
 
-def _edge(values: Array, rate_hz: float) -> Edge | None:
+def _edge(values: Array, rate_hz: float, fall_db: float) -> Edge | None:
     """Of one channel (T,): where its spectrum falls by more than any friction's, over an octave and a half."""
     length = min(values.size - 1, round(SEGMENT_S * rate_hz))
     frequency, level = _spectrum(values, rate_hz, "blackmanharris", length)
@@ -112,7 +122,7 @@ def _edge(values: Array, rate_hz: float) -> Edge | None:
     starts = np.geomspace(lowest, highest, 60)
     falls = _levels(frequency, level, starts) - _levels(frequency, level, starts * 2.0**OCTAVES)
     steepest = int(np.argmax(falls))
-    return Edge(float(starts[steepest]), float(falls[steepest])) if falls[steepest] > FALL_DB else None
+    return Edge(float(starts[steepest]), float(falls[steepest])) if falls[steepest] > fall_db else None
 
 
 def _spectrum(values: Array, rate_hz: float, window: str | tuple[str, float], length: int) -> tuple[Array, Array]:

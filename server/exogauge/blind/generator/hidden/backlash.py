@@ -20,15 +20,14 @@ class Backlash:
     """The encoder sits at the motor; the link is half of size [rad] away, on the side to which its load pushes.
 
     While the load changes its sign the link flies through the gap and lands on a stiff tooth (frequency [Hz] of the
-    link on it, damping ratio), which is stiffer by `harder` where it gives way as far as under the usual landing, and
-    elsewhere with the `power` of what it gives: two masses, simulated with implicit steps. Gravity's slope acts on the
-    shifted link.
+    link on it, damping ratio), which pulls by `harder` more where it gives way as far as under the usual landing
+    (`Harder`): two masses, simulated with implicit steps. Gravity's slope acts on the shifted link.
     """
 
     frequency: float
     damping: float
     harder: float
-    power: float
+    bend: float
 
     name: ClassVar[str] = "backlash"
     linear: ClassVar[bool] = False
@@ -37,7 +36,7 @@ class Backlash:
     @classmethod
     def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
         frequency, damping, harder = (float(x) for x in rng.uniform([25.0, 0.15, 0.1], [45.0, 0.4, 0.5]))
-        return cls(frequency, damping, harder, _power(rng))
+        return cls(frequency, damping, harder, float(rng.uniform(0.5, 1.5)))
 
     def largest(self, run: AxisRun) -> float:
         return 0.02
@@ -46,20 +45,20 @@ class Backlash:
         omega, inertia = 2 * np.pi * self.frequency, float(run.inertia.mean())
         usual = float(np.sqrt(np.mean(run.load**2)))
         give = np.sqrt(2.0 * usual * size / inertia) / omega  # with the speed that the usual load gives it in the gap
-        return two_masses(run, omega**2 * inertia, self.damping, 0.5 * size, Harder(self.harder, give, self.power))
+        return two_masses(run, omega**2 * inertia, self.damping, 0.5 * size, Harder(self.harder, give, self.bend))
 
 
 @final
 @dataclass(frozen=True)
 class Elasticity:
     """The encoder sits at the motor; a spring to the link gives way by size [s²] times what the load is over the link's
-    mean inertia, so that the link swings at 1 / (2 pi sqrt(size)). At the largest load it is stiffer by `harder`, below
-    in proportion to the `power` of what it gives.
+    mean inertia, so that the link swings at 1 / (2 pi sqrt(size)). At the largest load it pulls by `harder` more
+    (`Harder`).
     """
 
     damping: float
     harder: float
-    power: float
+    bend: float
 
     name: ClassVar[str] = "elasticity"
     linear: ClassVar[bool] = False
@@ -67,7 +66,7 @@ class Elasticity:
 
     @classmethod
     def draw(cls, rng: np.random.Generator, run: AxisRun) -> Self:
-        return cls(float(rng.uniform(0.1, 0.3)), float(rng.uniform(0.1, 0.4)), _power(rng))
+        return cls(float(rng.uniform(0.1, 0.3)), float(rng.uniform(0.1, 0.4)), float(rng.uniform(0.5, 1.5)))
 
     def largest(self, run: AxisRun) -> float:
         return (2 * np.pi * 5.0) ** -2
@@ -75,28 +74,24 @@ class Elasticity:
     def torque(self, run: AxisRun, size: float) -> Array:
         k = float(run.inertia.mean()) / size
         give = float(np.abs(run.load).max()) / k
-        return two_masses(run, k, self.damping, 0.0, Harder(self.harder, give, self.power))
+        return two_masses(run, k, self.damping, 0.0, Harder(self.harder, give, self.bend))
 
 
 @final
 @dataclass(frozen=True)
 class Harder:
-    """By which share a spring is stiffer where it gives way by `give` [rad], and with which power that grows."""
+    """A spring that pulls by `share` more at `give` [rad] than if it were straight; that grows as e^(bend · way)."""
 
     share: float
     give: float
-    power: float
+    bend: float
 
     def factor(self, over: Array) -> Array:
-        return np.asarray(1.0 + self.share * (np.abs(over) / self.give) ** self.power)
+        """What it pulls over what it would."""
+        return np.asarray(1.0 + self.share * np.expm1(self.bend * np.abs(over) / self.give) / np.expm1(self.bend))
 
 
 LINEAR = Harder(0.0, 1.0, 1.0)
-
-
-def _power(rng: np.random.Generator) -> float:
-    """The catalogue's springs grow stiffer with the square of what they give."""
-    return float(rng.choice([rng.uniform(1.0, 1.6), rng.uniform(2.4, 3.0)]))
 
 
 def two_masses(run: AxisRun, k: float, damping: float, half: float, harder: Harder = LINEAR) -> Array:
