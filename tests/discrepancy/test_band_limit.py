@@ -15,7 +15,8 @@ from exogauge.identification.identify import identify
 from exogauge.identification.noise_bias import noise_behind_stored
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.filtering import StoredPass
-from exogauge.logs.stored_band import stored_edge
+from exogauge.logs.model import Log
+from exogauge.logs.stored_band import stored_edge, stored_edges
 from exogauge.support.settings import WornLog
 
 pytestmark = pytest.mark.slow
@@ -119,6 +120,23 @@ def test_a_single_low_passed_log_is_named_for_itself(robot, study, one):
     assert found.finding.held_out.log == recordings[one].log.name
     assert abs(found.band.cutoff.value - 3.0) < 3.0 * found.band.cutoff.std
     assert f"in {recordings[one].log.name}, turns included" in found.finding.sentence
+
+
+def test_a_log_that_ends_less_clearly_counts_where_its_fellows_end():
+    """White noise through a low-pass of order 7 or 4, which falls by some 80 and 46 dB in an octave and a half."""
+    rng, t = np.random.default_rng(3), np.arange(0.0, 60.0, 1.0 / RATE)
+
+    def ended(name, order):
+        noise = lfilter(*butter(order, 5.0, fs=RATE), rng.standard_normal(len(t)))
+        return Log(name, t, {"tau.j1": noise, "q.j1": np.sin(t)})
+
+    clear, less = [ended(f"clear {n}", 7) for n in range(3)], ended("less clear", 4)
+    assert all(stored_edge(each).steep for each in clear)
+    assert not stored_edge(less).steep
+    assert [each.steep for each in stored_edges([*clear, less]).values()] == [True] * 4
+    white = Log("white", t, {"tau.j1": rng.standard_normal(len(t)), "q.j1": np.sin(t)})
+    assert "white" not in stored_edges([*clear, white])
+    assert not stored_edges([clear[0], less, white])["less clear"].steep
 
 
 def dahl(motion):

@@ -53,8 +53,9 @@ class Edge:
 def stored_edges(logs: Sequence[Log]) -> dict[str, Edge]:
     """Log -> its edge, of those that end. Where more than half end, a lesser fall will do for the others."""
     own = {log.name: stored_edge(log) for log in logs}
-    if sum(edge is not None and edge.steep for edge in own.values()) > SHARE * len(own):
-        own = {log.name: own[log.name] or stored_edge(log, LIKE_OTHERS_DB) for log in logs}
+    steep = {name for name, edge in own.items() if edge and edge.steep}
+    if len(steep) > SHARE * len(own):
+        own |= {log.name: stored_edge(log, LIKE_OTHERS_DB) for log in logs if log.name not in steep}
     return {name: edge for name, edge in own.items() if edge}
 
 
