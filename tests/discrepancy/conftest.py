@@ -9,8 +9,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.discrepancy.search import Search
 from exogauge.discrepancy.workflow import Found, find_missing_effects
-from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.catalogue import missing_effects, shaped_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
@@ -154,6 +155,18 @@ def search(identified):
     def run(recordings: list[Recording]) -> Found:
         first: Identification = identified(recordings)
         return find_missing_effects(first, recordings, tuple(shaped_effects().values()), SETTINGS)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def searched(identified):
+    """(recordings) -> a search on joints that has named what it names."""
+
+    def run(recordings: list[Recording]) -> Search:
+        quiet = Search(identified(recordings), recordings, missing_effects(), SETTINGS, lambda *_: None)
+        quiet.run()
+        return quiet
 
     return run
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from exogauge.discrepancy.result import Place
-from exogauge.discrepancy.search import Search, Step
-from exogauge.effects.catalogue import missing_effects, shaped_effects
+from exogauge.discrepancy.search import Step
+from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.added import AddedEffect
-from exogauge.identification.settings import Settings
 from exogauge.identification.site import AxisSite
 
 pytestmark = pytest.mark.slow
@@ -25,12 +24,9 @@ def peak(motion):
 
 
 @pytest.fixture
-def named(study, identified):
+def named(study, searched):
     """A search that has named what is hidden."""
-    recordings = study(peak)
-    search = Search(identified(recordings), recordings, missing_effects(), Settings(cutoff_hz=8.0), lambda *_: None)
-    search.run()
-    return search
+    return searched(study(peak))
 
 
 def test_several_that_later_ones_make_needless_are_all_taken_back(named):

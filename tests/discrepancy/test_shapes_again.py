@@ -10,8 +10,6 @@ import pytest
 from exogauge.discrepancy.own_curves import held_out_rmse
 from exogauge.discrepancy.search import Search
 from exogauge.discrepancy.shapes_again import SOUGHT_AGAIN, shapes_again
-from exogauge.effects.catalogue import missing_effects
-from exogauge.identification.settings import Settings
 
 pytestmark = pytest.mark.slow
 
@@ -27,11 +25,8 @@ def peak(motion):
 
 
 @pytest.fixture
-def named(study, identified):
-    recordings = study(peak)
-    search = Search(identified(recordings), recordings, missing_effects(), Settings(cutoff_hz=8.0), lambda *_: None)
-    search.run()
-    return search
+def named(study, searched):
+    return searched(study(peak))
 
 
 def at_shape(search: Search, shape: tuple[float, ...]) -> None:
