@@ -17,7 +17,8 @@ from scipy.optimize import minimize
 
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.routing import Routing
-from exogauge.discrepancy.band_ground import Ground, weights
+from exogauge.discrepancy.band_ground import Ground, spread, weights, whitened
+from exogauge.discrepancy.band_judge import BandJudgement
 from exogauge.discrepancy.band_logs import Course
 from exogauge.discrepancy.band_model import fit
 from exogauge.discrepancy.band_score import BandScore, Scorer
@@ -74,6 +75,26 @@ def further_wires(
         scores,
         tried + count,
     )
+
+
+def led_on(ground: Ground, judged: BandJudgement) -> Iterator[tuple[Ground, Scorer, BandScore]]:
+    """The ground with the wire of `judged` led on, joints weighed by what it leaves on them; its scorer and its score.
+    Nothing of a wire that has no ends."""
+    effect, course = judged.added.effect, ground.setting.wires[judged.added.wire].course
+    if course.routing is None:
+        return
+    sharper = replace(ground, sigma=spread(ground.setting.logs, judged.fitted.e, ground.floor))
+    few = _few(sharper, Scorer(*whitened(sharper)))
+    first = few.score(effect, judged.added.wire, judged.added.shape)
+    if first is None or first.gain <= 0.0:
+        return
+    led, shape = _led_better(few, effect, course, first)
+    setting = replace(ground.setting, wires=(*ground.setting.wires, ground.setting.logs.wire(led)))
+    wider = replace(ground, setting=setting)
+    scorer = Scorer(*whitened(wider))
+    scored = scorer.score(effect, len(setting.wires) - 1, shape)
+    if scored is not None:
+        yield wider, scorer, scored
 
 
 def _few(ground: Ground, scorer: Scorer) -> Scorer:

@@ -17,9 +17,9 @@ from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.discrepancy.band_beyond import Beyond
 from exogauge.discrepancy.band_doubt import deviations
-from exogauge.discrepancy.band_extra import further_wires
+from exogauge.discrepancy.band_extra import further_wires, led_on
 from exogauge.discrepancy.band_finding import CHANNEL, name_contradicted, name_effect, rejection
-from exogauge.discrepancy.band_ground import Ground, lay_ground, spread, weighed, whitened
+from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whitened
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
 from exogauge.discrepancy.band_model import Wear, fit
 from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
@@ -43,6 +43,7 @@ SURE = 3.0  # standard errors above the floor
 REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
 OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
 CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
+LED_ON = 4  # times, as joints are weighed anew each time
 UNCLEAR = (
     "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
     "nothing is said of the other bands until it is."
@@ -195,21 +196,31 @@ def _sharpened(
 
 
 def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:
-    """What explains most of what was left out of the fit, if it is more than the winner does.
+    """What leaves least of what was left out of the fit: the winner, a wire whose ends were led to where it explains
+    most, or that one led on with joints weighed by what it leaves on them.
 
-    Joints are weighed by what the winner leaves on them: by what it takes off, an exact course on those that it pulls
-    at would hardly count.
+    By what a wire takes off, those that it pulls at hardly count once it is nearly right; by what it leaves, a wire
+    that is far from right looks for others.
     """
-    sharper = replace(ground, sigma=spread(ground.setting.logs, winner.fitted.e, ground.floor))
-    wider, scorer, scores, _ = further_wires(sharper, Scorer(*whitened(sharper)), winner.added.effect, led_better=True)
-    wider = replace(wider, sigma=ground.sigma)
-    found = [judge(wider, scorer.refined(each), folds) for each in scores]
-    best = max((each for each in found if not each.objection), key=_gained, default=winner)
-    return (wider, best) if _gained(best) > _gained(winner) else (ground, winner)
+    wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
+    best = _leaves_least([(ground, winner), *((wider, judge(wider, scorer.refined(each), folds)) for each in scores)])
+    for _ in range(LED_ON):
+        further = [(wider, judge(wider, scorer.refined(score), folds)) for wider, scorer, score in led_on(*best)]
+        before, best = best, _leaves_least([best, *further])
+        if best is before:
+            break
+    return best
 
 
-def _gained(judged: BandJudgement) -> float:
-    return float(np.nansum(judged.blocks))
+def _leaves_least(found: Sequence[tuple[Ground, BandJudgement]]) -> tuple[Ground, BandJudgement]:
+    """Of the first and all that may be claimed."""
+
+    def left(each: tuple[Ground, BandJudgement]) -> float:
+        ground, judged = each
+        return float(np.sum([(rmse(judged.after, d) / max(floor, 1e-12)) ** 2 for d, floor in enumerate(ground.floor)
+                             if np.isfinite(judged.after[:, d]).any()]))  # fmt: skip
+
+    return min([found[0], *(each for each in found[1:] if not each[1].objection)], key=left)
 
 
 def _remainder(judged: BandJudgement, explained: Array) -> str:
