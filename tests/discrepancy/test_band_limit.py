@@ -11,6 +11,7 @@ from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.errors import NotIdentifiable
 from exogauge.identification.identify import identify
 from exogauge.identification.noise_bias import noise_behind_stored
 from exogauge.identification.settings import Recording, Settings
@@ -106,6 +107,17 @@ def test_a_gentle_low_pass_of_positions_and_torques_is_seen_by_the_noise_it_take
     assert found is not None
     assert found.finding.place.name == "all"
     assert found.finding.held_out.rmse_after < 0.8 * found.finding.held_out.rmse_before
+
+
+def test_a_low_pass_behind_which_nothing_can_be_identified_is_none(robot, study):
+    """A trial that fails is no reason to give up the evaluation."""
+    recordings = changed(study(), stored_through(butter(4, 3.0, fs=RATE, output="sos")))
+    first = identify(robot, recordings, SETTINGS)
+
+    def nothing_moves(_recordings):
+        raise NotIdentifiable("no joint moves steadily")
+
+    assert band_limits(first, recordings, nothing_moves) is None
 
 
 @pytest.mark.parametrize("one", [0, 2], ids=["fitted", "held out"])

@@ -22,6 +22,7 @@ from exogauge.discrepancy.band_floor import of_the_noise_floor
 from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.discrepancy.stored_pass import BLOCK_S, Band, beside_rest, stored_band
 from exogauge.discrepancy.turn_evidence import turn_evidence
+from exogauge.errors import NotIdentifiable
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
 from exogauge.identification.validate import floors_of, rmse_in_steady_motion, unit_of
@@ -80,7 +81,10 @@ def band_limits(
         for each in recordings
     )
     progress(0.5, "identifying with both sides filtered alike")
-    again = identify_anew(limited)
+    try:
+        again = identify_anew(limited)
+    except NotIdentifiable:  # behind so low a pass nothing is left that moves steadily
+        return None
     judges = _judges(ended, names, seeking)
     free = {each.log.name: beside_rest(found.model.prepare(each.log)) for each in ended if each.log.name in judges.logs}
     if not _surely_better(found, again, judges, free):
