@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.candidates import Candidate
+from exogauge.discrepancy.candidates import Candidate, grid
 from exogauge.discrepancy.doubt import parameters
 from exogauge.discrepancy.own_curves import held_out_rmse
 from exogauge.discrepancy.refine import BROADLY, CLOSELY, refined
@@ -66,13 +65,15 @@ def _sought_again(search: Search, number: int) -> bool:
 
 
 def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score | None:
-    """What explains most, searched from the shape that it has and from the best of the grid."""
+    """What explains most, searched from the shape that it has and from the best of the grid with the same choices."""
 
     def scored(shape: tuple[float, ...]) -> Score | None:
         return score(model, Candidate(added.effect, added.site, shape), sums_of(rows, added.effect, shape), memory)
 
-    grid = [each for shape in product(*(one.grid for one in added.effect.shapes)) if (each := scored(shape))]
-    starts = [each for each in (scored(added.shape), max(grid, key=lambda one: one.gain, default=None)) if each]
+    chosen = [place for place, one in enumerate(added.effect.shapes) if one.choice]
+    alike = [shape for shape in grid(added.effect) if all(shape[k] == added.shape[k] for k in chosen)]
+    coarse = [each for shape in alike if (each := scored(shape))]
+    starts = [each for each in (scored(added.shape), max(coarse, key=lambda one: one.gain, default=None)) if each]
     for pace in (BROADLY, CLOSELY):
         starts = [refined(model, each, rows, memory, pace) for each in starts]
     return max(starts, key=lambda one: one.gain, default=None)

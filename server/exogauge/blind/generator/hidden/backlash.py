@@ -91,10 +91,7 @@ class Harder:
         return np.asarray(1.0 + self.share * np.expm1(self.bend * np.abs(over) / self.give) / np.expm1(self.bend))
 
 
-LINEAR = Harder(0.0, 1.0, 1.0)
-
-
-def two_masses(run: AxisRun, k: float, damping: float, half: float, harder: Harder = LINEAR) -> Array:
+def two_masses(run: AxisRun, k: float, damping: float, half: float, harder: Harder) -> Array:
     """(L, T) [N·m] that the link's own movement r beyond the motor asks: I r_ddot + K r, from
     I r_ddot = tooth - load - K r.
 
