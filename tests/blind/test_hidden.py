@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import butter, sosfreqz
 from tests.blind.conftest import plan
 
 from exogauge.blind.generator.arm import ARM
@@ -19,7 +20,7 @@ from exogauge.blind.generator.hidden.motor import TorqueDelay, late
 from exogauge.blind.generator.hidden.presliding import Presliding, bristle
 from exogauge.blind.generator.how_large import HowLarge
 from exogauge.blind.generator.motion import RATE_HZ
-from exogauge.blind.generator.placed import Placed, hide, motor_torque, pull, sensed
+from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
 from exogauge.blind.generator.places import poses
 from exogauge.blind.generator.torso import TORSO
 
@@ -256,6 +257,22 @@ def test_a_stored_log_is_low_passed_alike_in_all_signals(arm6, there_and_back: b
     quick = np.sin(2 * np.pi * 30.0 * arm6.motion.time)
     assert np.abs(effect.filtered(quick, 1 / 3.0)[200:-200]).max() < 0.02
     np.testing.assert_allclose(effect.filtered(np.full(500, 3.0), 1 / 3.0), 3.0)
+
+
+def test_clutter_is_small_beside_known_bodies_and_beside_the_noise_that_a_low_pass_leaves(arm6) -> None:
+    """White noise behind a filter: its power is the mean of the squared gain."""
+    low_pass = BandLimitedLog(None, 2, "butter", False)
+    gain = np.abs(sosfreqz(butter(2, 4.0, fs=RATE_HZ, output="sos"), 20_000)[1])
+    left = np.sqrt(np.mean(gain**2))
+    everywhere = Placed(low_pass, None, {"log": "all"}, 1 / 4.0, SOME)
+    for hidden, noise in ([], 1.0), ([everywhere], left):
+        small = clutter(np.random.default_rng(5), arm6, hidden)
+        assert len(small) == 12
+        for each in small:
+            torque = each.effect.torque(arm6.runs[each.joint], each.size)
+            baseline, floor = arm6.baselines[each.joint], arm6.floors[each.joint] * noise
+            assert baseline.held(torque) < 0.501 * floor
+            assert baseline.excess(torque) < 0.251 * floor
 
 
 def test_what_the_log_reports_is_changed_last(arm6) -> None:

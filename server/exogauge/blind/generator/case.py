@@ -41,7 +41,7 @@ def write_case(
     maker = built(stream(seed, f"maker {number}"), plan.robot)
     here = undisturbed(plan, maker, seed)
     hidden = hide(stream(seed, f"hidden {number}"), plan, here)
-    small = clutter(stream(seed, f"clutter {number}"), here) if plan.clutter else []
+    small = clutter(stream(seed, f"clutter {number}"), here, hidden) if plan.clutter else []
     _write_logs(folder, plan, maker, here, [*hidden, *small], seed)
     (folder / "robot.urdf").write_text(robot_urdf(plan.robot.name, maker.links), encoding="utf-8")
     _write_yaml(folder / "robot.yaml", robot_file(plan.robot, maker.links, plan.actuation, K_T_STD[plan.k_T]))

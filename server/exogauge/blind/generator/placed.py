@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 ALL = "all"
 _ALL_JOINTS = 0.25  # share of delays that every joint has
 _CLUTTER_RATIO = (0.08, 0.25)  # of each of two small effects per joint, in noise floors
+_CLUTTER_HELD = 0.5  # noise floors: no more is left beside bodies that are known, which hide less than free ones
 _CLOSE = 0.03  # relative, of a ratio that is searched for
 _SEARCHES = 4
 _MOST_PLACES = 6
@@ -73,13 +74,20 @@ def hide(rng: np.random.Generator, plan: CasePlan, scene: Scene) -> list[Placed]
     return [_placed(rng, kind, ratio, scene) for kind, ratio in zip(plan.kinds, plan.ratios, strict=True)]
 
 
-def clutter(rng: np.random.Generator, scene: Scene) -> list[Placed]:
-    """Two small effects on every joint."""
-    return [
-        _sized(_on_joint(ON_JOINTS[str(kind)].draw(rng, run), joint, scene), float(rng.uniform(*_CLUTTER_RATIO)))
-        for joint, run in enumerate(scene.runs)
-        for kind in rng.choice(CLUTTER, 2, replace=False)
-    ]
+def clutter(rng: np.random.Generator, scene: Scene, hidden: Sequence[Placed] = ()) -> list[Placed]:
+    """Two small effects on every joint. In a log that was low-passed the noise is smaller, and so are they."""
+    found = list[Placed]()
+    left = min(
+        (one.effect.noise_left(one.size) for one in hidden if isinstance(one.effect, BandLimitedLog)), default=1.0
+    )
+    for joint, run in enumerate(scene.runs):
+        for kind in rng.choice(CLUTTER, 2, replace=False):
+            effect = ON_JOINTS[str(kind)].draw(rng, run)
+            held = scene.baselines[joint].held(effect.torque(run, 1.0)) / scene.floors[joint]
+            one = _on_joint(effect, joint, scene)
+            one = replace(one, limits=(one.limits[0], min(one.limits[1], left * _CLUTTER_HELD / max(held, 1e-12))))
+            found.append(_sized(one, left * float(rng.uniform(*_CLUTTER_RATIO))))
+    return found
 
 
 def motor_torque(run: AxisRun, effects: Sequence[Placed], joint: int) -> Array:

@@ -15,6 +15,7 @@ from exogauge.blind.generator.motion import RATE_HZ, Motion
 from exogauge.blind.generator.scene import Scene
 
 ALL = "all"
+_LONGEST_S = 20.0  # of an answer to an impulse
 _CREEP = 1e-3  # [rad/s] below which what is left of a rest counts as one
 
 
@@ -57,6 +58,12 @@ class BandLimitedLog:
             start = zi.reshape(len(zi), *([1] * (rows.ndim - 1)), 2) * rows[..., 0][None, ..., None]
             out, _ = sosfilt(sos, rows, axis=-1, zi=start)
         return np.asarray(np.moveaxis(out, -1, axis))
+
+    def noise_left(self, size: float) -> float:
+        """Of the std of white noise."""
+        one = np.zeros(round(_LONGEST_S * RATE_HZ))
+        one[len(one) // 2] = 1.0
+        return float(np.linalg.norm(self.filtered(one, size)))
 
     def excess(self, scene: Scene, size: float) -> tuple[Array, Array]:
         """(J,) [N·m] of what a baseline leaves that believes the filtered motion, turns
