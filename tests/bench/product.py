@@ -19,8 +19,9 @@ from tests.bench.timing import in_turns, seconds_of
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import Prepared, prepare, rest_detection
+from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import per_parameter, scales
+from exogauge.identification.turns import rest_detection
 from exogauge.logs.reading import read_log
 
 Array = NDArray[np.float64]

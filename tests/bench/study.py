@@ -9,7 +9,8 @@ from tests.bench.problems import RATE_HZ, Problem
 
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import Prepared, prepare, rest_detection
+from exogauge.identification.preparation import Prepared, prepare
+from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.row_blocks import row_blocks

@@ -9,9 +9,10 @@ import pytest
 from exogauge.effects.catalogue import choose
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import prepare, rest_detection
+from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
+from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
@@ -92,6 +93,18 @@ def make_truth():
         )
         phi = np.array([random_body(rng, one, 0.2) for one in tree.phi])
         return Truth(robot, phi, xi)
+
+    return make
+
+
+@pytest.fixture
+def stated_loads():
+    """(q, v, a) -> torques (T, J) by pinocchio, of the chain as its maker states it."""
+
+    def make(q, v, a):
+        model = pin.buildModelFromXML(chain_urdf(q.shape[1]).decode())
+        data = model.createData()
+        return np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)])
 
     return make
 

@@ -8,10 +8,11 @@ import pytest
 import exogauge.identification.equations as module
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import prepare, rest_detection
+from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.static_friction import fill_static_friction
+from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
 from exogauge.robots.regressor import contact_effect, regressor

@@ -8,7 +8,7 @@ import pytest
 
 from exogauge.errors import BadRobot
 from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.cut_regressor import cut_regressor
+from exogauge.robots.cut_regressor import cut_regressor, cut_wrench
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.export import export_urdf
 from exogauge.robots.motion import Motion
@@ -102,8 +102,9 @@ CASES = [
 @pytest.mark.parametrize(("frame", "sensor", "beyond"), CASES, ids=[case[0] for case in CASES])
 def test_a_reading_is_newton_and_euler_of_the_links_beyond(frame, sensor, beyond):
     tree, motion = _tree(frame), _motion()
-    told = cut_regressor(tree, motion, frame) @ tree.phi.ravel()
-    assert told == pytest.approx(_reading_by_pinocchio(motion, sensor, beyond), abs=1e-10)
+    expected = pytest.approx(_reading_by_pinocchio(motion, sensor, beyond), abs=1e-10)
+    assert cut_regressor(tree, motion, frame) @ tree.phi.ravel() == expected
+    assert cut_wrench(tree, motion, frame, tree.phi) == expected
 
 
 @pytest.mark.parametrize("sensors", [("wrist_ft",), ("foot_ft",), ("wrist_ft", "foot_ft")])

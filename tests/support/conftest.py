@@ -21,9 +21,9 @@ from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters
-from exogauge.identification.preparation import RestDetection
 from exogauge.identification.result import Prediction
 from exogauge.identification.settings import Settings
+from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor

@@ -19,6 +19,7 @@ from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import measured_channels, predicted_channels
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.turns import TurnsOf
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
 
@@ -52,10 +53,12 @@ class Band:
 
 
 def beside_rest(prepared: Prepared) -> BoolArray:
-    """(T, A) samples of motion and of turns, as far from rest as a low-pass reaches; of an axis that hardly has any,
-    all that are settled."""
-    rate_hz, settled = prepared.log.rate_hz, prepared.settled[:, None]
+    """(T, A) samples of motion and of turns, as far from rest and from the log's ends as a low-pass reaches; of an axis
+    that hardly has any, all that are settled."""
+    rate_hz, settled = prepared.log.rate_hz, prepared.settled[:, None].copy()
     turn, reach = (max(round(seconds * rate_hz), 1) for seconds in (TURN_S, FORGOTTEN_S))
+    end = min(reach, prepared.log.samples // 10)
+    settled[:end] = settled[prepared.log.samples - end :] = False
     still = (prepared.raw_direction == 0.0).astype(np.uint8)
     long = maximum_filter1d(minimum_filter1d(still, turn, axis=0), turn, axis=0)
     free = (maximum_filter1d(long, 2 * reach + 1, axis=0) == 0) & settled
@@ -102,6 +105,7 @@ class _Trials:
 
     def __init__(self, model: RobotModel, logs: Sequence[Log]) -> None:
         self._prepared = [model.prepare(log) for log in logs]
+        self._turns = [TurnsOf(model.robot, log, model.at_rest) for log in logs]
         self._free = [beside_rest(each) for each in self._prepared]
         self._block = [(np.arange(log.samples) / (BLOCK_S * log.rate_hz)).astype(np.intp) for log in logs]
         measured = [measured_channels(model.equations, each, model.k_T) for each in self._prepared]
@@ -118,7 +122,7 @@ class _Trials:
         return np.array([self._left(replace(shape, hz=float(hz))) for hz in cutoffs])
 
     def _left(self, stored: StoredPass) -> Array:
-        jumps = [stored.apply(each.raw_direction, each.log.rate_hz) for each in self._prepared]
+        jumps = [each.behind(stored).stored_direction for each in self._turns]
         found = []
         for (axis, _), measured, smooth in zip(self._axes, self._y, self._load, strict=True):
             free = [each[:, axis] for each in self._free]

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.contacts import ContactPaths
-from exogauge.identification.preparation import WIDEST, Prepared
+from exogauge.identification.preparation import Prepared
 from exogauge.identification.swing import swings
+from exogauge.identification.turns import WIDEST
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
+from exogauge.logs.undoing import StoredPositions
 
 if TYPE_CHECKING:
     from exogauge.identification.model import RobotModel
@@ -28,7 +30,8 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     robot, log, C = model.robot, prepared.log, model.robot.axes_from_joints[list(axes)]
     turning = np.flatnonzero(C.any(axis=0))  # joints that these axes turn
     finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
-    q = finest.apply(log.stack([f"q.{robot.joints[joint].name}" for joint in turning])) @ C[:, turning].T
+    names = [f"q.{robot.joints[joint].name}" for joint in turning]
+    q = StoredPositions(log, names, finest).before(log.stored, late=True) @ C[:, turning].T
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
     load = loads(model, prepared)[:, list(axes)]
     if prepared.taken_off is not None:

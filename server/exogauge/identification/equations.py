@@ -142,6 +142,7 @@ class Equations:
             reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + len(self.added) + 1, reused)
             blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=False)]
             external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
+            external[:, self.first_axis :] -= prepared.smeared[samples, :axes]
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
             for kind, block in enumerate(blocks):
@@ -175,7 +176,8 @@ class Equations:
             motion = prepared.motion.rows(samples)
             blocks = cut.fill(motion, [len(self.added_to(first + row)[0]) + 1 for row in range(6)])
             for row, block in enumerate(blocks):
-                block[:, -1] = prepared.carried[samples, index, row]
+                smeared = prepared.smeared[samples, len(self.robot.joints) + 6 * index + row]
+                block[:, -1] = prepared.carried[samples, index, row] - smeared
                 self._fill_added(prepared, samples, first + row, block)
                 yield Chunk(first + row, everyone, block)
 

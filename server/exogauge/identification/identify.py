@@ -19,7 +19,7 @@ from exogauge.identification.noise_bias import known_noise, noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
 from exogauge.identification.physical import possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
-from exogauge.identification.preparation import Prepared, RestDetection, prepare, rest_detection
+from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
@@ -29,6 +29,7 @@ from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.swing import inertia_and_slope
+from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log, rms
 from exogauge.logs.model import Log

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import Parameters, motor_gain
-from exogauge.identification.preparation import Prepared, RestDetection, prepare
+from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.solution import Solution
+from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 

@@ -18,8 +18,9 @@ from scipy.ndimage import binary_dilation
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
-from exogauge.identification.preparation import Prepared, RestDetection, needed_channels, prepare
+from exogauge.identification.preparation import Prepared, needed_channels, prepare
 from exogauge.identification.solution import Solution
+from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_before_stored, white_noise_std
 from exogauge.robots.description import Robot

@@ -83,18 +83,19 @@ def predictions(
         motion = prepared.motion.rows(which)
         blocks = rows.fill(motion, 0, blocks)
         external = contacts.effect(motion.q, prepared.wrenches[which]).T
+        smeared = prepared.smeared[which].T
         beyond = [pair for cut in equations.cuts for pair in zip(cut.fill(motion), cut.columns, strict=True)]
         for one, on_sensors, phi_base, parameters in zip(predicted, carried, phi, alternatives, strict=True):
             for kind, (block, columns) in enumerate(zip(blocks, rows.columns, strict=True)):
                 one[kind, which] = block @ phi_base[columns]
             for kind in range(first):
                 one[kind, which] -= _added(equations, prepared, parameters, kind, which)
-            one[first:, which] -= external[first:]
+            one[first:, which] += smeared[: len(robot.joints)] - external[first:]
             for axis, needed in enumerate(one[first:, which]):
                 needed -= _friction_and_offset(equations, prepared, parameters, axis, which, needed)
             for row, (block, columns) in enumerate(beyond):
                 added = _added(equations, prepared, parameters, equations.first_cut + row, which)
-                on_sensors[row, which] = block @ phi_base[columns] - added
+                on_sensors[row, which] = block @ phi_base[columns] + smeared[len(robot.joints) + row] - added
     return [_named(equations, *both) for both in zip(predicted, carried, strict=True)]
 
 

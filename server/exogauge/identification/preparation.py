@@ -13,8 +13,10 @@ from scipy.ndimage import binary_dilation
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
 from exogauge.identification.sensor_zero import zeros
+from exogauge.identification.smear import smeared
+from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
 from exogauge.logs.bandwidth import suggest_cutoff
-from exogauge.logs.derivatives import derivative_noise_gain, differentiate, differentiate_twice
+from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
@@ -24,10 +26,6 @@ from exogauge.robots.motion import Motion
 Array = NDArray[np.float64]
 
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
-THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
-SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rounding makes of a constant is none
-THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
-WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
 TURNING = 1.5  # times its noise: a gyro that varies by more turns
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
 RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
@@ -56,6 +54,7 @@ class Prepared:
     before it was stored.
     kept: samples that enter a fit (settled ends and `Log.left_out` left out, decimated).
     left_out: (T,) bool, samples that feel what happened in `Log.left_out`; no axis is steady there.
+    smeared: (T, A + 6 C) what the low-pass before the log was stored has made of the bodies' load (`smear`).
     added, raw_added: (T, entries) what each added coefficient takes off a row per unit (`Equations.entries`), filtered
     and not.
     taken_off: (T, A) [N·m] what a wear bears of each axis' load, filtered; None in a log without one. Effects that grow
@@ -81,6 +80,7 @@ class Prepared:
     raw_carried: Array
     kept: NDArray[np.intp]
     left_out: NDArray[np.bool_]
+    smeared: Array
     added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     raw_added: Array = field(default_factory=lambda: np.zeros((0, 0)))
     taken_off: Array | None = None
@@ -144,34 +144,6 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     return max(cutoffs)
 
 
-@final
-@dataclass(frozen=True)
-class RestDetection:
-    """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz."""
-
-    cutoff_hz: float
-    threshold: Array
-
-
-def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestDetection:
-    """At all the bandwidth that the encoders can bear, at least cutoff_hz; thresholds from the noise of the velocity.
-
-    A joint sticks for moments that a velocity smoothed for the equations would glide over.
-    """
-    joints = [f"q.{joint.name}" for joint in robot.joints]
-    finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
-    noise, top = np.zeros(len(joints)), np.zeros(len(joints))
-    for log in logs:
-        q, low_pass = log.stack(joints), LowPass(finest, log.rate_hz)
-        std = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in q.T])
-        noise = np.maximum(noise, derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0)))
-        top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
-    mixing = np.abs(robot.axes_from_joints)
-    axis_noise = np.sqrt(mixing**2 @ noise**2)
-    seen = np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
-    return RestDetection(finest, np.maximum(seen, SLOWEST))
-
-
 def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:
     """Filter, differentiate, transform to the base link and to the actuator axes."""
     require_even_clock(log)
@@ -194,31 +166,30 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     raw_wrenches = _wrenches(robot.contacts, log)
     raw_carried = -_wrenches(robot.cuts, log)
     axis_velocity = dq @ C.T
-    finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
-    fine_velocity = differentiate(finest.apply(raw_q), log.rate_hz) @ C.T
-    direction = directions(fine_velocity, at_rest.threshold, round(log.rate_hz / finest.cutoff_hz))
-    rest = 1.0 - np.abs(direction)
+    turns = TurnsOf(robot, log, at_rest).behind(log.stored)
     alike = replace(low_pass, stored=log.stored)
-    smooth_direction = alike.apply(direction)
+    smooth_direction = low_pass.apply(turns.stored_direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
-    settle = min(low_pass.settle_samples, log.samples // 10)
+    stored_settle = log.stored.settle_samples(log.rate_hz) if log.stored else 0
+    settle = min(max(low_pass.settle_samples, stored_settle), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
     turning = binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool))
+    motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
     return Prepared(
         log=log,
         low_pass=alike,
-        motion=Motion(q, dq, ddq, acc, gyro, gyro_dot),
+        motion=motion,
         drive=low_pass.apply(raw_drive),
         axis_velocity=axis_velocity,
         axis_acceleration=ddq @ C.T,
         direction=smooth_direction,
-        rest=alike.apply(rest),
+        rest=low_pass.apply(turns.stored_rest),
         steady=~(turning | left_out[:, None]),
         wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
         raw_drive=raw_drive,
-        raw_direction=direction,
-        stored_direction=log.as_stored(direction),
-        stored_rest=log.as_stored(rest),
+        raw_direction=turns.direction,
+        stored_direction=turns.stored_direction,
+        stored_rest=turns.stored_rest,
         raw_wrenches=raw_wrenches,
         carried=low_pass.apply(raw_carried.reshape(log.samples, -1)).reshape(raw_carried.shape),
         raw_carried=raw_carried,
@@ -226,6 +197,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         left_out=left_out,
         added=zeros(robot, log.samples),
         raw_added=zeros(robot, log.samples),
+        smeared=smeared(robot, log, low_pass, motion),
     )
 
 
@@ -238,22 +210,6 @@ def left_out_samples(log: Log, low_pass: LowPass) -> NDArray[np.bool_]:
     for start, stop in log.left_out:
         found |= (log.time > start - near) & (log.time < stop + near)
     return found
-
-
-def directions(velocity: Array, threshold: Array, shortest: int) -> Array:
-    """(T, A) sgn_ε: 0 where an axis stays below its threshold for at least `shortest` samples, else the sign.
-
-    A velocity that merely passes through zero is a reversal, not a rest: static friction has no time to act that a
-    low-passed log could show.
-    """
-    direction = np.sign(velocity)
-    slow = np.abs(velocity) < threshold
-    for axis in range(velocity.shape[1]):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], slow[:, axis], [False]]).astype(np.int8)))
-        for start, stop in edges.reshape(-1, 2):
-            if stop - start >= shortest:
-                direction[start:stop, axis] = 0.0
-    return direction
 
 
 def require_even_clock(log: Log) -> None:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predicted_channels, split
-from exogauge.identification.preparation import prepare, rest_detection
+from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import solve
+from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]

@@ -19,8 +19,9 @@ from exogauge.identification.predict import (
     predicted_channels,
     predictions,
 )
-from exogauge.identification.preparation import Prepared, RestDetection, wrench_channels
+from exogauge.identification.preparation import Prepared, wrench_channels
 from exogauge.identification.result import ChannelFit, Prediction
+from exogauge.identification.turns import RestDetection
 
 Array = NDArray[np.float64]
 

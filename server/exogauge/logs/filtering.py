@@ -46,6 +46,14 @@ class StoredPass:
         What is computed from late positions is as late as these, by the delay of slow motion. So a late pass acts
         that much earlier: the smear of a step begins before it, and what is slow stays where it is.
         """
+        return self._passed(values, rate_hz, _stored_sections(self, rate_hz)[3])
+
+    def let_through(self, values: Array, rate_hz: float) -> Array:
+        """values: (T,) or (T, K), computed from what went in (`undoing`) -> what came out, when it came out."""
+        return self._passed(values, rate_hz, 0.0)
+
+    def _passed(self, values: Array, rate_hz: float, earlier: float) -> Array:
+        """earlier: samples."""
         if len(values) < 2:
             return values.copy()
         flat, beyond = values.reshape(len(values), -1), self.settle_samples(rate_hz)
@@ -57,7 +65,8 @@ class StoredPass:
         else:
             both_ways_by_scipy(sections, steady, extended)
             passed = extended
-        whole, part = int(delay), delay % 1.0
+        line = line + (earlier - delay) * (flat[-1] - flat[0]) / (len(flat) - 1)
+        whole, part = int(earlier), earlier % 1.0
         at = np.minimum(beyond + whole + np.arange(len(flat) + 1), len(extended) - 1)
         return np.asarray((line + (1.0 - part) * passed[at[:-1]] + part * passed[at[1:]]).reshape(values.shape))
 
@@ -76,8 +85,12 @@ class StoredPass:
 
     def gain(self, frequency_hz: ArrayLike, rate_hz: float) -> Array:
         """What it leaves of an amplitude at each frequency, in all."""
+        return np.abs(self.response(frequency_hz, rate_hz))
+
+    def response(self, frequency_hz: ArrayLike, rate_hz: float) -> NDArray[np.complex128]:
+        """What it makes of a unit wave at each frequency."""
         _, left = sosfreqz(_stored_sections(self, rate_hz)[0], np.asarray(frequency_hz), fs=rate_hz)
-        return np.asarray(np.abs(left) ** (1 if self.late else 2))
+        return np.asarray(left if self.late else np.abs(left) ** 2 + 0.0j)
 
     def settle_samples(self, rate_hz: float) -> int:
         """As `LowPass.settle_samples`."""

@@ -44,14 +44,19 @@ def wrench_regressor(tree: RigidTree, motion: Motion) -> tuple[Array, BodyStates
 
 def inverse_dynamics(tree: RigidTree, motion: Motion, phi: Array) -> Array:
     """(T, 6+J) or, fixed base, (T, J): Y φ without building Y. phi: (N, 10)."""
+    wrench, _ = moving_wrenches(tree, motion, phi)
+    return _project(tree, motion.q, wrench)
+
+
+def moving_wrenches(tree: RigidTree, motion: Motion, phi: Array) -> tuple[Array, BodyStates]:
+    """(T, N, 6) force and moment that move each body, about the base origin in the base frame. phi: (N, 10)."""
     states = forward(tree, motion)
     w, dw, b = states.omega, states.alpha, states.proper_acceleration
     m, h, I = phi[:, 0], phi[:, 1:4], inertia_matrices(phi)  # noqa: E741 (the paper's letter)
     I_w = np.einsum("nij,tnj->tni", I, w)
     force = m[:, None] * b + np.cross(dw, h) + np.cross(w, np.cross(w, h))
     moment = np.cross(h, b) + np.einsum("nij,tnj->tni", I, dw) + np.cross(w, I_w)
-    wrench = _to_base(states, np.concatenate([force, moment], axis=2)[..., None])[..., 0]
-    return _project(tree, motion.q, wrench)
+    return _to_base(states, np.concatenate([force, moment], axis=2)[..., None])[..., 0], states
 
 
 def contact_effect(tree: RigidTree, q: Array, frame: str, wrench: Array) -> Array:

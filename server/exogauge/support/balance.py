@@ -108,6 +108,7 @@ def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Pa
         which = slice(start, min(start + CHUNK, samples))
         motion = prepared.motion.rows(which)
         external = contacts.effect(motion.q, prepared.wrenches[which])[:, first:]
+        external = external - prepared.smeared[which, : external.shape[1]]
         for out, phi_base, parameters in zip(result, phi, alternatives, strict=True):
             out[which] = equations.blocks.predict(motion, phi_base)[:, first:] - external
             for axis, coefficients in enumerate(parameters.xi):

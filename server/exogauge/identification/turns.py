@@ -1,0 +1,120 @@
+"""When axes move, which way, and when they rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.derivatives import derivative_noise_gain, differentiate
+from exogauge.logs.filtering import LowPass, StoredPass
+from exogauge.logs.model import Log
+from exogauge.logs.noise import white_noise_std
+from exogauge.logs.undoing import StoredPositions
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
+SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rounding makes of a constant is none
+THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
+SMOOTH = 3.0  # times the band of a low-passed log: no joint that turns round bends its velocity faster than that
+BARELY = 0.05  # samples: turns of low-passed logs are known as well as that
+WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
+
+
+@final
+@dataclass(frozen=True)
+class RestDetection:
+    """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz."""
+
+    cutoff_hz: float
+    threshold: Array
+
+
+def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestDetection:
+    """At all the bandwidth that the encoders can bear, at least cutoff_hz; thresholds from the noise of the velocity.
+
+    A joint sticks for moments that a velocity smoothed for the equations would glide over.
+    """
+    joints = [f"q.{joint.name}" for joint in robot.joints]
+    finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
+    noise, top = np.zeros(len(joints)), np.zeros(len(joints))
+    for log in logs:
+        q, low_pass = log.stack(joints), LowPass(finest, log.rate_hz)
+        std = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in q.T])
+        noise = np.maximum(noise, derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0)))
+        top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
+    mixing = np.abs(robot.axes_from_joints)
+    axis_noise = np.sqrt(mixing**2 @ noise**2)
+    seen = np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
+    return RestDetection(finest, np.maximum(seen, SLOWEST))
+
+
+@final
+@dataclass(frozen=True)
+class Turns:
+    """direction: (T, A) -1, 0, 1, unfiltered, as late as slow motion came out of the low-pass that the log had passed.
+
+    stored_direction, stored_rest: (T, A) the direction, and 1 - |direction|, as they came out of that low-pass.
+    """
+
+    direction: Array
+    stored_direction: Array
+    stored_rest: Array
+
+
+@final
+class TurnsOf:
+    """Of one log, behind any low-pass that it may have passed before it was stored."""
+
+    def __init__(self, robot: Robot, log: Log, at_rest: RestDetection) -> None:
+        self._rate_hz, self._at_rest, self._C = log.rate_hz, at_rest, robot.axes_from_joints
+        self._finest = LowPass(min(at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
+        self._positions = StoredPositions(log, [f"q.{joint.name}" for joint in robot.joints], self._finest)
+
+    def behind(self, stored: StoredPass | None) -> Turns:
+        """A low-passed log shows no rests shorter than its band: what is slow for less has turned round."""
+        rate_hz, band_hz, q = self._rate_hz, self._finest.cutoff_hz, self._positions.before(stored)
+        if stored is not None:
+            band_hz = min(band_hz, stored.half_hz(rate_hz))
+            q = LowPass(min(self._finest.cutoff_hz, SMOOTH * band_hz), rate_hz).apply(q)
+        velocity = differentiate(q, rate_hz) @ self._C.T
+        then = directions(velocity, self._at_rest.threshold, round(rate_hz / band_hz))
+        if stored is None:
+            return Turns(then, then, 1.0 - np.abs(then))
+        undecided = np.where(_barely_turned(velocity), 0.0, then)
+        passed, resting = (stored.let_through(x, rate_hz) for x in (undecided, 1.0 - np.abs(then)))
+        late = min(round(stored.delay_s(rate_hz) * rate_hz), len(then))
+        return Turns(np.concatenate([np.repeat(then[:1], late, axis=0), then[: len(then) - late]]), passed, resting)
+
+
+def _barely_turned(velocity: Array) -> NDArray[np.bool_]:
+    """(T, A) samples so near to a turn that it may lie before or after them: the mean of both signs is nothing."""
+    before, after = velocity[:-1], velocity[1:]
+    turning = before * after < 0.0
+    share = np.where(turning, before / np.where(turning, before - after, 1.0), 0.5)
+    found = np.zeros(velocity.shape, dtype=np.bool_)
+    found[:-1] |= share < BARELY
+    found[1:] |= share > 1.0 - BARELY
+    return found
+
+
+def directions(velocity: Array, threshold: Array, shortest: int) -> Array:
+    """(T, A) sgn_ε: 0 where an axis stays below its threshold for at least `shortest` samples, else the sign.
+
+    A velocity that merely passes through zero is a reversal, not a rest: static friction has no time to act that a
+    low-passed log could show.
+    """
+    direction = np.sign(velocity)
+    slow = np.abs(velocity) < threshold
+    for axis in range(velocity.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], slow[:, axis], [False]]).astype(np.int8)))
+        for start, stop in edges.reshape(-1, 2):
+            if stop - start >= shortest:
+                direction[start:stop, axis] = 0.0
+    return direction
