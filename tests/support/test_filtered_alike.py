@@ -47,7 +47,7 @@ def test_approach_b_meets_the_truth_where_it_says_that_it_holds(biped, suit, rec
         trial = support(biped, suit, *logs)[0].trials[0]
         assert trial.steady[inner].mean() > 0.15
         worst[name] = np.abs(trial.support_b - truth)[inner][trial.steady[inner]].max()
-    assert worst["alike"] < 0.01
+    assert worst["alike"] < 0.02, "the yaw turns 0.02 samples after an instant; which side is more than such logs tell"
     assert worst["as if not"] > 0.1
 
 

@@ -87,21 +87,22 @@ class TurnsOf:
         then = directions(velocity, self._at_rest.threshold, round(rate_hz / band_hz))
         if stored is None:
             return Turns(then, then, 1.0 - np.abs(then))
-        undecided = np.where(_barely_turned(velocity), 0.0, then)
-        passed, resting = (stored.let_through(x, rate_hz) for x in (undecided, 1.0 - np.abs(then)))
+        likely = then * _sureness(velocity)
+        passed, resting = (stored.let_through(x, rate_hz) for x in (likely, 1.0 - np.abs(then)))
         late = min(round(stored.delay_s(rate_hz) * rate_hz), len(then))
         return Turns(np.concatenate([np.repeat(then[:1], late, axis=0), then[: len(then) - late]]), passed, resting)
 
 
-def _barely_turned(velocity: Array) -> NDArray[np.bool_]:
-    """(T, A) samples so near to a turn that it may lie before or after them: the mean of both signs is nothing."""
+def _sureness(velocity: Array) -> Array:
+    """(T, A) 0 where an axis turns round at a sample's very instant, which may lie before or after it: the mean of both
+    signs is nothing; 1 from BARELY on."""
     before, after = velocity[:-1], velocity[1:]
     turning = before * after < 0.0
     share = np.where(turning, before / np.where(turning, before - after, 1.0), 0.5)
-    found = np.zeros(velocity.shape, dtype=np.bool_)
-    found[:-1] |= share < BARELY
-    found[1:] |= share > 1.0 - BARELY
-    return found
+    sure = np.ones(velocity.shape)
+    sure[:-1] = np.minimum(sure[:-1], share / BARELY)
+    sure[1:] = np.minimum(sure[1:], (1.0 - share) / BARELY)
+    return sure
 
 
 def directions(velocity: Array, threshold: Array, shortest: int) -> Array:
