@@ -170,8 +170,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     alike = replace(low_pass, stored=log.stored)
     smooth_direction = low_pass.apply(turns.stored_direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
-    stored_settle = log.stored.settle_samples(log.rate_hz) if log.stored else 0
-    settle = min(max(low_pass.settle_samples, stored_settle), log.samples // 10)
+    settle = min(_settle_samples(log, low_pass), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
     turning = binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool))
     motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
@@ -203,13 +202,16 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
 
 def left_out_samples(log: Log, low_pass: LowPass) -> NDArray[np.bool_]:
     """(T,) within `Log.left_out`, or so near that the low-pass carries it there."""
-    stored = log.stored.settle_samples(log.rate_hz) if log.stored else 0
-    settle = max(low_pass.settle_samples, stored)
-    near = settle / log.rate_hz
+    near = _settle_samples(log, low_pass) / log.rate_hz
     found = np.zeros(log.samples, dtype=bool)
     for start, stop in log.left_out:
         found |= (log.time > start - near) & (log.time < stop + near)
     return found
+
+
+def _settle_samples(log: Log, low_pass: LowPass) -> int:
+    """Of the slower of both low-passes, the one before the log was stored and this."""
+    return max(low_pass.settle_samples, log.stored.settle_samples(log.rate_hz) if log.stored else 0)
 
 
 def require_even_clock(log: Log) -> None:
