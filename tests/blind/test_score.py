@@ -75,6 +75,8 @@ def test_a_perfect_evaluation_gets_everything(tmp_path: Path) -> None:
     found = score(benchmark(tmp_path, PERFECT))
     assert (found["cases"], found["missing"], found["failed"]) == (5, 0, [])
     assert found["visible"]["n"] == found["visible"]["top1"] == found["visible"]["exact"] == 1
+    assert found["visible_without_clutter"]["top1"] == 1
+    assert found["visible_with_clutter"]["n"] == 0
     assert found["all"]["n"] == found["all"]["top1"] == found["all"]["top3"] == 2
     assert found["with_clutter"]["n"] == found["without_clutter"]["n"] == 1
     assert found["clean"]["n"] == 2
@@ -132,7 +134,8 @@ def test_an_evaluation_that_says_nothing_raises_no_alarm_and_finds_nothing(tmp_p
     assert found["all"]["top1"] == found["all"]["top3"] == found["clean"]["false_alarms"] == 0
     assert found["all"]["silent"] == 2
     assert found["restored"]["n"] == found["wrong_names"]["n"] == 0
-    assert "0 of 2" in score_text(found)
+    assert "0 of 2 (0 %, below 78 %)" in score_text(found)
+    assert found["interval_95"]["clean"]["false_alarms"] == [0.0, pytest.approx(1.0 - 0.05**0.5, abs=1e-4)]
 
 
 def test_the_right_effect_at_the_wrong_place_is_wrong(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from exogauge.blind.answers import read_answers
+from exogauge.blind.interval import intervals
 from exogauge.blind.verdict import Verdict, verdict
 from exogauge.errors import BadInput, Fault
 
@@ -34,6 +35,11 @@ def score(out: Path) -> dict[str, Any]:
 
 def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     """`visible` and `all` are of cases in which one effect is hidden; what else each key means is in docs/blind.md."""
+    found = _counts(verdicts)
+    return {**found, "interval_95": intervals(found)}
+
+
+def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     single = [each for each in verdicts if len(each.truth) == 1]
     pairs = [each for each in verdicts if len(each.truth) > 1]
     clean = [each for each in verdicts if not each.truth]
@@ -45,6 +51,8 @@ def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
         "cases": len(verdicts),
         "failed": [each.case for each in verdicts if each.error],
         "visible": _named_right([each for each in single if each.visible]),
+        "visible_without_clutter": _named_right([each for each in single if each.visible and not each.clutter]),
+        "visible_with_clutter": _named_right([each for each in single if each.visible and each.clutter]),
         "all": _named_right(single),
         "without_clutter": _named_right([each for each in single if not each.clutter]),
         "with_clutter": _named_right([each for each in single if each.clutter]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from exogauge.blind.interval import in_words, interval_95
 from exogauge.terminal import text_table
 
 
@@ -28,6 +29,8 @@ def _head(found: Mapping[str, Any]) -> str:
 def _right(found: Mapping[str, Any]) -> str:
     rows = {
         "visible (three noise floors)": found["visible"],
+        "visible, no clutter": found["visible_without_clutter"],
+        "visible, clutter": found["visible_with_clutter"],
         "all": found["all"],
         "all, no clutter": found["without_clutter"],
         "all, clutter": found["with_clutter"],
@@ -79,8 +82,12 @@ def _confusion(entries: list[Mapping[str, Any]]) -> str:
 
 
 def _share(count: int, n: int) -> str:
-    return f"{100.0 * count / n:.0f} %" if n else "–"
+    """`93 % (88-96)`, the interval of 95 %."""
+    if not n:
+        return "–"
+    low, high = interval_95(count, n)
+    return f"{100.0 * count / n:.0f} % ({100.0 * low:.0f}-{100.0 * high:.0f})"
 
 
 def _of(count: int, n: int) -> str:
-    return f"{count} of {n} ({_share(count, n)})" if n else "–"
+    return f"{count} of {n} ({in_words(count, n)})" if n else "–"

@@ -97,7 +97,8 @@ def row_sizes(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> A
 def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weights: Array) -> Prior:
     """The uniform weights of [Evaluator] (16)-(17): one for φ, one for each kind of joint parameter.
 
-    Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j). All w are 1 here, the
+    Differs from print: Λ_T is what (19) calls Λ_ξ; (18) is Σ (Y_o^T W_o Y_o + Y_j^T W_j Y_j), and what a sensor inside
+    the robot says of φ adds to it, but not to N_T σ_max(W_j), which is of joint rows alone. All w are 1 here, the
     common factor is the prior's strength; reflected inertia weighs like viscous friction, by its own Λ. An effect that
     no row sees (no torque was logged) keeps the spread of `per_parameter`.
     """
@@ -108,7 +109,8 @@ def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weigh
     own = len(equations.robot.joints) * K
     information = np.diag(G)[B : B + own].reshape(-1, K).max(axis=0)  # σ_max of Λ_T, Λ_d, both diagonal
     signs = [k for k, effect in enumerate(equations.effects) if effect.coefficient.name in ("tau_c", "tau_s", "tau_o")]
-    information[signs] = statistics.count.max() * weights[equations.first_axis :].max()
+    joints = slice(equations.first_axis, equations.first_axis + len(equations.robot.joints))  # in steady motion
+    information[signs] = statistics.count[joints].max() * weights[joints].max()  # N_T σ_max(W_j)
     std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
     uniform = np.tile(1.0 / np.sqrt(np.where(information > 0.0, information, 1.0)), len(equations.robot.joints))
     seen = np.tile(information > 0.0, len(equations.robot.joints))
