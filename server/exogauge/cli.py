@@ -13,13 +13,13 @@ from typing import TypeAlias
 from exogauge import __version__
 from exogauge.errors import ExogaugeError
 
-BAD_INPUT = 2
+INCOMPLETE, BAD_INPUT = 1, 2
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 SHOWN_FINDINGS = 5  # of one sort, unless it is an error
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command. 0: done. 2: the input or the installation is not usable, and the message says why."""
+    """Run one command. 0: done. 1: not all of it. 2: input or installation not usable, and the message says why."""
     options = parser().parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(name)s: %(message)s", force=True)
@@ -173,24 +173,29 @@ def _add_service_commands(commands: Commands) -> None:
 
 
 def run_study(options: argparse.Namespace) -> int:
+    """2 when the data hold no answer for a step behind the identification, 1 when such a step failed unexpectedly."""
     from exogauge.studies.evaluate import evaluate
     from exogauge.terminal import bar
 
     with bar("run") as progress:
-        evaluate(options.study, options.out, progress)
+        failed = evaluate(options.study, options.out, progress)
     print(f"{options.out / 'report.html'}\n{options.out / 'results.json'}")
-    return 0
+    for each in failed:
+        print(f"exogauge run: {each.sentence}", file=sys.stderr)
+    return 0 if not failed else BAD_INPUT if all(each.expected for each in failed) else INCOMPLETE
 
 
 def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
+    from exogauge.studies.admit import admit
     from exogauge.studies.examine_logs import examine_logs as examined
     from exogauge.studies.notices import by_sort
-    from exogauge.studies.open import open_study, read_recordings, read_worn
+    from exogauge.studies.open import open_study
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
-        sorts = by_sort(examined(study.robot, [*read_recordings(study), *read_worn(study)]))
+        logs = admit(study)
+        sorts = by_sort(examined(study.robot, [*logs.recordings, *logs.worn]))
     columns = ("log", "channel", "row", "detail")
     for sort in sorts:
         most = len(sort.each) if options.all or sort.severity == "error" else SHOWN_FINDINGS

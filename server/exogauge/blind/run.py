@@ -99,7 +99,8 @@ def _evaluate(out: Path, case: str, code: str) -> None:
     folder = Path(tempfile.mkdtemp(prefix="exogauge-blind-"))
     start, processor, result, error = time.perf_counter(), time.process_time(), dict[str, Any](), None
     try:
-        evaluate(out / case / "study.yaml", folder, lambda share, what: None)
+        failed = evaluate(out / case / "study.yaml", folder, lambda share, what: None)
+        error = "\n".join(each.sentence for each in failed) or None
         result = json.loads((folder / "results.json").read_bytes())
     except Exception as problem:
         error = f"{type(problem).__name__}: {problem}"

@@ -63,7 +63,7 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
             add("scaled", body, np.array([BROAD_SHARE]))
     driven = [a for a, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
     places = gain_columns(model.equations)
-    if not scale_is_known(model.robot) or not places:
+    if not driven or not places or not scale_is_known(model.robot):
         return numbers, rows.letting_go()
     logged = list[tuple[int, float]]()
     for axis in driven:

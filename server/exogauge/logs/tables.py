@@ -98,7 +98,7 @@ def read_names(table: Table) -> tuple[str, ...]:
 
 def as_vector(values: RawArray, file: str, column: str) -> RawArray:
     """(T,) from (T,), (1, T) or (T, 1)."""
-    flat = np.squeeze(values)
+    flat = np.atleast_1d(np.squeeze(values))
     if flat.ndim == 1:
         return flat
     raise BadLog(

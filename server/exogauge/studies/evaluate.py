@@ -19,15 +19,17 @@ from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import missing_effects
-from exogauge.errors import BadInput, BadStudy, PhysicallyImpossible
+from exogauge.errors import BadInput, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
 from exogauge.robots.export import export_urdf
+from exogauge.studies.admit import admit
 from exogauge.studies.before_after import before_after
 from exogauge.studies.contract import STEPS
 from exogauge.studies.examine_logs import examine_logs
-from exogauge.studies.open import Study, open_study, read_recordings, read_worn
+from exogauge.studies.failed_step import FailedStep, keeping, told
+from exogauge.studies.open import Study, open_study
 from exogauge.studies.planned_motions import PLANNED, file_name, motion_table, planned_files
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
@@ -37,7 +39,6 @@ from exogauge.studies.study_record import study_record
 from exogauge.studies.summary_page import summary_page
 from exogauge.studies.support_results import support_table
 from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
-from exogauge.support.motions import require_same_motions
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -47,74 +48,84 @@ PARAMETERS, VALIDATION, SUPPORT, STIFFNESS = "parameters.csv", "validation.csv",
 NOT_ASKED_FOR = "not asked for"
 
 
-def evaluate(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
+def evaluate(
+    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+) -> tuple[FailedStep, ...]:
     """Evaluate the study at `path` (study.yaml, folder or zip) into the folder `out`: every step its files allow.
 
-    settings: override those of study.yaml. progress may raise `Cancelled`. results.json is removed first and written
-    last: where it stands, everything beside it belongs to it.
+    settings: override those of study.yaml. progress may raise `Cancelled`. An older result is removed first and
+    results.json written last: where it stands, everything beside it belongs to it. A step behind the identification
+    that fails keeps what was found before it; those that failed are returned, and told in results.json.
     """
-    _evaluate(path, out, progress, settings, STEPS)
+    return _evaluate(path, out, progress, settings, STEPS)
 
 
-def evaluate_support(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
+def evaluate_support(
+    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+) -> tuple[FailedStep, ...]:
     """As `evaluate`, up to the supporting torque."""
-    _evaluate(path, out, progress, settings, ("identify", "support"))
+    return _evaluate(path, out, progress, settings, ("identify", "support"))
 
 
-def evaluate_stiffness(path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None) -> None:
+def evaluate_stiffness(
+    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+) -> tuple[FailedStep, ...]:
     """As `evaluate`, up to the stiffness of the bands."""
-    _evaluate(path, out, progress, settings, ("identify", "support", "stiffness"))
+    return _evaluate(path, out, progress, settings, ("identify", "support", "stiffness"))
 
 
 def _evaluate(
     path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None, asked: Sequence[str]
-) -> None:
+) -> tuple[FailedStep, ...]:
+    withdraw(out)
     progress(0.0, "opening the study")
     with open_study(path, settings) as study:
         steps = tuple(step if step.step in asked else replace(step, skipped=NOT_ASKED_FOR) for step in study.steps)
         doing = {step.step for step in steps if step.skipped is None}
         progress(0.02, "reading the logs")
-        recordings = read_recordings(study)
-        worn = read_worn(study) if "support" in doing else []
-        plain = _plain(study, recordings)
-        if worn:
-            progress(0.08, "comparing the motions with and without the device")
-            _require_same_motions(study, worn, plain)
+        logs = admit(study, worn="support" in doing, progress=progress)
+        recordings, worn, plain = logs.recordings, logs.worn, logs.plain
         progress(0.10, "examining the logs")
         findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
         spans = _spans(bool(worn), "discrepancy" in doing)
         found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+        failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
         plain_now: Sequence[PlainLog] = plain
         worn_now: Sequence[WornLog] = worn
         if "discrepancy" in doing:
-            missing = find_missing_effects(
-                first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
-            )
-            discrepancy, found = missing.discrepancy, missing.identification
-            plain_now, worn_now = _plain(study, missing.recordings), filtered_alike(worn, missing.recordings)
+            with keeping(failed, "discrepancy"):
+                missing = find_missing_effects(
+                    first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
+                )
+                alike = filtered_alike(worn, missing.recordings)
+                discrepancy, found = missing.discrepancy, missing.identification
+                plain_now, worn_now = logs.as_plain(missing.recordings), alike
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
-            span, twice = spans["support"](progress), discrepancy is not None and found is not first
-            begin = _part(0.0, 0.5, "", span) if twice else span
-            gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
-            support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
-            if discrepancy is not None and twice:
-                again = _part(0.5, 1.0, "without what was named, ", span)
-                earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
-                discrepancy = replace(discrepancy, before_after=before_after(earlier, (support, stiffness)))
-            if discrepancy is not None:
-                discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
+            with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
+                span, twice = spans["support"](progress), discrepancy is not None and found is not first
+                begin = _part(0.0, 0.5, "", span) if twice else span
+                gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
+                support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
+                if discrepancy is not None:
+                    with keeping(failed, "discrepancy"):
+                        if twice:
+                            again = _part(0.5, 1.0, "without what was named, ", span)
+                            earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
+                            difference = before_after(earlier, (support, stiffness))
+                            discrepancy = replace(discrepancy, before_after=difference)
+                        discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,
             robot=study.robot,
             settings=study.settings,
-            steps=steps,
+            steps=told(steps, failed),
             inputs=study.bundle.inputs,
             findings=findings,
             identification=found,
-            warnings=study.device_warnings,
+            warnings=(*study.device_warnings, *(each.sentence for each in failed)),
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),
@@ -124,6 +135,7 @@ def _evaluate(
         )
         write(study, evaluation, out)
     progress(1.0, "done")
+    return tuple(failed)
 
 
 def _with_wear(
@@ -140,20 +152,6 @@ def _with_wear(
     beyond = look_beyond(found.model, gathered, plain, study.support_settings)
     complete = find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
     return replace(complete, findings=by_importance(complete.findings))
-
-
-def _require_same_motions(study: Study, worn: Sequence[WornLog], plain: Sequence[PlainLog]) -> None:
-    """The fault names the file, not only the log."""
-    try:
-        require_same_motions(study.robot, worn, plain, study.support_settings)
-    except BadStudy as different:
-        files = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
-        raise BadStudy([replace(fault, file=files[fault.file or ""]) for fault in different.faults]) from None
-
-
-def _plain(study: Study, recordings: Sequence[Recording]) -> list[PlainLog]:
-    motions = study.motions
-    return [PlainLog(each.log, motions[each.log.name].motion, each.held_out) for each in recordings]
 
 
 def _spans(worn: bool, discrepancy: bool) -> dict[str, Callable[[Progress], Progress]]:
@@ -240,10 +238,15 @@ def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, 
 
 def _publish(temporary: Path, out: Path) -> None:
     """Withdraw the old result, move the new files into place, results.json last."""
+    withdraw(out)
+    for path in sorted(temporary.iterdir(), key=lambda path: path.name == RESULT):
+        os.replace(path, out / path.name)
+
+
+def withdraw(out: Path) -> None:
+    """What an earlier evaluation has left in `out`, its results.json first."""
     for name in (RESULT, REPORT, PAGE_HTML, PAGE_PDF, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
         (out / name).unlink(missing_ok=True)
     for planned in out.glob(PLANNED):
         planned.unlink()
     shutil.rmtree(out / SERIES, ignore_errors=True)
-    for path in sorted(temporary.iterdir(), key=lambda path: path.name == RESULT):
-        os.replace(path, out / path.name)

@@ -31,10 +31,11 @@ MOTION_LIMITS = {"motion_doubtful": "doubtful", "motion_different": "different"}
 @final
 @dataclass(frozen=True)
 class Step:
-    """One step of a study: done, or skipped for a reason."""
+    """One step of a study: done, skipped for a reason, or failed for one."""
 
     step: str
     skipped: str | None = None
+    failed: str | None = None
 
 
 @final

@@ -102,6 +102,8 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "steps": [
             {"step": each.step, "status": "skipped", "reason": each.skipped}
             if each.skipped
+            else {"step": each.step, "status": "failed", "reason": each.failed}
+            if each.failed
             else {"step": each.step, "status": "done"}
             for each in evaluation.steps
         ],

@@ -229,7 +229,7 @@ def _unsaid(results: Mapping[str, Any], detail: Detail) -> list[str]:
     ]
     if unlike:
         said.insert(-1, f"The runs that A compares are not quite alike: {unlike[0]}{_others(unlike)}. Believe B there.")
-    skipped = [f"{each['step']} ({each['reason']})" for each in results["steps"] if each["status"] == "skipped"]
+    skipped = [f"{each['step']} ({each['reason']})" for each in results["steps"] if each["status"] != "done"]
     if skipped:
         said.insert(-1, f"Not done: {'; '.join(skipped)}.")
     kept = [*said[: detail.points - 1], said[-1]] if len(said) > detail.points else said

@@ -175,7 +175,7 @@ export type Results = {
   configuration?: Configuration;
   software: Record<string, string>;
   inputs: { file: string; sha256: string; bytes: number }[];
-  steps: { step: string; status: "done" | "skipped"; reason?: string }[];
+  steps: { step: string; status: "done" | "skipped" | "failed"; reason?: string }[];
   settings: Record<string, unknown>;
   warnings: string[];
   doctor: Doubt[];

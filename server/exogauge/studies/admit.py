@@ -1,0 +1,76 @@
+"""What a study's logs must be before anything is made of them: one place, so that `doctor` refuses what `run` does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+from exogauge.errors import BadLog, BadStudy, Fault
+from exogauge.identification.settings import Progress, Recording
+from exogauge.logs.model import Log
+from exogauge.studies.open import Study, read_recordings, read_worn
+from exogauge.support.motions import require_same_motions
+from exogauge.support.settings import PlainLog, WornLog
+
+SLOWEST_HZ = 5.0  # twice the 2.5 Hz of a slow arm's excitation; a log in ms read as s stands far below
+FASTEST_HZ = 1e5  # no drive is sampled faster; a log in s read as ms or µs stands above
+SHORTEST_S = 1.0  # less holds no motion of a joint and its return
+
+
+@final
+@dataclass(frozen=True)
+class Admitted:
+    """The logs of a study as they are used; motions: name of each log's motion."""
+
+    study: Study
+    recordings: list[Recording]
+    worn: list[WornLog]
+
+    @property
+    def plain(self) -> list[PlainLog]:
+        return self.as_plain(self.recordings)
+
+    def as_plain(self, recordings: Sequence[Recording]) -> list[PlainLog]:
+        motions = self.study.motions
+        return [PlainLog(each.log, motions[each.log.name].motion, each.held_out) for each in recordings]
+
+
+def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction, _phrase: None) -> Admitted:
+    """Every log that is read, and none that nothing can be made of. worn: those with a device too.
+
+    Raises BadLog for a column that is missing and a clock that cannot be right, BadStudy for motions with the device
+    that no log without it shows.
+    """
+    logs = Admitted(study, read_recordings(study), read_worn(study) if worn else [])
+    files = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
+    every = [*(each.log for each in logs.recordings), *(each.log for each in logs.worn)]
+    faults = [replace(fault, file=files[log.name]) for log in every for fault in impossible_clock(log)]
+    if faults:
+        raise BadLog(faults)
+    if logs.worn:
+        progress(0.08, "comparing the motions with and without the device")
+        try:
+            require_same_motions(study.robot, logs.worn, logs.plain, study.support_settings)
+        except BadStudy as different:  # the fault names the file, not only the log
+            raise BadStudy([replace(fault, file=files[fault.file or ""]) for fault in different.faults]) from None
+    return logs
+
+
+def impossible_clock(log: Log) -> list[Fault]:
+    """A log too short to move in, or a rate at which no robot is logged: then the unit of time is the suspect."""
+    if log.samples < 2:
+        detail, advice = f"log {log.name!r} has {log.samples} samples", "Record at least some seconds of motion."
+        return [Fault(detail, "too_short", advice, column="t", value=str(log.samples))]
+    rate, seconds = log.rate_hz, float(log.time[-1] - log.time[0])
+    said = f"{log.samples} samples over {seconds:.4g} s, {rate:.3g} Hz"
+    if rate < SLOWEST_HZ:
+        advice = "Is t in ms or µs? State its unit in a mapping. Otherwise log at 50 Hz or more."
+        return [Fault(f"log {log.name!r} has {said}", "rate_impossible", advice, column="t", value=f"{rate:.3g} Hz")]
+    if rate > FASTEST_HZ:
+        advice = "t is in seconds: state its unit in a mapping."
+        return [Fault(f"log {log.name!r} has {said}", "rate_impossible", advice, column="t", value=f"{rate:.3g} Hz")]
+    if seconds < SHORTEST_S:
+        advice = "Record at least some seconds of motion, or state the unit of t in a mapping."
+        return [Fault(f"log {log.name!r} has {said}", "too_short", advice, column="t", value=f"{seconds:.3g} s")]
+    return []
