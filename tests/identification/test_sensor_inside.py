@@ -144,7 +144,13 @@ def test_a_sign_stated_wrongly_is_seen_at_once(identified: Identify) -> None:
     _, found = identified([wrist("sensor_on_payload")], made_with=[wrist("payload_on_sensor")])
     fit = next(each for each in found.validation if each.held_out and each.channel == "ft.wrist.fz")
     assert fit.rmse_prior > 50.0 * fit.noise_floor
-    assert named(found)["m[tool]"].value < 0.0
+    (warning,) = [each for each in found.warnings if "negative mass of tool" in each]
+    assert "sign of a sensor" in warning
+    assert named(found)["m[tool]"].value > 0.0  # a body all the same
+
+
+def test_a_sign_stated_rightly_is_not_doubted(on_wrist: Identified) -> None:
+    assert not [each for each in on_wrist[1].warnings if "negative mass" in each]
 
 
 def test_held_out_readings_are_predicted_down_to_their_noise(on_wrist: Identified) -> None:

@@ -61,6 +61,7 @@ def solve_physical(
     *,
     weight: float | Array | None = None,
     held: BoolArray | None = None,
+    names: tuple[str, ...] = (),
     tolerance: float = 1e-4,
     max_iterations: int = 100,
 ) -> PhysicalSolution:
@@ -69,6 +70,7 @@ def solve_physical(
     R: (M, 10 N + K) any matrix, columns [phi_0 … phi_{N-1}, other]. z: (M,). phi_ref: (N, 10) a-priori bodies.
     weight: scalar or (N,), in units of R's squared rows; None (or 0 for a body) = the distance is only a barrier.
     held: (N,) bodies kept at phi_ref; bodies without any mass or inertia in phi_ref are always held.
+    names: of the bodies, in what is said of them; default: their numbers from 0.
     tolerance: how far above its minimum the objective may end, in units of R's squared rows (squared standard
     deviations); at the default nobody can tell the two apart.
 
@@ -81,7 +83,7 @@ def solve_physical(
         raise ValueError(f"R {R.shape}, z {z.shape} and {bodies} bodies do not fit together")
     warnings: list[str] = []
     held = np.all(phi_ref == 0, axis=1) | (np.zeros(bodies, bool) if held is None else held)
-    reference = _possible_references(phi_ref, held, warnings)
+    reference = _possible_references(phi_ref, held, names or tuple(str(k) for k in range(bodies)), warnings)
     free = ~held
 
     R_phi, R_other = R[:, : 10 * bodies].reshape(-1, bodies, 10), R[:, 10 * bodies :]
@@ -101,8 +103,8 @@ def solve_physical(
         excess += barrier * float(np.sum(4 + np.abs(distance[free]))) if free.any() else 0.0
     if not converged:
         warnings.append(
-            f"the search among possible bodies stopped after {iterations} steps, {excess:.2g} squared standard "
-            f"deviations above the minimum at most; {tolerance:.2g} was asked for"
+            f"The search among possible bodies stopped after {iterations} steps, {excess:.2g} squared standard "
+            f"deviations above the minimum at most; {tolerance:.2g} was asked for."
         )
     other = _least_squares_others(R_other, z_free - np.einsum("mnp,np->m", R_phi[:, free], phi[free]), warnings)
     x = np.concatenate([phi.ravel(), other])
@@ -110,20 +112,20 @@ def solve_physical(
     return PhysicalSolution(phi, other, x, cost, distance, margin, held, excess, iterations, converged, tuple(warnings))
 
 
-def _possible_references(phi_ref: Array, held: BoolArray, warnings: list[str]) -> Array:
-    massless = np.flatnonzero(~held & (phi_ref[:, 0] <= 0))
-    if len(massless):
+def _possible_references(phi_ref: Array, held: BoolArray, names: tuple[str, ...], warnings: list[str]) -> Array:
+    massless = [names[k] for k in np.flatnonzero(~held & (phi_ref[:, 0] <= 0))]
+    if massless:
         raise PhysicallyImpossible(
-            f"bodies {massless.tolist()} have no positive mass before identification: give one, or hold them",
-            [str(i) for i in massless],
+            f"these bodies have no positive mass before identification: {', '.join(massless)}; give one, or hold them",
+            massless,
         )
     reference = phi_ref.copy()
     reference[~held] = nearest_possible(phi_ref[~held])
-    raised = np.flatnonzero(np.any(reference != phi_ref, axis=1))
-    if len(raised):
+    raised = [names[k] for k in np.flatnonzero(np.any(reference != phi_ref, axis=1))]
+    if raised:
         warnings.append(
-            f"the a-priori inertia of bodies {raised.tolist()} is not physically possible, or nearly not: "
-            "the nearest possible one is the reference instead"
+            f"The a-priori inertia of {', '.join(raised)} is not physically possible, or nearly not: "
+            "the nearest possible one is the reference instead."
         )
     return reference
 
@@ -156,6 +158,6 @@ def _least_squares_others(R_other: Array, z: Array, warnings: list[str]) -> Arra
     if rank < R_other.shape[1]:
         warnings.append(
             f"{R_other.shape[1] - int(rank)} combinations of the non-inertial parameters are decided by nothing: "
-            "the smallest values are given"
+            "the smallest values are given."
         )
     return np.asarray(other, dtype=np.float64)

@@ -17,7 +17,7 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.model import AxisSizes, RobotModel
 from exogauge.identification.noise_bias import known_noise, noise_bias
 from exogauge.identification.parameters import describe, scale_is_known
-from exogauge.identification.physical import possible_parameters
+from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import added_std, per_parameter, scales
@@ -91,7 +91,7 @@ def identify(
     doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
     covariance = solution.prior.lift_covariance(doubt)
     solution.solved.shift(-bias)
-    standard, notes = _standard_parameters(equations, prior, solution, settings, progress)
+    standard, notes = _standard_parameters(equations, prior, solution, covariance, settings, progress)
     warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     known_floors = extension.noise_floors if extension else {}
@@ -136,13 +136,21 @@ def identify(
 
 
 def _standard_parameters(
-    equations: Equations, prior: Prior, solution: Solution, settings: Settings, progress: Progress
+    equations: Equations,
+    prior: Prior,
+    solution: Solution,
+    covariance: Array,
+    settings: Settings,
+    progress: Progress,
 ) -> tuple[Array, tuple[str, ...]]:
     """(S,) [φ; ξ], with static friction filled in and every link possible where that is asked for; and notes."""
     standard, notes = solution.solved.prior.lift(solution.solved.x), tuple[str, ...]()
     if settings.consistency == "physical":
         progress(0.8, "making every link physically possible")
-        standard, notes = possible_parameters(equations.robot, solution.solved)
+        std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        free, robot = standard, equations.robot
+        standard, notes = possible_parameters(robot, solution.solved)
+        notes = (*notes, *asked_for_negative_mass(robot, free, std))
     x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
     phi = standard[: equations.robot.tree.phi.size]
     return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes

@@ -12,6 +12,8 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
+SURE = 3.0  # standard deviations below zero: the data ask for a negative mass
+
 
 def possible_parameters(robot: Robot, solved: PriorLeastSquares) -> tuple[Array, tuple[str, ...]]:
     """((S,) [φ; ξ], warnings). Links are tied to the maker's by a log-det distance, joints as in the free solution.
@@ -27,8 +29,29 @@ def possible_parameters(robot: Robot, solved: PriorLeastSquares) -> tuple[Array,
     target = np.concatenate([solved.target, belief[:, inertial:] @ prior.mean[own]])
     rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
     found = solve_physical(
-        np.vstack([data, belief]), target, robot.tree.phi, weight=solved.strength / (2.0 * np.maximum(rho, 1e-3) ** 2)
+        np.vstack([data, belief]),
+        target,
+        robot.tree.phi,
+        weight=solved.strength / (2.0 * np.maximum(rho, 1e-3) ** 2),
+        names=robot.tree.bodies,
     )
     standard = prior.mean.copy()
     standard[columns] = found.x
     return standard, found.warnings
+
+
+def asked_for_negative_mass(robot: Robot, free: Array, std: Array) -> tuple[str, ...]:
+    """A warning for links that the data alone would give a negative mass: then no possible body explains them.
+
+    free, std: (S,) [φ; ξ] as the data and the prior have it without the demand, and its standard deviation.
+    """
+    bodies = len(robot.tree.bodies)
+    mass, doubt = free[: 10 * bodies : 10], std[: 10 * bodies : 10]
+    negative = np.flatnonzero(mass + SURE * doubt < 0.0)
+    if not negative.size:
+        return ()
+    said = ", ".join(f"{robot.tree.bodies[k]} ({mass[k]:.3g} ± {doubt[k]:.2g} kg)" for k in negative)
+    return (
+        f"The data ask for a negative mass of {said}, which no body has: what is given is the nearest that can be, and "
+        "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",
+    )

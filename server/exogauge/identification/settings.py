@@ -31,7 +31,8 @@ class Settings:
     prior: `per_parameter` = a standard deviation for each parameter; `as_printed` = the uniform weights of
     [Evaluator] (16)-(17).
     prior_strength: factor on the prior's weight, None = chosen by error on held-out blocks of the fitted logs.
-    consistency: `free`, or `physical` = every link's pseudo-inertia positive definite.
+    consistency: `physical` = every link's pseudo-inertia positive definite, which on no recording of a real robot cost
+    any held-out error; `free` = whatever fits best, also negative masses.
     solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
     """
 
@@ -39,5 +40,5 @@ class Settings:
     effects: Sequence[str] = ("motor_gain", "viscous", "coulomb", "static_friction", "motor_offset", "rotor_inertia")
     prior: Literal["per_parameter", "as_printed"] = "per_parameter"
     prior_strength: float | None = None
-    consistency: Literal["free", "physical"] = "free"
+    consistency: Literal["free", "physical"] = "physical"
     solver: Literal["statistics", "rows"] = "statistics"
