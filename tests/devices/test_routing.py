@@ -214,6 +214,16 @@ def test_wrap_is_by_how_much_the_band_turns(floating_pair):
     np.testing.assert_allclose(wrap[:, 0], np.abs(angles), atol=1e-12)
 
 
+@pytest.mark.parametrize("degrees", [5.0, 89.0, 91.0, 135.0, 175.0])
+def test_a_band_that_turns_back_wraps_by_more_than_a_right_angle(floating_pair, degrees):
+    """A pulley that sends it back the way it came is 180 degrees, not none; a law of friction grows with it."""
+    turn = np.radians(degrees)
+    way = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1 + 0.3 * np.cos(turn), 0.0, 0.3 * np.sin(turn)))
+    band = Band("back", "b", tuple(ViaPoint("arm", xyz) for xyz in way))
+    wrap = Routing(floating_pair.tree, [band]).segments(np.zeros((2, len(floating_pair.tree.joints))), 0).wrap
+    np.testing.assert_allclose(np.degrees(wrap), [[degrees]] * 2, atol=1e-9)
+
+
 def test_unknown_links_and_short_bands_are_all_named(talos):
     bands = [
         Band("one", "a", (ViaPoint("torso_2_lnik", (0, 0, 0)), ViaPoint("base_link", (0, 0, 0)))),

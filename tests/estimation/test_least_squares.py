@@ -141,3 +141,43 @@ def test_a_weak_belief_keeps_its_digits_where_the_data_say_nothing():
     data = SquareRoot(R, R @ rng.normal(size=10), 0.0)
     x = PriorLeastSquares(data, Prior(mean, np.ones(10), np.eye(10)), strength=1e-14).x
     assert np.abs(null_space(R).T @ (x - mean)).max() < 1e-10
+
+
+@pytest.mark.parametrize("strength", [0.05, 1.0, 20.0])
+def test_the_covariance_is_that_of_errors_of_the_data_and_of_the_belief_through_the_solver(strength):
+    """The estimate is linear in both: unit errors through the solver itself give its two gains, and they the sandwich.
+
+    A belief that is counted more (or less) than it is worth errs with its stated doubt all the same.
+    """
+    rng = np.random.default_rng(7)
+    R, truth = rng.normal(size=(9, SIZE)), rng.normal(size=SIZE)
+    std = rng.uniform(0.2, 2.0, size=SIZE)
+    colour = rng.normal(size=(9, 9))
+    noise = colour @ colour.T + np.eye(9)
+
+    def estimate(data_error, belief_error):
+        belief = Prior(truth + belief_error, std, np.eye(SIZE))
+        return PriorLeastSquares(SquareRoot(R, R @ truth + data_error, 0.0), belief, strength)
+
+    nothing, none = np.zeros(9), np.zeros(SIZE)
+    of_data = np.column_stack([estimate(e, none).x - truth for e in np.eye(9)])
+    of_belief = np.column_stack([estimate(nothing, e).x - truth for e in np.eye(SIZE)])
+    solved = estimate(nothing, none)
+    for meat, errors in ((None, np.eye(9)), (R.T @ noise @ R, noise)):
+        expected = of_data @ errors @ of_data.T + of_belief @ np.diag(std**2) @ of_belief.T
+        np.testing.assert_allclose(solved.covariance(meat), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_a_bias_is_taken_off_the_solution_and_off_what_the_data_alone_answer():
+    rng = np.random.default_rng(8)
+    R, z, step = rng.normal(size=(9, SIZE)), rng.normal(size=9), rng.normal(size=SIZE)
+    std = np.ones(SIZE)
+    std[4] = 0.0  # known, and stays
+    solved = PriorLeastSquares(SquareRoot(R, z, 0.0), Prior(rng.normal(size=SIZE), std, np.eye(SIZE)), 0.7)
+    before = solved.x.copy(), np.linalg.lstsq(solved.information, solved.target, rcond=None)[0]
+    solved.shift(step)
+    alone = np.linalg.lstsq(solved.information, solved.target, rcond=None)[0]
+    free = np.delete(np.arange(SIZE), 4)
+    np.testing.assert_allclose(alone - before[1], step[free], atol=1e-12)
+    np.testing.assert_allclose((solved.x - before[0])[free], step[free], atol=1e-12)
+    assert solved.x[4] == before[0][4]

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,27 @@ def test_the_sign_of_static_friction_is_found_from_the_residual(make_truth, make
     values = by_name(fit(truth, make_log, noise=0.5))
     for joint, tau_s in zip(("j1", "j2", "j3"), truth.xi["tau_s"], strict=True):
         assert values[f"tau_s[{joint}]"].value == pytest.approx(tau_s, rel=0.1)
+
+
+def test_friction_that_held_less_in_one_log_is_told_as_a_lower_bound(make_truth, make_log):
+    """The second joint is held by a third of what it could: [Evaluator] (8) does not hold there."""
+    truth = make_truth(floating=False, actuation="torque", seed=6)
+    less = replace(truth, xi={**truth.xi, "tau_s": truth.xi["tau_s"] * [1.0, 0.3, 1.0]})
+
+    def tau_s(*truths):
+        recordings = [Recording(make_log(each, 1 + k, noise=4.0), False) for k, each in enumerate(truths)]
+        found = identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
+        doubted = " ".join(text.rsplit(" at ", 1)[1] for text in found.warnings if "lower bound" in text)
+        return by_name(found)["tau_s[j2]"], doubted
+
+    same, doubted = tau_s(truth, truth)
+    assert same.identifiable
+    assert same.value == pytest.approx(truth.xi["tau_s"][1], rel=0.1)
+    assert "j2" not in doubted
+    varying, doubted = tau_s(truth, less)
+    assert not varying.identifiable
+    assert varying.value < 0.9 * truth.xi["tau_s"][1]
+    assert "j2" in doubted
 
 
 def test_currents_alone_on_a_fixed_robot_do_not_fix_the_scale(make_truth, make_log):

@@ -5,11 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt, sosfiltfilt
+from tests.sensor_arm import describe, record, true_phi, wrist
 
+from exogauge.effects.catalogue import choose
+from exogauge.identification.equations import Equations
+from exogauge.identification.predict import Parameters, predicted_channels
 from exogauge.identification.preparation import prepare
+from exogauge.identification.sensor_zero import zero_columns
+from exogauge.identification.settings import Settings
 from exogauge.identification.turns import RestDetection, TurnsOf
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
+from exogauge.robots.base_parameters import find_base_parameters
+from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.row_blocks import row_blocks
 
 RATE = 200.0
 SHAPES = [StoredPass(2.0, 1, True), StoredPass(4.0, 3, True), StoredPass(3.0, 2, False)]
@@ -98,3 +107,58 @@ def test_the_load_of_low_passed_motion_is_made_up_to_the_low_passed_load(arm, st
 def test_a_log_that_nothing_low_passed_lacks_nothing(arm):
     q, _, _ = waves(np.arange(2000) / RATE)
     assert not prepare(arm.robot, low_passed(q, SHAPES[0]), 10.0, REST).smeared.any()
+
+
+@pytest.mark.parametrize("stored", SHAPES)
+def test_a_low_passed_load_is_explained_by_rows_and_by_predictions_with_its_smear(arm, stated_loads, stored):
+    """At the true parameters, of the bodies as stated and no friction, nothing is left; without the smear, some is."""
+    q, v, a = waves(np.arange(6000) / RATE)
+    log = low_passed(q, stored)
+    torque = passed(stored, stated_loads(q, v, a))
+    channels = {**log.channels, **{f"tau.{name}": torque[:, j] for j, name in enumerate(NAMES)}}
+    prepared = prepare(arm.robot, replace(log, channels=channels, stored=stored), 10.0, REST)
+    base = find_base_parameters(arm.robot.tree)
+    rows = row_blocks(arm.robot.tree, base, arm.robot.axes_from_joints)
+    equations = Equations(arm.robot, rows, base, choose(Settings().effects))
+    xi = np.zeros((2, len(equations.effects)))
+    xi[:, [effect.name for effect in equations.effects].index("motor_gain")] = 1.0
+    x = np.concatenate([base.regroup @ arm.robot.tree.phi.ravel(), xi.ravel()])
+    truth = Parameters(arm.robot.tree.phi, xi)
+
+    def left(of):
+        used = slice(40, -40)  # of the kept samples, away from what filters do at the ends
+        residual = equations.residuals(of, x)[used, :2]
+        predicted = predicted_channels(equations, of, truth)
+        apart = np.column_stack([predicted[f"tau.{name}"] for name in NAMES]) - torque
+        return np.std(residual[np.abs(residual).max(axis=1) > 0.0]), np.std(apart[INSIDE])
+
+    explained, without = left(prepared), left(replace(prepared, smeared=0.0 * prepared.smeared))
+    assert explained[0] < 0.2 * without[0]
+    assert explained[1] < 0.2 * without[1]
+
+
+def test_a_low_passed_reading_of_a_sensor_inside_is_explained_with_its_smear(tmp_path):
+    """Bodies are off by a tenth from what is stated, and so is the smear: a good part of it has to go all the same."""
+    stored, sensor = StoredPass(2.0, 2, False), wrist()
+    robot, log = describe(tmp_path, [sensor]), record(5, [sensor], 20.0, noise=0.0)
+    channels = {name: filtered(values, 2.0, log.rate_hz) for name, values in log.channels.items()}
+    at_rest = RestDetection(40.0, np.full(len(robot.joints), 2e-3))
+    prepared = prepare(robot, replace(log, channels=channels, stored=stored), 6.0, at_rest)
+    base = find_base_parameters(robot.tree)
+    cuts = [CutRows(robot.tree, base, each.frame) for each in robot.cuts]
+    rows = row_blocks(robot.tree, base, robot.axes_from_joints)
+    equations = Equations(robot, rows, base, choose(Settings().effects), tuple(zero_columns(robot)), cuts)
+    x = np.zeros(equations.size)
+    x[: equations.base_size] = base.regroup @ true_phi(robot.tree.bodies, [sensor.frame]).ravel()
+    x[-6:] = sensor.zero
+
+    def left(of):
+        return np.std(equations.residuals(of, x)[60:-60, equations.first_cut :], axis=0)
+
+    explained, without = left(prepared), left(replace(prepared, smeared=0.0 * prepared.smeared))
+    assert np.all(explained < 0.5 * without)
+
+
+def filtered(values, hz, rate_hz):
+    sections = butter(2, hz, fs=rate_hz, output="sos")
+    return sosfiltfilt(sections, values - values[0]) + values[0]

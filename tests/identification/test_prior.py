@@ -11,10 +11,11 @@ from tests.sensor_arm import JOINTS, describe, record, wrist
 
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
+from exogauge.identification.identify import identify
 from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import as_printed, inertial_std, per_parameter, scales
 from exogauge.identification.sensor_zero import zero_columns
-from exogauge.identification.settings import Settings
+from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.cut_rows import CutRows
@@ -109,3 +110,17 @@ def test_inertial_spreads_are_those_of_bodies_drawn_within_what_is_stated(make_t
 def test_where_the_maker_states_no_doubt_a_quarter_is_believed(make_truth):
     robot = make_truth(False, joints=2).robot
     np.testing.assert_allclose(inertial_std(robot)[:, 0], 0.25 * robot.tree.phi[:, 0])
+
+
+def test_what_was_believed_of_a_combination_is_the_spread_of_its_parts_drawn(make_truth, make_log):
+    truth = make_truth(False, joints=2, actuation="torque")
+    found = identify(truth.robot, [Recording(make_log(truth, 1, seconds=8.0), False)], Settings(cutoff_hz=8.0))
+    draws, rng = 4000, np.random.default_rng(0)
+    parts = {p.name: p.prior + p.prior_std * rng.normal(size=draws) for p in found.parameters if not p.combination}
+    combined = [p for p in found.parameters if p.combination]
+    assert max(len(p.combination) for p in combined) >= 4
+    for each in combined:
+        drawn = sum(factor * parts[name] for name, factor in each.combination.items())
+        assert each.prior_std == pytest.approx(np.std(drawn), rel=0.06)
+        assert each.prior == pytest.approx(np.mean(drawn), abs=0.06 * each.prior_std)
+        assert each.identifiable == (each.std <= 0.5 * each.prior_std)

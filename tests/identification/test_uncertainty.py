@@ -1,9 +1,13 @@
-"""Blocks that are long against the memory of the residual."""
+"""What standard deviations are made of: blocks that are long against the residual's memory, and noise in the motion."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.uncertainty import block_length
 
 
@@ -20,3 +24,46 @@ def test_blocks_are_half_a_second_at_least_and_twelve_at_least():
     rng = np.random.default_rng(0)
     assert block_length(rng.normal(size=(10_000, 3)), 200.0) == 100
     assert block_length(np.cumsum(rng.normal(size=(1200, 3)), axis=0), 10.0) <= 100
+
+
+FRICTION = ("k_d", "tau_c", "tau_o")
+
+
+def deviations(found, truth):
+    """Of friction and offset of every joint from the truth, in their own standard deviations."""
+    joints = [joint.name for joint in truth.robot.joints]
+    known = {f"{kind}[{name}]": truth.xi[kind][j] for kind in FRICTION for j, name in enumerate(joints)}
+    return [(p.value - known[p.name]) / p.std for p in found.parameters if p.name in known]
+
+
+def test_standard_deviations_are_of_the_errors_size_where_errors_last(make_truth, make_log):
+    """A torque sensor whose error lasts 0.15 s says as much as one independent reading every 0.3 s, not as 200 a
+    second: taken for white, standard deviations are some four times too small."""
+    truth, z = make_truth(False, joints=2, actuation="torque"), []
+    log, a = make_log(truth, 1, seconds=60.0, noise=0.1), np.exp(-1.0 / (0.15 * 200.0))
+    for seed in range(6):
+        white = np.random.default_rng(seed).normal(size=(log.samples, 2))
+        error = 0.3 * lfilter([np.sqrt(1.0 - a**2)], [1.0, -a], white, axis=0)
+        torques = {f"tau.j{j + 1}": log.channels[f"tau.j{j + 1}"] + error[:, j] for j in range(2)}
+        noisy = replace(log, channels={**log.channels, **torques})
+        z += deviations(identify(truth.robot, [Recording(noisy, False)], Settings(cutoff_hz=8.0)), truth)
+    assert len(z) == 6 * 6
+    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.6
+
+
+def test_what_noise_of_the_encoders_adds_is_taken_off(make_truth, make_log):
+    """Noise of accelerations makes a rotor look lighter, the more so the less the joint accelerates; drawn six times
+    over, the mean error says how much of that is left."""
+    truth, errors = make_truth(False, joints=2, actuation="torque"), []
+    log = make_log(truth, 1, seconds=30.0, noise=0.1)
+    for seed in range(6):
+        noise = 1e-3 * np.random.default_rng(seed).normal(size=(log.samples, 2))
+        q = {f"q.j{j + 1}": log.channels[f"q.j{j + 1}"] + noise[:, j] for j in range(2)}
+        recordings = [Recording(replace(log, channels={**log.channels, **q}), False)]
+        found = identify(truth.robot, recordings, Settings(cutoff_hz=8.0, prior_strength=1e-3))
+        equations, solution = found.model.equations, found.model.solution
+        place = equations.effect_columns(1)[[effect.name for effect in equations.effects].index("rotor_inertia")]
+        errors.append(np.array([solution.unbounded.x[place], solution.solved.x[place]]) - truth.xi["J_r"][1])
+    before, after = np.mean(errors, axis=0)
+    assert before < -0.05 * truth.xi["J_r"][1]
+    assert abs(after) < 0.4 * abs(before)
