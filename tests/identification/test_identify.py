@@ -93,11 +93,11 @@ def test_the_sign_of_static_friction_is_found_from_the_residual(make_truth, make
 
 def test_friction_that_held_less_in_one_log_is_told_as_a_lower_bound(make_truth, make_log):
     """The second joint is held by a third of what it could: [Evaluator] (8) does not hold there."""
-    truth = make_truth(floating=False, actuation="torque", seed=6)
+    truth = make_truth(floating=True, seed=6)
     less = replace(truth, xi={**truth.xi, "tau_s": truth.xi["tau_s"] * [1.0, 0.3, 1.0]})
 
     def tau_s(*truths):
-        recordings = [Recording(make_log(each, 1 + k, noise=4.0), False) for k, each in enumerate(truths)]
+        recordings = [Recording(make_log(each, 1 + k, noise=3.0), False) for k, each in enumerate(truths)]
         found = identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
         doubted = " ".join(text.rsplit(" at ", 1)[1] for text in found.warnings if "lower bound" in text)
         return by_name(found)["tau_s[j2]"], doubted
