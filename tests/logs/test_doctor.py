@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
 from exogauge.logs.doctor import RULES, Expectation, JointLimits, examine
-from exogauge.logs.model import Log
+from exogauge.logs.model import Log, Note
 
 REAL = Path(__file__).resolve().parents[3] / "shared" / "data"
 RATE, SAMPLES = 200.0, 6000
@@ -287,7 +287,8 @@ def test_every_rule_speaks_in_some_case():
         time, channels = healthy(rng)
         corrupt(channels)
         bad_clock = 1.05 * np.where(time > 10.0, time + 1.0, time) + 1e-3 * rng.random(SAMPLES)
-        for log in (Log("log", time, channels), Log("bad clock", bad_clock, channels)):
+        cut = Log("cut", time, channels, notes=(Note("cut_at_gaps", "1 gap"),))
+        for log in (Log("log", time, channels), Log("bad clock", bad_clock, channels), cut):
             silent -= {rule.__name__ for rule in RULES if rule.__name__ in silent and any(rule(log, EXPECTED))}
     assert silent == set()
 

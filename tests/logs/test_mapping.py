@@ -222,6 +222,19 @@ def test_a_constant_fills_what_no_column_does_and_never_stands_in_for_one(tmp_pa
         assert [fault.rule for fault in caught.value.faults] == [rule]
 
 
+@pytest.mark.parametrize("packing", ["csv", "npz"])
+def test_what_is_wrong_outside_the_chosen_rows_does_not_matter(tmp_path: Path, packing: str) -> None:
+    columns = {"s": np.where(np.arange(T) == 1, -5.0, np.arange(T) * 0.01), "x": np.arange(float(T))}
+    columns["x"][2] = np.nan
+    path = table(tmp_path, columns)
+    if packing == "npz":
+        path = tmp_path / "log.npz"
+        np.savez(path, **columns)
+    rule, clock = column("x", "q.a", "rad"), Clock("s", "s")
+    assert np.array_equal(one(path, rule, clock=clock, rows=(4, 18)).channels["q.a"], np.arange(4.0, 18.0))
+    assert {fault.row for fault in refused(path, rule, clock=clock, rows=(2, 18))} == {3}
+
+
 def test_rows_are_cut_after_time_is_counted(tmp_path: Path) -> None:
     log = one(table(tmp_path, {"x": np.arange(float(T))}), column("x", "q.a", "rad"), rows=(5, 18))
     assert log.samples == 13

@@ -105,6 +105,34 @@ def test_a_bad_cell_is_found_far_down_behind_blank_lines(tmp_path: Path) -> None
     assert (found.row, found.column, found.value) == (300_000, "q.a", "x")
 
 
+@pytest.mark.parametrize("last", ["1.2,0.", "1.2,0.3e", "1.2", "1.", "1.2,", "1.2,-"])
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_last_line_that_was_cut_off_is_left_out_and_said(tmp_path: Path, last: str, packed: bool) -> None:
+    text = PLAIN + last
+    if last == "1.2,0.":  # a number for all that anyone can know
+        assert read_log(put(tmp_path, text), "log").samples == 13
+        return
+    log = read_log(put(tmp_path, gzip.compress(text.encode(), mtime=0) if packed else text), "log")
+    assert np.array_equal(log.channels["q.a"], np.array(ROWS)[:, 1])
+    assert [note.rule for note in log.notes] == ["last_line_cut_off"]
+
+
+def test_a_short_line_elsewhere_is_no_cut_off_end(tmp_path: Path) -> None:
+    assert faults(put(tmp_path, PLAIN.replace("0.5,0.25", "0.5")))[0].rule == "ragged_row"
+    assert faults(put(tmp_path, PLAIN + "1.2,0.3,4\n"))[0].rule == "ragged_row"
+    assert faults(put(tmp_path, PLAIN + "1.2,x\n"))[0].rule == "not_a_number"
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("bad", ["oops,oops\n", "1\n", "1,2,3\n", "0,nan\n", "-1,inf\n"])
+def test_what_is_wrong_outside_the_chosen_rows_does_not_matter(tmp_path: Path, bad: str, packed: bool) -> None:
+    text = PLAIN.replace("t,q.a\n", "t,q.a\n" + bad + "\n") + bad + "9,9\n"
+    path = put(tmp_path, gzip.compress(text.encode(), mtime=0) if packed else text)
+    assert np.array_equal(read_log(path, "log", (1, 13)).channels["q.a"], np.array(ROWS)[:, 1])
+    assert faults(path)
+    assert faults(path, rows=(3, 14))[0].row in (14, None)  # counted in the file
+
+
 def test_rows_with_too_many_or_too_few_cells_are_named(tmp_path: Path) -> None:
     found = faults(put(tmp_path, PLAIN.replace("0.5,0.25", "0.5").replace("0.7,0.75", "0.7,0.75,1")))
     assert [f.row for f in found] == [6, 8]

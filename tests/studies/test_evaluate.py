@@ -6,11 +6,14 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from exogauge.errors import BadLog, Cancelled
 from exogauge.studies.evaluate import evaluate
+from exogauge.studies.open import open_study
+from exogauge.studies.recorded_motion import read_logged
 
 Rewrite = Callable[[str, str, str], Path]
 
@@ -31,6 +34,28 @@ def test_a_study_becomes_results_with_growing_progress(folder: Path, tmp_path: P
         assert "measured.base.my" in series.column_names
         assert "predicted_prior.tau.torso_pitch" in series.column_names
     assert not list((tmp_path / "out").glob(".unfinished*"))
+
+
+def test_a_recording_with_a_gap_is_evaluated_in_parts_named_by_their_rows(
+    folder: Path, tmp_path: Path, log_writer: Callable[..., None]
+) -> None:
+    path = folder / "logs" / "val_1.parquet"
+    with open_study(folder) as study:
+        log_writer(path, study.robot, samples=1200)
+    table = pq.read_table(path)
+    pq.write_table(pa.concat_tables([table.slice(0, 500), table.slice(600)]), path)
+    evaluate(folder, tmp_path / "out", lambda _fraction, _phrase: None)
+    content = json.loads((tmp_path / "out" / "results.json").read_text())
+    parts = ["val_1_0_500", "val_1_500_1100"]
+    logs = content["configuration"]["logs"]
+    assert [(each["log"], each["samples"]) for each in logs] == [("id_1", 400), (parts[0], 500), (parts[1], 600)]
+    assert {each["role"] for each in logs[1:]} == {"validation"}
+    assert {each["log"] for each in content["identification"]["validation"]} == {"id_1", *parts}
+    (told,) = [each for each in content["doctor"] if each["rule"] == "cut_at_gaps"]
+    assert (told["log"], "'val_1'" in told["detail"]) == (parts[0], True)
+    with open_study(folder) as study:
+        shown = read_logged(study.bundle, parts[1])  # for the 3D view, which asks by the names of the results
+    assert shown.log.samples == 600
 
 
 def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -> None:

@@ -68,5 +68,10 @@ def clock_has_gaps(log: Log, expected: Expectation) -> Iterator[Finding]:
             f"{int(gaps.sum())} gap(s) without samples, the longest {periods[row - 1]:.3g} s "
             f"after t = {log.time[row - 1]:.6g} s"
         )
-        advice = "cut the log there: filters and derivatives reach across a gap"
+        advice = "a study cuts the log there: filters and derivatives would reach across a gap"
         yield Finding("warning", "t", "clock_has_gaps", detail, advice, row, float(periods[row - 1]))
+
+
+def what_was_done(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for note in log.notes:
+        yield Finding("warning", "t", note.rule, note.detail, note.advice, note.row)

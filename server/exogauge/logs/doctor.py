@@ -9,6 +9,7 @@ from exogauge.logs.model import Log
 __all__ = ["Expectation", "Finding", "JointLimits", "Severity", "examine"]
 
 RULES: tuple[Rule, ...] = (
+    clock_rules.what_was_done,
     clock_rules.rate_differs,
     clock_rules.clock_jitters,
     clock_rules.clock_has_gaps,

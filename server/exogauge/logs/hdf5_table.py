@@ -16,6 +16,7 @@ import numpy as np
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import MAX_COLUMNS, check_cells
+from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, broken
 
 MAX_DEPTH = 16
@@ -32,6 +33,9 @@ _FAILURES = (OSError, RuntimeError, ValueError, KeyError, TypeError, OverflowErr
 @final
 class Hdf5Table:
     """`names` are the paths of all datasets (`group/name`); those that hold no numbers are told when read."""
+
+    part: tuple[int, int] | None = None
+    notes: tuple[Note, ...] = ()
 
     def __init__(self, path: Path, file: str) -> None:
         self.file = file

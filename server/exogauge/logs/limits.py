@@ -48,3 +48,14 @@ def check_cells(rows: int, columns: int, file: str, column: str | None = None) -
                 value=str(rows * columns),
             )
         )
+
+
+def rows_outside(rows: tuple[int, int], size: int, file: str) -> Fault:
+    """size: rows of the table."""
+    return Fault(
+        f"rows {rows[0]}:{rows[1]} are asked for, the table has {size}",
+        "rows_outside",
+        "Give start and stop within the table.",
+        file,
+        value=f"{rows[0]}:{rows[1]}",
+    )

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from exogauge.errors import BadLog, Fault
+from exogauge.logs.bursts import evened
 from exogauge.logs.channels import WRENCH_AXES, Channel, parse_channel, shorten
 from exogauge.logs.gear import joint_side
 from exogauge.logs.mapping_rules import (
@@ -22,7 +23,7 @@ from exogauge.logs.mapping_rules import (
     Wrench,
     check_rotation,
 )
-from exogauge.logs.model import Array, Log
+from exogauge.logs.model import Array, Log, Note
 from exogauge.logs.reading import cut, refuse, time_faults, value_faults
 from exogauge.logs.tables import RawArray, Table, as_vector, open_table, read_names
 from exogauge.logs.units import Unit, dimensions_of, find_unit, units_of
@@ -45,26 +46,32 @@ def read_mapped(
     """The log that `mapping` makes of the files; contract channels, SI units, joint side.
 
     paths: handed-in file name -> where it lies. joints: the robot's, in order. motor_from_joint: (J, J), motor angle
-    = matrix @ joint angle; needed where the mapping says `side: motor`. rows: (start, stop) of the resulting log.
-    Time starts at 0 with the first sample of the earliest file; files with a rate instead of a time column start
-    together. allow_gaps: keep NaN (one clock only). Raises BadLog with every fault, TooLarge.
+    = matrix @ joint angle; needed where the mapping says `side: motor`. rows: (start, stop) of the resulting log; where
+    that has the rows of one file, what is wrong with its other rows does not matter.
+    Time starts at 0 with the first sample of the earliest file (of its rows, where only they count); files with a rate
+    instead of a time column start together. allow_gaps: keep NaN (one clock only). Raises BadLog with every fault,
+    TooLarge.
     """
     matched = _match(paths, mapping)
     targets = _targets(mapping, joints)
+    alone = len(matched) == 1 and mapping.rate_hz is None
     parts = [
-        _read_file(file, path, each, targets[index], allow_gaps)
+        _read_file(file, path, each, targets[index], allow_gaps, rows if alone else None)
         for index, (each, (file, path)) in enumerate(zip(mapping.files, matched, strict=True))
     ]
-    times = _common_origin([time for time, _ in parts], mapping, [file for file, _ in matched])
-    logs = [Log(file, time, channels) for (file, _), time, (_, channels) in zip(matched, times, parts, strict=True)]
+    rows = None if alone else rows
+    times = _common_origin([time for time, _, _ in parts], mapping, [file for file, _ in matched])
+    logs = [Log(file, time, channels) for (file, _), time, (_, channels, _) in zip(matched, times, parts, strict=True)]
     log = _join(logs, mapping.rate_hz, name, allow_gaps)
+    notes = tuple(note for _, _, told in parts for note in told)
     channels = dict(joint_side(log.channels, _motor_offsets(mapping), joints, motor_from_joint))
     channels |= {channel: np.full(log.samples, value) for channel, value in mapping.constants}
     label = ", ".join(file for file, _ in matched)
     if rows is None:
         cut(log.time, None, label)
-        return Log(name, log.time, channels)
-    return Log(name, cut(log.time, rows, label), {each: cut(values, rows, label) for each, values in channels.items()})
+        return Log(name, log.time, channels, notes=notes)
+    kept = {each: cut(values, rows, label) for each, values in channels.items()}
+    return Log(name, cut(log.time, rows, label), kept, notes=notes)
 
 
 def _match(paths: Mapping[str, Path], mapping: LogMapping) -> list[tuple[str, Path]]:
@@ -171,11 +178,19 @@ def _named(rule: Rule) -> list[tuple[str, str]]:
 
 
 def _read_file(
-    file: str, path: Path, each: FileMapping, targets: Sequence[Sequence[Channel]], allow_gaps: bool
-) -> tuple[RawArray, dict[str, Array]]:
-    """(T,) time in the clock's own unit (integers stay integers) and the SI channels, still on their own side."""
-    table = open_table(path, file, each.layout)
+    file: str,
+    path: Path,
+    each: FileMapping,
+    targets: Sequence[Sequence[Channel]],
+    allow_gaps: bool,
+    rows: tuple[int, int] | None,
+) -> tuple[RawArray, dict[str, Array], tuple[Note, ...]]:
+    """(T,) time in the clock's own unit (integers stay integers), the SI channels, still on their own side, and what
+    was done to them. rows: the only ones that count; a clock without a column counts from the file's first all the
+    same."""
+    table = open_table(path, file, each.layout, rows)
     _check_columns(table, each)
+    first, left, notes = (rows[0] if rows else 0), (None if table.part else rows), table.notes
     raw = table.read(each.used, exact=(each.clock.column,) if each.clock.column else ())
     channels, faults = dict[str, Array](), list[Fault]()
     time = None if each.clock.column is None else as_vector(raw[each.clock.column], file, each.clock.column)
@@ -185,15 +200,21 @@ def _read_file(
             if time is not None and values.size != time.size:
                 detail = f"{values.size} values, but {time.size} times"
                 raise BadLog(Fault(detail, "length_differs", "", file, column=shorten(label)))
-            faults += value_faults(values, file, label, allow_gaps=allow_gaps)
-            time = np.arange(values.size, dtype=np.int64) if time is None else time
-        channels |= _convert(rule, filled, [values for _, values in components], file)
+            time = np.arange(values.size, dtype=np.int64) + (first if table.part else 0) if time is None else time
+        kept = [cut(values, left, file) for _, values in components] if rows else [values for _, values in components]
+        for (label, _), values in zip(components, kept, strict=True):
+            faults += value_faults(values, file, label, allow_gaps=allow_gaps, first=first)
+        channels |= _convert(rule, filled, kept, file)
     if time is None:
         raise BadLog(Fault("no rule reads this file", "file_not_used", "", file))
+    time = cut(time, left, file) if rows else time
     if each.clock.column is not None:
-        faults = time_faults(time, file, each.clock.column) + faults
+        if np.isfinite(time).all():
+            time, note = evened(time, _unit(each.clock.unit).factor)
+            notes = (*notes, *([note] if note else []))
+        faults = time_faults(time, file, each.clock.column, first) + faults
     refuse(faults)
-    return time, channels
+    return time, channels, notes
 
 
 def _check_columns(table: Table, each: FileMapping) -> None:

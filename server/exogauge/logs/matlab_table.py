@@ -15,6 +15,7 @@ from scipy.io.matlab import MatReadError
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_cells
+from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, broken
 
 NUMERIC = ("double", "single", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "logical")
@@ -26,6 +27,9 @@ _FAILURES = (
 
 @final
 class MatlabTable:
+    part: tuple[int, int] | None = None
+    notes: tuple[Note, ...] = ()
+
     def __init__(self, path: Path, file: str) -> None:
         self.file = file
         self._path = path

@@ -17,6 +17,17 @@ Array = NDArray[np.float64]
 
 @final
 @dataclass(frozen=True)
+class Note:
+    """What was done to a log before anything was computed from it. rule: a stable short code; row from 1."""
+
+    rule: str
+    detail: str
+    advice: str = ""
+    row: int | None = None
+
+
+@final
+@dataclass(frozen=True)
 class Log:
     """One recording, SI units, contract channel names (`q.<joint>`, `acc.x`, `ft.<sensor>.fx` …).
 
@@ -25,6 +36,7 @@ class Log:
     What is computed from such a log has to pass it as well.
     left_out: spans (from, to) [s] of its time in which something happened that is not the robot's own, such as a push:
     nothing is fitted there, and no error counted.
+    notes: what was done to it. part_of: the recording that it is a stretch of (`segments`), "" for a whole one.
     """
 
     name: str
@@ -32,6 +44,8 @@ class Log:
     channels: Mapping[str, Array]
     stored: StoredPass | None = None
     left_out: tuple[tuple[float, float], ...] = ()
+    notes: tuple[Note, ...] = ()
+    part_of: str = ""
 
     def __post_init__(self) -> None:
         if self.time.ndim != 1:
@@ -41,6 +55,11 @@ class Log:
                 raise ValueError(
                     f"channel {name!r} of log {self.name!r} has shape {values.shape}, time {self.time.shape}"
                 )
+
+    @property
+    def recording(self) -> str:
+        """The log's name in study.yaml."""
+        return self.part_of or self.name
 
     @property
     def samples(self) -> int:

@@ -14,6 +14,7 @@ from numpy.lib import format as npy_format
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_bytes, check_cells
+from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, broken
 
 LONE_ARRAY = "array"
@@ -26,6 +27,9 @@ _FAILURES = (
 @final
 class NumpyTable:
     """`names`: the arrays of the archive; the one array of an NPY file is called `array`."""
+
+    part: tuple[int, int] | None = None
+    notes: tuple[Note, ...] = ()
 
     def __init__(self, path: Path, file: str) -> None:
         self.file = file

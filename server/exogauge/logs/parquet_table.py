@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_cells
+from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, broken
 
 BATCH_ROWS = 1 << 16
@@ -22,6 +23,9 @@ _FAILURES = (pa.ArrowException, OSError, ValueError, OverflowError, KeyError, In
 
 @final
 class ParquetTable:
+    part: tuple[int, int] | None = None
+    notes: tuple[Note, ...] = ()
+
     def __init__(self, path: Path, file: str) -> None:
         self.file = file
         try:

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from exogauge.errors import BadLog, Fault
+from exogauge.logs.bursts import evened
 from exogauge.logs.channels import parse_channel, shorten, suggestion
-from exogauge.logs.limits import MAX_FAULTS, MIN_SAMPLES
+from exogauge.logs.limits import MAX_FAULTS, MIN_SAMPLES, rows_outside
 from exogauge.logs.model import Array, Log
 from exogauge.logs.tables import as_vector, open_table, read_names
 
@@ -18,27 +19,32 @@ def read_log(
 ) -> Log:
     """The log in a CSV or Parquet table of contract columns.
 
-    rows: (start, stop) of the data rows to keep, from 0, stop not included. file: the name that faults carry.
+    rows: (start, stop) of the data rows to keep, from 0, stop not included; what is wrong with others does not
+    matter. file: the name that faults carry.
     allow_gaps: keep NaN (for the doctor, who reports them) instead of refusing.
     Raises BadLog with up to 20 faults, TooLarge.
     """
     file = file or path.name
-    table = open_table(path, file)
+    table = open_table(path, file, rows=rows)
     names = read_names(table)
     _check_names(names, file)
     columns = {
         column: np.asarray(as_vector(values, file, column), np.float64) for column, values in table.read(names).items()
     }
     _check_lengths(columns, file)
-    columns = {column: cut(values, rows, file) for column, values in columns.items()}
-    first = rows[0] if rows else 0
+    left = None if table.part else rows
+    columns = {column: cut(values, left, file) for column, values in columns.items()}
+    first, notes = rows[0] if rows else 0, table.notes
+    if np.isfinite(columns["t"]).all():
+        columns["t"], note = evened(columns["t"])
+        notes = (*notes, *([note] if note else []))
     faults = time_faults(columns["t"], file, "t", first)
     for column, values in columns.items():
         if column != "t":
             faults += value_faults(values, file, column, allow_gaps=allow_gaps, first=first)
     refuse(faults)
     time = columns.pop("t")
-    return Log(name, time, columns)
+    return Log(name, time, columns, notes=notes)
 
 
 def _check_names(names: tuple[str, ...], file: str) -> None:
@@ -79,15 +85,7 @@ def cut(values: Array, rows: tuple[int, int] | None, file: str) -> Array:
     if rows is not None:
         start, stop = rows
         if not 0 <= start < stop <= values.size:
-            raise BadLog(
-                Fault(
-                    f"rows {start}:{stop} are asked for, the table has {values.size}",
-                    "rows_outside",
-                    "Give start and stop within the table.",
-                    file,
-                    value=f"{start}:{stop}",
-                )
-            )
+            raise BadLog(rows_outside(rows, values.size, file))
         values = values[start:stop]
     if values.size < MIN_SAMPLES:
         raise BadLog(

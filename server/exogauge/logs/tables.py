@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import MAX_FAULTS, check_bytes
+from exogauge.logs.model import Note
 
 RawArray = NDArray[Any]
 
@@ -34,9 +35,14 @@ class TextLayout:
 
 
 class Table(Protocol):
-    """Columns by name; nothing but names and declared sizes is read before `read`."""
+    """Columns by name; nothing but names and declared sizes is read before `read`.
+
+    part: the rows (start, stop) that it holds, where it holds no others; None for all. notes: what was left out.
+    """
 
     file: str
+    part: tuple[int, int] | None
+    notes: tuple[Note, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -52,8 +58,12 @@ class Table(Protocol):
         ...
 
 
-def open_table(path: Path, file: str, layout: TextLayout | None = None) -> Table:
-    """The table in a file. file: the name that faults carry."""
+def open_table(path: Path, file: str, layout: TextLayout | None = None, rows: tuple[int, int] | None = None) -> Table:
+    """The table in a file. file: the name that faults carry.
+
+    rows: those that are wanted. Only a text can be broken in one row and good in another, so only of a text are they
+    taken here (`Table.part`); other formats hand out all.
+    """
     size = path.stat().st_size
     check_bytes(size, file)
     if size == 0:
@@ -66,7 +76,7 @@ def open_table(path: Path, file: str, layout: TextLayout | None = None) -> Table
     _refuse_known_others(head, file)
     from exogauge.logs.text_table import TextTable
 
-    return TextTable(path, file, layout or TextLayout())
+    return TextTable(path, file, layout or TextLayout(), rows)
 
 
 def read_names(table: Table) -> tuple[str, ...]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import codecs
 import csv
+import gzip
+import io
 import re
 import zlib
 from collections.abc import Iterator, Sequence
@@ -21,11 +23,13 @@ import pyarrow.csv as pacsv
 
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
-from exogauge.logs.limits import MAX_CELLS, MAX_COLUMNS, MAX_FAULTS, check_bytes, check_cells
+from exogauge.logs.limits import MAX_CELLS, MAX_COLUMNS, MAX_FAULTS, check_bytes, check_cells, rows_outside
+from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
 
 HEAD_BYTES = 1 << 18
 BLOCK_BYTES = 1 << 20  # of text per step: fastest of those tried; a row must fit into it
+TAIL_BYTES = 1 << 16  # of the end of a file, in which its last two lines are looked for
 _ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
 _QUOTED = re.compile(r'"[^"]*"')
 _USUAL_NUMBER = {sign: re.compile(rf"[+-]?[0-9]+({re.escape(sign)}[0-9]+)?([eE][+-]?[0-9]+)?") for sign in ".,"}
@@ -34,9 +38,16 @@ _MISSING = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None",
 
 @final
 class TextTable:
-    """`names` from the header, or "1", "2", … without one; rows are counted from 1 after it, blank lines left out."""
+    """`names` from the header, or "1", "2", … without one; rows are counted from 1 after it, blank lines left out.
 
-    def __init__(self, path: Path, file: str, layout: TextLayout) -> None:
+    A last line that was cut off when the recording stopped is left out, and said in `notes`. rows: only those are
+    looked at.
+    """
+
+    part: tuple[int, int] | None = None
+    notes: tuple[Note, ...] = ()
+
+    def __init__(self, path: Path, file: str, layout: TextLayout, rows: tuple[int, int] | None = None) -> None:
         self.file = file
         self._path = path
         head, self._packed = unpacked_head(path, file, HEAD_BYTES)
@@ -64,8 +75,11 @@ class TextTable:
         if layout.header:
             _refuse_numeric_header(cells, file)
         check_cells(1, len(cells), file)
+        self._begin, self._end, self._first = 0, 0, 0  # bytes of the unpacked file; rows before them
         self._rows = self._count_rows()
         check_cells(self._rows, 1, file)
+        if rows is not None:
+            self._keep(rows)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,7 +124,7 @@ class TextTable:
 
     def _find_faults(self, index: dict[str, int]) -> list[Fault]:
         """Cells that are no number, at most `MAX_FAULTS`, with the rows that have too few or too many cells."""
-        faults, ragged, row = list[Fault](), list[Fault](), 0
+        faults, ragged, row = list[Fault](), list[Fault](), self._first
         number = pa.float64()
         try:
             for batch in self._batches(
@@ -152,10 +166,11 @@ class TextTable:
 
     def _batches(self, types: dict[str, Any], ragged: list[Fault], **convert: Any) -> Iterator[Any]:
         width = len(self._names)
+        skip = 0 if self.part else self._skip_rows
 
         def on_ragged(row: Any) -> str:
             if len(ragged) < MAX_FAULTS:
-                number = None if row.number is None else row.number - self._skip_rows
+                number = None if row.number is None else row.number - skip + self._first
                 ragged.append(
                     Fault(
                         f"the row has {row.actual_columns} cells, the table {width} columns",
@@ -174,7 +189,7 @@ class TextTable:
                 read_options=pacsv.ReadOptions(
                     use_threads=False,
                     block_size=BLOCK_BYTES,
-                    skip_rows=self._skip_rows,
+                    skip_rows=skip,
                     column_names=[str(k) for k in range(width)],
                 ),
                 parse_options=pacsv.ParseOptions(delimiter=self._delimiter, invalid_row_handler=on_ragged),
@@ -190,13 +205,63 @@ class TextTable:
 
     def _stream(self) -> Any:
         if self._utf16 or self._delimiter == " ":
-            with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
-                text = self._text(stream.read())
+            with self._unpacked() as source:
+                source.seek(self._begin)
+                text = self._text(source.read(self._end - self._begin))
             if self._delimiter == " ":
                 text = re.sub(r"[^\S\n]+", " ", text.replace("\r\n", "\n"))
                 text = "\n".join(line.strip() for line in text.split("\n"))
             return pa.py_buffer(text.encode())
-        return pa.input_stream(str(self._path), compression="gzip" if self._packed else None)
+        if self._begin == 0 and not self.notes:
+            return pa.input_stream(str(self._path), compression="gzip" if self._packed else None)
+        return pa.PythonFile(_Span(self._unpacked(), self._begin, self._end), mode="r")
+
+    def _unpacked(self) -> io.BufferedIOBase:
+        return gzip.open(self._path, "rb") if self._packed else self._path.open("rb")
+
+    def _keep(self, rows: tuple[int, int]) -> None:
+        """Look at these rows alone. A file whose lines end in an unusual way is read whole, and cut by the caller."""
+        start, stop = rows
+        offset, count, begin, end = 0, 0, None, None
+        if self._utf16 or self._returns > self._feeds:
+            return
+        with self._unpacked() as source:
+            for number, line in enumerate(source):
+                if number >= self._skip_rows and line.strip() and offset < self._end:
+                    begin = offset if count == start else begin
+                    end = offset if count == stop else end
+                    if end is not None:
+                        break
+                    count += 1
+                offset += len(line)
+        end = self._end if end is None and count == stop else end
+        if begin is None or end is None or begin >= end:
+            raise BadLog(rows_outside(rows, count, self.file))
+        self.part, self._begin, self._end, self._first, self._rows = rows, begin, end, start, stop - start
+        self.notes = () if end <= self._whole else self.notes
+
+    def _leave_out_a_cut_line(self, tail: bytes, size: int) -> None:
+        """tail: the last bytes of the unpacked file. A line counts as cut off if it has too few cells where the one
+        before has all of them, or ends, with the file, in what is no number where the one before has one.
+        """
+        body = tail.rstrip(b"\r\n")
+        lines = body.rsplit(b"\n", 2)
+        before = self._feeds - tail[len(body) :].count(b"\n")  # line feeds before the last line
+        if self._utf16 or len(lines) < 3 or before <= self._skip_rows:
+            return
+        whole, last = (self._cells(line.decode("utf-8", "replace").rstrip("\r")) for line in lines[1:])
+        width = len(self._names)
+        ended = len(body) < len(tail)
+        short = len(last) < width == len(whole)
+        broken_off = not ended and len(last) == width == len(whole) and self._is_value(whole[-1])
+        if not short and not (broken_off and not self._is_value(last[-1])):
+            return
+        self._end = self._whole = size - len(tail) + len(body) - len(lines[-1])
+        detail = f"the last line ({shorten(lines[-1].decode('utf-8', 'replace'), 60)}) is cut off: left out"
+        self.notes = (Note("last_line_cut_off", f"{self.file}: {detail}", "", None),)
+
+    def _is_value(self, cell: str) -> bool:
+        return _is_number(cell.strip(), self._decimal)
 
     def _text(self, data: bytes) -> str:
         """Decoded; in the body a wrong byte becomes a replacement sign, which is then no number."""
@@ -224,6 +289,7 @@ class TextTable:
     def _count_rows(self) -> int:
         """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap and at what is no UTF-8."""
         size = feeds = returns = 0
+        tail = b""
         decoder = codecs.getincrementaldecoder("utf-16" if self._utf16 else "utf-8")()
         try:
             with pa.input_stream(str(self._path), compression="gzip" if self._packed else None) as stream:
@@ -237,8 +303,11 @@ class TextTable:
                         raise BadLog(self._not_utf8(row, problem)) from None
                     feeds += block.count(b"\n")
                     returns += block.count(b"\r")
+                    tail = (tail + block)[-TAIL_BYTES:]
         except (pa.ArrowException, OSError) as problem:
             raise BadLog(broken(problem, self.file)) from None
+        self._feeds, self._returns, self._end, self._whole = feeds, returns, size, size
+        self._leave_out_a_cut_line(tail, size)
         return max(feeds, returns) + 1
 
     def _not_utf8(self, row: int, problem: UnicodeDecodeError) -> Fault:
@@ -246,6 +315,28 @@ class TextTable:
         return Fault(
             "the text is not UTF-8", "not_utf8", "Save the file as UTF-8.", self.file, max(row, 0), value=value
         )
+
+
+@final
+class _Span(io.RawIOBase):
+    """The bytes of a stream from begin to end."""
+
+    def __init__(self, source: io.BufferedIOBase, begin: int, end: int) -> None:
+        self._source, self._left = source, end - begin
+        source.seek(begin)
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        found = self._source.read(min(len(buffer), self._left))
+        buffer[: len(found)] = found
+        self._left -= len(found)
+        return len(found)
+
+    def close(self) -> None:
+        self._source.close()
+        super().close()
 
 
 def _delimiter(line: str) -> str:

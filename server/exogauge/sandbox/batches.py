@@ -20,10 +20,9 @@ from typing import TypeVar
 
 from exogauge.errors import BadInput, BadLog, Unavailable
 from exogauge.logs.model import Log
-from exogauge.logs.reading import read_log
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
-from exogauge.sandbox.parent import CHILD, LogRequest, parse_log
+from exogauge.sandbox.parent import CHILD, LogRequest, parse_log, read_answer
 from exogauge.sandbox.protocol import LOGS
 
 MAX_LOGS = 8
@@ -110,7 +109,7 @@ def _read_shared(batch: Sequence[LogRequest], take: Callable[[Log], T], limits: 
             if answer is None:
                 continue
             try:
-                log = read_log(Path(folder) / LOGS.format(k), request.name, allow_gaps=request.allow_gaps)
+                log = read_answer(Path(folder) / LOGS.format(k), request, answer)
             except (BadInput, OSError):
                 continue
             found[k] = take(log)

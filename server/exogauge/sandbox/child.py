@@ -54,6 +54,7 @@ def _log(
         "rate_hz": log.rate_hz,
         "t0": float(log.time[0]),
         "t1": float(log.time[-1]),
+        "notes": [vars(note) for note in log.notes],
     }
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
 from exogauge.errors import BadLog, BadRobot, Fault, TooLarge
 from exogauge.logs.mapping_rules import LogMapping
-from exogauge.logs.model import Array, Log
+from exogauge.logs.model import Array, Log, Note
 from exogauge.logs.reading import read_log
 from exogauge.robots.urdf_check import MAX_BYTES as MAX_URDF_BYTES
 from exogauge.sandbox.asking import ask
@@ -94,8 +94,14 @@ class RobotSummary:
 def parse_log(request: LogRequest, limits: Limits | None = None) -> Log:
     """The log in the files. Raises BadLog, TooLarge, Unavailable."""
     with tempfile.TemporaryDirectory(prefix="exogauge-") as folder:
-        _ask_for_log(request, Path(folder), limits)
-        return read_log(Path(folder) / LOG, request.name, allow_gaps=request.allow_gaps)
+        result = _ask_for_log(request, Path(folder), limits)
+        return read_answer(Path(folder) / LOG, request, result)
+
+
+def read_answer(path: Path, request: LogRequest, result: Mapping[str, Any]) -> Log:
+    """The log that a child has written at `path`, with its notes of what it did."""
+    log = read_log(path, request.name, allow_gaps=request.allow_gaps)
+    return replace(log, notes=tuple(Note(**note) for note in result["notes"]))
 
 
 def canonicalise(request: LogRequest, out: Path, limits: Limits | None = None) -> LogSummary:

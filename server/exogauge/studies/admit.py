@@ -33,7 +33,7 @@ class Admitted:
 
     def as_plain(self, recordings: Sequence[Recording]) -> list[PlainLog]:
         motions = self.study.motions
-        return [PlainLog(each.log, motions[each.log.name].motion, each.held_out) for each in recordings]
+        return [PlainLog(each.log, motions[each.log.recording].motion, each.held_out) for each in recordings]
 
 
 def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction, _phrase: None) -> Admitted:
@@ -43,8 +43,9 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
     that no log without it shows.
     """
     logs = Admitted(study, read_recordings(study), read_worn(study) if worn else [])
-    files = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
     every = [*(each.log for each in logs.recordings), *(each.log for each in logs.worn)]
+    of_recording = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
+    files = {log.name: of_recording[log.recording] for log in every}
     faults = [replace(fault, file=files[log.name]) for log in every for fault in impossible_clock(log)]
     if faults:
         raise BadLog(faults)

@@ -15,6 +15,7 @@ from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
+from exogauge.logs.segments import segments
 from exogauge.robots.description import Robot
 from exogauge.studies.bundle import Bundle, open_bundle
 from exogauge.studies.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
@@ -215,30 +216,37 @@ def _steps(file: StudyFile, log_devices: Sequence[str | None], name: str, data: 
 def read_recordings(study: Study) -> list[Recording]:
     """The logs that identification uses: fitted, or held out (validation, and motions without the device)."""
     chosen = [k for k, entry in enumerate(study.file.logs) if entry.role != "with_device"]
-    roles = [study.file.logs[k].role for k in chosen]
-    return [
-        Recording(log, held_out=role != "identification") for log, role in zip(_read(study, chosen), roles, strict=True)
-    ]
+    return [Recording(log, held_out=study.file.logs[k].role != "identification") for k, log in _read(study, chosen)]
 
 
 def read_worn(study: Study) -> list[WornLog]:
     """The logs with a device on; a motion without a name takes the log's own."""
     worn = [(k, file) for k, file in enumerate(study.log_devices) if file is not None]
-    logs = _read(study, [k for k, _ in worn])
+    files = dict(worn)
     return [
-        WornLog(log, study.file.logs[k].motion or log.name, study.devices[file])
-        for log, (k, file) in zip(logs, worn, strict=True)
+        WornLog(log, study.file.logs[k].motion or log.recording, study.devices[files[k]])
+        for k, log in _read(study, list(files))
     ]
 
 
-def _read(study: Study, chosen: Sequence[int]) -> list[Log]:
-    """The chosen logs of study.yaml; whatever column is missing from any of them is told at once."""
+def _read(study: Study, chosen: Sequence[int]) -> list[tuple[int, Log]]:
+    """The chosen logs of study.yaml, cut at gaps in time, each with its place there; whatever column is missing from
+    any of them is told at once."""
     entries = {study.log_names[k]: study.file.logs[k] for k in chosen}
     logs = read_entries(study.bundle, entries, study.robot_file, motor_from_joint(study.robot_file))
     faults = [fault for log in logs for fault in missing_columns(log, study.robot, entries[log.name].file[0])]
     if faults:
         raise BadLog(faults)
-    return logs
+    found, no_stretch = list[tuple[int, Log]](), list[Fault]()
+    for k, log in zip(chosen, logs, strict=True):
+        entry = study.file.logs[k]
+        try:
+            found += [(k, part) for part in segments(log, entry.rows[0] if entry.rows else 0)]
+        except BadLog as bad:
+            no_stretch += [replace(fault, file=entry.file[0]) for fault in bad.faults]
+    if no_stretch:
+        raise BadLog(no_stretch)
+    return found
 
 
 def needed_channels(robot: Robot) -> tuple[str, ...]:

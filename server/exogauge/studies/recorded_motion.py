@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Set
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +30,7 @@ from exogauge.studies.yaml_file import MAX_BYTES, load_yaml, place, suggestion
 
 Array = NDArray[np.float64]
 
+STRETCH = re.compile(r"(.+)_(\d{1,12})_(\d{1,12})")
 FEWEST_FILTERED = 32  # samples; a shorter log tells nothing of its bandwidth and stays as it is
 
 
@@ -143,6 +145,11 @@ def _open(bundle: Bundle) -> _Opened:
 
 
 def _entry(study: _Opened, log: str) -> LogEntry:
+    """Of a log, or of the stretch of one that was cut at gaps (`logs.segments`): its rows."""
+    stretch = STRETCH.fullmatch(log)
+    if log not in study.names and stretch and stretch[1] in study.names:
+        whole = study.file.logs[study.names.index(stretch[1])]
+        return whole.model_copy(update={"rows": (int(stretch[2]), int(stretch[3]))})
     if log not in study.names:
         advice, file = suggestion(log, study.names), study.bundle.study_file
         raise BadStudy(Fault("the study has no log of this name", "unknown_log", advice, file, None, "log", log[:200]))
@@ -167,7 +174,7 @@ def _read_device(study: _Opened, file: str | Path) -> Device:
 
 def _read_entry(study: _Opened, entry: LogEntry, name: str) -> Log:
     for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
-        k = study.names.index(name)
+        k = study.names.index(name if name in study.names else name.rsplit("_", 2)[0])
         study.bundle.path(
             each, named_in=study.bundle.study_file, column=f"logs.{k}", row=place(study.data, ("logs", k))
         )

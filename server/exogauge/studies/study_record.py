@@ -82,7 +82,6 @@ class StudyRecord:
 
 def study_record(study: Study, logs: Sequence[Log], found: Identification) -> StudyRecord:
     """logs: every log that was read, with and without a device."""
-    by_name = {log.name: log for log in logs}
     named = zip(study.log_names, study.file.logs, study.log_devices, strict=True)
     return StudyRecord(
         synthetic=synthetic_signs(study),
@@ -92,7 +91,10 @@ def study_record(study: Study, logs: Sequence[Log], found: Identification) -> St
             for file, device in study.devices.items()
         ),
         logs=tuple(
-            _log_record(study, entry, file, by_name[name], found) for name, entry, file in named if name in by_name
+            _log_record(study, entry, file, log, found)
+            for name, entry, file in named
+            for log in logs
+            if log.recording == name
         ),
     )
 

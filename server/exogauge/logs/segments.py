@@ -1,0 +1,97 @@
+"""A recording with gaps in time becomes several logs: neither filter nor derivative may reach across them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadLog, Fault
+from exogauge.logs.limits import MIN_SAMPLES
+from exogauge.logs.model import Log, Note
+from exogauge.logs.resampling import LONGEST_GAP, uniform
+
+LATE = 1.5  # nominal steps: from here on a sample is missing between two
+SHORTEST_S = 2.0  # a low-pass of 2 Hz, the lowest that is chosen, leans on half a second at either end
+MOST_TOLD = 5
+
+
+def segments(log: Log, first: int = 0) -> list[Log]:
+    """The stretches of the log without a gap, in order; the log itself where it has none.
+
+    A few missing samples (steps up to 5 periods) are bridged by interpolation. Elsewhere the log is cut, and what is
+    shorter than 2 s is left out; both are said in `Log.notes`. first: data row of the file, from 0, that the log's
+    first sample is: a segment is named `<log>_<start>_<stop>` by the rows that it holds, as `rows` would have it.
+    Raises BadLog where nothing is long enough.
+    """
+    step = np.diff(log.time)
+    nominal = float(np.median(step))
+    if not (step > LATE * nominal).any():
+        return [log]
+    edges = [0, *(np.flatnonzero(step > LONGEST_GAP * nominal) + 1), log.samples]
+    pieces = list(pairwise(edges))
+    long = [(a, b) for a, b in pieces if b - a >= MIN_SAMPLES and log.time[b - 1] - log.time[a] >= SHORTEST_S]
+    if not long:
+        raise BadLog(_nothing_left(log, step, nominal, first))
+    if len(pieces) == 1:
+        return [_bridged(log, step, nominal)]
+    told = _told(log, step, pieces, long, nominal, first)
+    made = []
+    for number, (a, b) in enumerate(long):
+        part = Log(
+            name=f"{log.name}_{first + a}_{first + b}",
+            time=log.time[a:b],
+            channels={name: values[a:b] for name, values in log.channels.items()},
+            notes=(*log.notes, told) if number == 0 else (),
+            part_of=log.recording,
+        )
+        made.append(_bridged(part, np.diff(part.time), nominal))
+    return made
+
+
+def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
+    """On an even clock where single samples are missing."""
+    late = step > LATE * nominal
+    if not late.any():
+        return log
+    lost = int(np.round(step[late] / nominal - 1.0).sum())
+    detail = f"{lost} samples are missing at {int(late.sum())} places, never more than a few together: interpolated"
+    note = Note("samples_bridged", detail, "look for what drops samples", int(np.flatnonzero(late)[0]) + 2)
+    return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, note))
+
+
+def _told(
+    log: Log,
+    step: NDArray[np.float64],
+    pieces: list[tuple[int, int]],
+    long: list[tuple[int, int]],
+    nominal: float,
+    first: int,
+) -> Note:
+    places = [b for _, b in pieces[:-1]]
+    gaps = "1 gap" if len(places) == 1 else f"{len(places)} gaps"
+    longest = max(places, key=lambda b: step[b - 1])
+    detail = (
+        f"{log.recording!r} has {gaps} in time, the longest of {step[longest - 1]:.4g} s before row {first + longest}, "
+        f"where {nominal:.4g} s is usual: cut there into "
+        f"{'1 log' if len(long) == 1 else f'{len(long)} logs'}, each named by its rows"
+    )
+    short = [piece for piece in pieces if piece not in long]
+    if short:
+        lost = sum(log.time[b - 1] - log.time[a] for a, b in short)
+        rows = ", ".join(f"{first + a}-{first + b}" for a, b in short[:MOST_TOLD])
+        more = f" and {len(short) - MOST_TOLD} more" if len(short) > MOST_TOLD else ""
+        detail += f". Left out, as shorter than {SHORTEST_S:g} s: rows {rows}{more}, {lost:.3g} s in all"
+    return Note("cut_at_gaps", detail, "", None)
+
+
+def _nothing_left(log: Log, step: NDArray[np.float64], nominal: float, first: int) -> Fault:
+    at = int(np.argmax(step))
+    late = int((step > LONGEST_GAP * nominal).sum())
+    detail = (
+        f"{late} gaps in time leave no stretch of {SHORTEST_S:g} s; the longest gap lasts {step[at]:.6g} s where "
+        f"{nominal:.6g} s is usual"
+    )
+    return Fault(detail, "time_gap", "Record again without losing samples.", log.name, first + at + 2, "t")
