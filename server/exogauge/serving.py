@@ -13,7 +13,8 @@ from typing import final
 import uvicorn
 
 from exogauge.api.app import create_app
-from exogauge.errors import Unavailable
+from exogauge.api.connection import Limits, connection_within
+from exogauge.errors import BadInput, Fault, Unavailable
 from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.supervisor import Supervisor, leave_with_parent
 from exogauge.settings import Settings
@@ -21,6 +22,17 @@ from exogauge.storage import migrate
 
 WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
 PATIENCE_S = 3  # for open requests (event streams among them) when the server stops
+
+
+def refuse_open_house(settings: Settings) -> None:
+    """There are no accounts: listening to a network takes a second setting, so that nobody does it by mistake."""
+    if settings.local_only or settings.open_to_all:
+        return
+    detail = f"without accounts, whoever reaches {settings.host} could read, change and delete everything"
+    advice = (
+        "Leave EXOGAUGE_HOST at 127.0.0.1, or say EXOGAUGE_OPEN_TO_ALL=1 where something in front lets in only yours."
+    )
+    raise BadInput(Fault(detail, "open_to_all", advice, column="EXOGAUGE_HOST", value=settings.host))
 
 
 def prepare(settings: Settings) -> None:
@@ -72,6 +84,7 @@ class Announcing(uvicorn.Server):
 
 def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_parent: bool = False) -> None:
     """Serve until SIGINT or SIGTERM, or until stdin ends (`with_parent`); the workers leave with the server."""
+    refuse_open_house(settings)
     if with_parent:
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)
@@ -79,6 +92,8 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
         supervisor = Supervisor(worker_command, settings.workers)
         config = uvicorn.Config(
             create_app(settings),
+            http=connection_within(Limits(settings.max_connections, settings.silence_s)),
+            ws="none",  # there are none here, and they would leave these limits
             log_level="warning",
             access_log=False,
             root_path=settings.root_path,

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -23,7 +24,7 @@ ANNOUNCED = "exogauge serves on "
 class Service:
     """Started on a free port; `start` again after a kill finds the same data."""
 
-    def __init__(self, folder: Path, database_url: str = "", workers: int = 1) -> None:
+    def __init__(self, folder: Path, database_url: str = "", workers: int = 1, **more: str) -> None:
         self.folder = folder
         self.environment = {
             **os.environ,
@@ -32,6 +33,7 @@ class Service:
             "EXOGAUGE_PORT": "0",
             "EXOGAUGE_WORKERS": str(workers),
             "PYTHONPATH": str(PROGRAM.parent),
+            **more,
         }
         self.process: subprocess.Popen[bytes] | None = None
 
@@ -68,6 +70,12 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     made.stop()
 
 
+@pytest.fixture(scope="session")
+def service_of() -> type[Service]:
+    """For modules with services of their own."""
+    return Service
+
+
 @pytest.fixture
 def client(service: Service) -> Iterator[Client]:
     with Client(service.url) as opened:
@@ -79,7 +87,7 @@ def make_service(tmp_path: Path) -> Iterator[Callable[..., Service]]:
     """Services of one test's own."""
     made = []
 
-    def make(**more: str) -> Service:
+    def make(**more: Any) -> Service:
         made.append(Service(tmp_path, **more))
         return made[-1]
 

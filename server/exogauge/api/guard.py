@@ -49,7 +49,7 @@ class Guard:
     def refusal(self, method: str, headers: Headers) -> str | None:
         host = headers.get("host", "")
         if self.local_only and not cannot_be_registered(host):
-            return "this server answers on this machine only; set EXOGAUGE_HOST to serve under a public name"
+            return "this server answers on this machine only; EXOGAUGE_HOST lets it serve under a public name"
         if method in SAFE_METHODS:
             return None
         site = headers.get("sec-fetch-site")
