@@ -12,9 +12,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+import yaml
 
-from exogauge.errors import BadInput
-from exogauge.studies.evaluate import evaluate
+from exogauge.logs.mapping import read_mapped
+from exogauge.studies.log_preview import preview
+from exogauge.studies.mapping_file import load_mapping
 
 pytestmark = pytest.mark.slow
 
@@ -105,13 +107,20 @@ def on_joints(found: Mapping[str, Any]) -> dict[tuple[str, str], Mapping[str, An
     return {(each["effect"], each["where"]["joint"]): each for each in findings if "joint" in each["where"]}
 
 
-def test_the_bag_itself_is_refused_with_what_to_do(folder: Path) -> None:
-    (folder / "bag.yaml").write_text(
-        f"version: 1\nname: bag\nrobot: robot.yaml\nlogs:\n  - {{file: {BAG}, role: identification}}\n"
-    )
-    with pytest.raises(BadInput, match="rosbag2") as refused:
-        evaluate(folder / "bag.yaml", folder / "no", lambda _fraction, _phrase: None)
-    assert "Export it" in str(refused.value)
+@pytest.mark.parametrize("ending", ["db3", "mcap"])
+def test_the_bag_itself_is_read_as_the_drafted_mapping_says(recording: Callable[..., Path], ending: str) -> None:
+    name = BAG.replace("db3", ending)
+    folder = recording("ur10_rosbag2", (BAG, name))
+    drafted = preview(folder / name, name, None)["proposal"]
+    (folder / "mapping.yaml").write_text(yaml.safe_dump(drafted))
+    mapping = load_mapping(folder / "mapping.yaml")
+    joints = [joint.removesuffix("_joint") for joint in JOINTS]
+    log = read_mapped({name: folder / name}, mapping, joints=joints, motor_from_joint=None, name="ur10")
+    written = joint_states(folder / BAG)
+    np.testing.assert_allclose(log.time, written["t"], atol=1e-6)
+    for joint in joints:
+        assert np.array_equal(log.channels[f"q.{joint}"], written[f"q.{joint}_joint"])
+        assert np.array_equal(log.channels[f"tau.{joint}"], written[f"tau.{joint}_joint"])
 
 
 def test_held_out_torques_are_predicted_three_times_as_well_as_by_the_stock_model(found: Mapping[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from pathlib import Path
 
 import numpy as np
@@ -55,8 +55,10 @@ def read_mapped(
     matched = _match(paths, mapping)
     targets = _targets(mapping, joints)
     alone = len(matched) == 1 and mapping.rate_hz is None
+    used = {file: {name for each, (f, _) in zip(mapping.files, matched, strict=True) if f == file for name in each.used}
+            for file, _ in matched}  # fmt: skip
     parts = [
-        _read_file(file, path, each, targets[index], allow_gaps, rows if alone else None)
+        _read_file(file, path, each, targets[index], allow_gaps, rows if alone else None, used[file])
         for index, (each, (file, path)) in enumerate(zip(mapping.files, matched, strict=True))
     ]
     rows = None if alone else rows
@@ -75,14 +77,16 @@ def read_mapped(
 
 
 def _match(paths: Mapping[str, Path], mapping: LogMapping) -> list[tuple[str, Path]]:
-    """The handed-in file of each part of the mapping; none left over, none used twice."""
+    """The handed-in file of each part of the mapping; none left over, and used twice only under its own name: what a
+    bag holds of several topics has several clocks."""
     matched, faults, left = list[tuple[str, Path]](), list[Fault](), dict(paths)
     for each in mapping.files:
-        found = [name for name in left if name == each.file] or [
+        found = [name for name in paths if name == each.file] or [
             name for name in left if fnmatch.fnmatchcase(name.rpartition("/")[2], each.file)
         ]
         if len(found) == 1:
-            matched.append((found[0], left.pop(found[0])))
+            matched.append((found[0], paths[found[0]]))
+            left.pop(found[0], None)
             continue
         detail = "no handed-in file has this name" if not found else f"{len(found)} files match: {', '.join(found[:5])}"
         faults.append(Fault(detail, "file_not_matched", f"Handed in: {', '.join(paths)}.", each.file))
@@ -184,12 +188,13 @@ def _read_file(
     targets: Sequence[Sequence[Channel]],
     allow_gaps: bool,
     rows: tuple[int, int] | None,
+    used: Set[str],
 ) -> tuple[RawArray, dict[str, Array], tuple[Note, ...]]:
     """(T,) time in the clock's own unit (integers stay integers), the SI channels, still on their own side, and what
     was done to them. rows: the only ones that count; a clock without a column counts from the file's first all the
-    same."""
+    same. used: columns that any part of the mapping reads of the file."""
     table = open_table(path, file, each.layout, rows)
-    _check_columns(table, each)
+    _check_columns(table, each, used)
     first, left, notes = (rows[0] if rows else 0), (None if table.part else rows), table.notes
     raw = table.read(each.used, exact=(each.clock.column,) if each.clock.column else ())
     channels, faults = dict[str, Array](), list[Fault]()
@@ -217,7 +222,7 @@ def _read_file(
     return time, channels, notes
 
 
-def _check_columns(table: Table, each: FileMapping) -> None:
+def _check_columns(table: Table, each: FileMapping, used_anywhere: Set[str]) -> None:
     """Every named column is there, and every column there is named."""
     names = read_names(table)
     faults = [
@@ -226,7 +231,7 @@ def _check_columns(table: Table, each: FileMapping) -> None:
         if used not in names
     ]
     if each.ignore is not None:
-        known = {*each.used, *each.ignore}
+        known = {*used_anywhere, *each.ignore}
         advice = "Say what it is, or list it under `ignore` (`ignore: rest` leaves out all others)."
         faults += [
             Fault(

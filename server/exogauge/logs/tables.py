@@ -146,16 +146,21 @@ def _numpy(path: Path, file: str) -> Table:
     return NumpyTable(path, file)
 
 
+def _bag(path: Path, file: str) -> Table:
+    from exogauge.logs.bag_table import BagTable
+
+    return BagTable(path, file)
+
+
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _FORMATS: tuple[tuple[Callable[[Path, str], Table], Callable[[bytes], bool]], ...] = (
     (_parquet, lambda head: head[:4] == b"PAR1"),
     (_hdf5, lambda head: head[:8] == _HDF5_SIGNATURE or head[512:520] == _HDF5_SIGNATURE),
     (_matlab, lambda head: head[:10] == b"MATLAB 5.0"),
+    (_bag, lambda head: head[:16] == b"SQLite format 3\0" or head[:8] == b"\x89MCAP0\r\n"),
     (_numpy, lambda head: head[:4] == b"PK\x03\x04" or head[:6] == b"\x93NUMPY"),
 )
 _OTHERS = (
-    (b"SQLite format 3", "an SQLite database (rosbag2?)"),
-    (b"\x89MCAP", "an MCAP recording"),
     (b"#ROSBAG", "a ROS 1 bag"),
     (b"PARE", "an encrypted Parquet file"),
     (b"ARROW1", "an Arrow file"),

@@ -272,7 +272,7 @@ class TextTable:
                 Fault(
                     "the file is neither text nor a format known here",
                     "unknown_format",
-                    "Hand in CSV, Parquet, MAT, HDF5 or NPZ.",
+                    "Hand in CSV, Parquet, MAT, HDF5, NPZ or rosbag2.",
                     file=self.file,
                 )
             )

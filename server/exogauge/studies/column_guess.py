@@ -139,7 +139,8 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
     claims: dict[str, list[str]] = {}
     for name, each in found.items():
         if isinstance(each, Suggestion):
-            claims.setdefault(each.channel, []).append(name)
+            own_clock = each.channel == "t" and name.endswith(".stamp")  # of a bag, where each topic has its own
+            claims.setdefault(name if own_clock else each.channel, []).append(name)
     doubled = {name: names for names in claims.values() if len(names) > 1 for name in names}
 
     def refusal(names: Sequence[str]) -> Advice:

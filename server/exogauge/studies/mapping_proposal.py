@@ -12,8 +12,17 @@ from exogauge.studies.column_facts import Suggestion
 def proposal(file: str, found: Mapping[str, Suggestion], header: bool = True) -> dict[str, Any]:
     """The mapping of these columns and no others: what it leaves open, its reader refuses.
 
-    The three of an IMU and the six of a sensor become one entry, which may be turned; fewer stay columns.
+    The three of an IMU and the six of a sensor become one entry, which may be turned; fewer stay columns. Topics of a
+    bag have a clock each, and so a part of the mapping each.
     """
+    stamps = [name.removesuffix("stamp") for name, each in found.items() if each.channel == "t"]
+    if len(stamps) > 1:
+        topics = [{name: each for name, each in found.items() if name.startswith(stamp)} for stamp in stamps]
+        return {"version": 1, "files": [_entry_of(file, topic, header) for topic in topics if len(topic) > 1]}
+    return {"version": 1, "files": [_entry_of(file, found, header)]}
+
+
+def _entry_of(file: str, found: Mapping[str, Suggestion], header: bool) -> dict[str, Any]:
     entry: dict[str, Any] = {"file": file}
     if not header:
         entry["layout"] = {"header": False}
@@ -26,7 +35,7 @@ def proposal(file: str, found: Mapping[str, Suggestion], header: bool = True) ->
     if left:
         entry["columns"] = {name: _entry(each) for name, each in left.items()}
     entry |= {key: made for key, made in (("vectors", vectors), ("wrenches", wrenches)) if made}
-    return {"version": 1, "files": [entry]}
+    return entry
 
 
 def _entry(each: Suggestion) -> dict[str, Any]:

@@ -20,7 +20,7 @@ import { StudyForm } from "./StudyForm";
 import { useMapping, useUploading } from "./useImport";
 import { Verdict } from "./Verdict";
 
-const FORMATS = ".csv,.txt,.tsv,.gz,.parquet,.mat,.h5,.hdf5,.npz,.npy";
+const FORMATS = ".csv,.txt,.tsv,.gz,.parquet,.mat,.h5,.hdf5,.npz,.npy,.db3,.mcap";
 
 export function Component() {
   const [search] = useSearchParams();
@@ -79,7 +79,7 @@ export function Component() {
               if (file) void send(file);
             }}
           >
-            CSV and other text tables, Parquet, MATLAB <Code>.mat</Code>, HDF5 or NumPy; as the controller wrote it.
+            CSV and other text tables, Parquet, MATLAB <Code>.mat</Code>, HDF5, NumPy or rosbag2; as the controller wrote it.
           </DropFiles>
         )}
         {sending?.error != null && <ProblemBox error={sending.error} retry={() => void send(sending.file)} />}
