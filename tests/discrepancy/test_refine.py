@@ -76,8 +76,8 @@ def deviations(fitted_to, record, draws):
 
 @pytest.mark.slow
 def test_standard_deviations_cover_the_truth_over_many_draws_of_the_noise(fitted_to, record):
+    """They are some 1.4 times too large, on the safe side; one that was 1.9 times smaller would not pass."""
     z = deviations(fitted_to, record, DRAWS)
-    rms = np.sqrt(np.mean(z**2, axis=0))
-    assert np.all(rms < 2.0)
-    assert np.all(rms > 0.3)
-    assert np.mean(np.abs(z) < 2.0) > 0.85
+    assert np.all(np.sqrt(np.mean(z**2, axis=0)) < 1.25)  # 20 draws know an rms within a sixth
+    assert 0.5 < np.sqrt(np.mean(z**2)) < 1.1
+    assert np.mean(np.abs(z) < 2.0) > 0.9

@@ -73,10 +73,11 @@ def test_there_is_one_finite_change_for_each_coefficient(effect, whole):
 def test_a_log_of_a_few_samples_is_no_special_case(effect, samples):
     for whole in (fixed(), floating()):
         short = cut(whole, slice(300, 300 + samples))
-        assert effect.applies(short) in (True, False)
-        assert samples > 0 or not effect.applies(short)
+        shown = False
         for change in effect.changes(short, ()):
             assert flat(change).shape == (samples, 10)
+            shown |= bool(flat(change).any())
+        assert effect.applies(short) is False or (shown and samples > 0)
 
 
 @every_effect

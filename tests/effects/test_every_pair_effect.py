@@ -73,12 +73,13 @@ def test_columns_are_finite_one_per_coefficient_and_axis_at_every_shape(effect):
 @pytest.mark.parametrize("samples", [0, 1, 2, 3, 9])
 def test_a_log_of_a_few_samples_is_no_special_case(effect, samples):
     short = cut(both(), slice(1000, 1000 + samples))
-    assert effect.applies(short) in (True, False)
-    assert samples > 0 or not effect.applies(short)
+    shown = False
     for shape in shapes_of(effect):
         columns = effect.columns(short, shape)
         assert columns.shape == (samples, len(effect.coefficients), 2)
         assert np.isfinite(columns).all()
+        shown |= bool(columns.any())
+    assert effect.applies(short) is False or (shown and samples > 0)  # what cannot be seen is not looked for
 
 
 @every_effect

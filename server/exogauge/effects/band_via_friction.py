@@ -57,7 +57,9 @@ class BandViaFriction:
         return np.asarray(signals.tension[:, None] * (ratio - 1.0) / mu)
 
     def applies(self, signals: BandSignals) -> bool:
-        return bool(signals.wrap is not None and np.any(signals.wrap * signals.taut[:, None] > 0.0))
+        if signals.wrap is None or len(signals.time) < 2:  # rubbing takes a way
+            return False
+        return bool(np.any(signals.wrap * signals.taut[:, None] > 0.0))
 
 
 EFFECT = BandViaFriction()

@@ -33,7 +33,7 @@ class ExtraBand:
         return np.maximum(signals.length - l_0, 0.0)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
-        return signals.travel > 0.0
+        return len(signals.time) > 0 and signals.travel > 0.0
 
 
 EFFECT = ExtraBand()

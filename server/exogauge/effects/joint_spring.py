@@ -40,7 +40,7 @@ class JointSpring:
         return np.concatenate([-(np.maximum(x, 0.0) ** 2), np.minimum(x, 0.0) ** 2], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
-        return signals.range > 0.0
+        return len(signals.time) > 0 and signals.range > 0.0
 
 
 EFFECT = JointSpring()

@@ -38,7 +38,8 @@ class TorqueDelay:
         return np.stack([0.5 * twice, -rate_of_change(twice, signals.time) / 6.0], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
-        return bool(np.any(signals.direction != 0.0)) and signals.torque_scale > 0.0
+        known = len(signals.time) > 2  # a rate of change takes three samples
+        return known and bool(np.any(signals.direction != 0.0)) and signals.torque_scale > 0.0
 
 
 EFFECT = TorqueDelay()
