@@ -41,7 +41,16 @@ def shapes_again(search: Search) -> None:
 
 
 def _sought_again(search: Search, number: int) -> bool:
-    """Whether another shape of this step leaves less on held-out logs; it is in the model then."""
+    """Whether another shape of this step leaves less on held-out logs; it is in the model then. Where none does, the
+    search is as it was, what it sees effects' loads with included."""
+    seen_with = search.eyes
+    bettered = _bettered(search, number)
+    if not bettered:
+        search.eyes = seen_with
+    return bettered
+
+
+def _bettered(search: Search, number: int) -> bool:
     step, others = search.steps[number], [each.added for k, each in enumerate(search.steps) if k != number]
     now, floor = _left(step.finding, search.current)
     if search.last is None or now < ABOVE * floor or all(one.choice for one in step.added.effect.shapes):
