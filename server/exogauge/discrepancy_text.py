@@ -13,7 +13,6 @@ from exogauge.studies.discrepancy_sentences import (
     channel,
     counted,
     figure,
-    has_held_out,
     left_sentence,
     looked_at,
     moves,
@@ -40,7 +39,7 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
     entry = result.get("discrepancy")
     if not entry:
         return ""
-    said = " ".join(part for part in (verdict_sentence(entry, has_held_out(result)), left_sentence(entry)) if part)
+    said = " ".join(part for part in (verdict_sentence(entry), left_sentence(entry)) if part)
     parts = [f"DISAGREEMENT between model and measurement\n\n{filled(said)}\n{filled(looked_at(result))}"]
     if entry["chain"]:
         parts.append(chain(entry["chain"]))

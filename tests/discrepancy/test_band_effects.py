@@ -18,6 +18,7 @@ from exogauge.devices.routing import Routing
 from exogauge.discrepancy.band_ground import lay_ground
 from exogauge.discrepancy.band_workflow import find_band_effects
 from exogauge.discrepancy.result import Discrepancy
+from exogauge.discrepancy.verdict import Seen
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
@@ -37,7 +38,7 @@ RATE, SECONDS, EVERY = 100.0, 24.0, 8
 JOINTS = ("yaw", "pitch", "shoulder")
 K, LENGTHS = 600.0, {"left": 0.50, "right": 0.505}  # [N/m], [m]
 NOISE, MEMORY = 0.06, 0.7  # [N·m] of every joint, correlation of neighbouring samples
-NONE_YET = Discrepancy("none", (), (), (), (), (), (), 0, (), {})
+NONE_YET = Discrepancy((), (), (), (), (), (), 0, (), {}, seen=(Seen("tau.j1", 1.0, 30.0, 90.0),))
 
 
 def urdf() -> bytes:

@@ -120,7 +120,7 @@ def test_a_cable_that_holds_once_is_a_contact_and_no_effect_of_its_joint(search,
 def test_without_a_held_out_log_nothing_is_claimed_and_the_result_says_why(search, study, on_joint):
     found = search(study(on_joint(1, falling_with_speed))[:2])
     assert named(found) == []
-    assert found.discrepancy.verdict == "none"
+    assert found.discrepancy.verdict == "undecided"
     assert len(found.discrepancy.notes) == 1
     assert "`validation`" in found.discrepancy.notes[0]
     assert ("stribeck", "j2") in [(each.effect, each.place.name) for each in found.discrepancy.rejected]

@@ -44,7 +44,7 @@ class ComparedJob(BaseModel):
     kind: str
     created_at: datetime
     code_version: str
-    verdict: Literal["effects", "unexplained", "none"] | None
+    verdict: Literal["effects", "unexplained", "undecided", "none"] | None
     effects: list[EffectOut]
 
 

@@ -21,12 +21,14 @@ from exogauge.discrepancy.band_extra import further_wires, led_on
 from exogauge.discrepancy.band_finding import CHANNEL, name_contradicted, name_effect, rejection
 from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whitened
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
+from exogauge.discrepancy.band_logs import BLOCK_S
 from exogauge.discrepancy.band_model import Wear, fit
 from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
 from exogauge.discrepancy.band_shape import with_best_shape
 from exogauge.discrepancy.band_stated import contradicted
 from exogauge.discrepancy.block_gains import summed, sureness
-from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Lineage, Link, Verdict
+from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Lineage, Link
+from exogauge.discrepancy.verdict import ABOVE, Seen
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
 from exogauge.identification.model import RobotModel
@@ -38,7 +40,6 @@ Array = NDArray[np.float64]
 MOST_EFFECTS = 4  # on one wear
 WORTH_JUDGING = 6.0  # evidence (BIC)
 JUDGED = 8  # candidates per round
-ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 SURE = 3.0  # standard errors above the floor
 REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
 OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
@@ -62,6 +63,8 @@ class WearFindings:
     before_after: Mapping[str, tuple[Estimate, Estimate]]
     tried: int
     notes: tuple[str, ...]
+    seen: tuple[Seen, ...] = ()
+    cannot: tuple[str, ...] = ()
 
 
 def find_band_effects(
@@ -101,13 +104,12 @@ def search_wear(
     """One device. named: findings that there are already. of: words that tell it from other devices, or ""."""
     ground = lay_ground(model, gathered, device, stiffness, beyond)
     if ground is None:
-        return WearFindings(
-            (), (), (), (), {}, 0, (f"No log with {device.name} has steady motion to judge its bands by.",)
-        )
+        return _unjudged(f"No log with {device.name} has steady motion to judge its bands by.")
     folds = folds_of(ground.setting.logs)
     if not folds.left_out:
-        note = f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
-        return WearFindings((), (), (), (), {}, 0, (note,))
+        return _unjudged(
+            f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
+        )
     first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
     wears, explained = [ground.fitted.wear], np.zeros(len(ground.joints))
     while True:
@@ -137,16 +139,20 @@ def search_wear(
         chain=_chain(ground, findings, wears, folds, of),
         rejected=tuple(rejected),
         unexplained=_unexplained(ground, folds),
+        seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
         tried=tried,
         notes=(UNCLEAR.format(device.name),) if unclear else (),
     )
 
 
+def _unjudged(why: str) -> WearFindings:
+    return WearFindings((), (), (), (), {}, 0, (why,), cannot=(f"cannot judge the bands: {why[0].lower()}{why[1:-1]}",))
+
+
 def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
     """The whole run's answer with that of one wear behind it."""
     findings, unexplained = (*found.findings, *said.findings), (*found.unexplained, *said.unexplained)
-    verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
     lines = list(found.lineage)
     for each in said.findings:
         parent = lines[-1].version if lines else None
@@ -154,7 +160,6 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         lines.append(Lineage(f"{parent}+{label}" if parent else label, parent, label))
     return replace(
         found,
-        verdict=verdict,
         findings=findings,
         wear_chain=(*found.wear_chain, *said.chain),
         unexplained=unexplained,
@@ -163,6 +168,8 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         candidates=found.candidates + said.tried,
         notes=(*found.notes, *said.notes),
         before_after={**found.before_after, **said.before_after},
+        seen=(*found.seen, *said.seen),
+        cannot=(*found.cannot, *said.cannot),
     )
 
 
@@ -268,6 +275,18 @@ def _unexplained(ground: Ground, folds: Folds) -> tuple[Excess, ...]:
             z = sureness(summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (ABOVE * floor) ** 2)
             if z > SURE:
                 found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z, "with the wear on"))
+    return tuple(found)
+
+
+def _seen(ground: Ground, folds: Folds) -> tuple[Seen, ...]:
+    """Joints that the wear acts on, as `_unexplained` looks at them, by blocks that were left out of the fit. A joint
+    that the robot's own search asked for motion is not asked for it again."""
+    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Seen]()
+    for joint, name in enumerate(ground.joints):
+        used = np.isfinite(e[:, joint])
+        if ground.floor[joint] > 0.0 and used.any():
+            seconds = BLOCK_S * len(np.unique(ground.setting.logs.block[used]))
+            found.append(Seen(f"{CHANNEL}{name}", rmse(e, joint) / float(ground.floor[joint]), seconds, 0.0))
     return tuple(found)
 
 

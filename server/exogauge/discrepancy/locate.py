@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from exogauge.discrepancy.ground import LogResiduals
 from exogauge.discrepancy.result import Excess
+from exogauge.discrepancy.verdict import ABOVE, Seen
 from exogauge.identification.equations import Equations
+from exogauge.identification.predict import BASE_CHANNELS
 from exogauge.identification.preparation import wrench_channels
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.validate import unit_of
 
 Array = NDArray[np.float64]
 
-ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 SURE = 3.0  # standard errors
 BLOCK_S = 1.0
 PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
@@ -29,7 +30,7 @@ MEMORY = 2.5  # rows that count as one: they stand 2.5 to a period of the cut-of
 def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
     """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
     result = []
-    for kind, channel in channels(equations).items():
+    for kind, channel in all_channels(equations).items():
         fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
         rmse, floor = pooled(fits)
         if not np.isfinite(rmse) or rmse < ABOVE * floor:
@@ -39,6 +40,25 @@ def located(equations: Equations, found: Identification, residuals: Sequence[Log
             where = _where([each for each in residuals if each.held_out], kind, kind - equations.first_axis)
             result.append(Excess(channel, unit_of(channel), rmse, floor, z, where))
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
+
+
+def seen(equations: Equations, found: Identification) -> tuple[Seen, ...]:
+    """Every channel that was looked at on logs that were not fitted; none where none was held out."""
+    result = []
+    for channel in all_channels(equations).values():
+        fits = [fit for fit in found.validation if fit.channel == channel]
+        held_out = [fit for fit in fits if fit.held_out]
+        if held_out:
+            rmse, floor = pooled(held_out)
+            ratio = rmse / floor if floor > 0.0 else float("nan")
+            steady_s, moved_s = sum(fit.steady_s for fit in held_out), sum(fit.moved_s for fit in fits)
+            result.append(Seen(channel, ratio, steady_s, moved_s))
+    return tuple(result)
+
+
+def all_channels(equations: Equations) -> dict[int, str]:
+    """Kind of row -> channel: those of `channels`, and on a floating robot the wrench on its base."""
+    return dict(enumerate(BASE_CHANNELS[: equations.first_axis])) | channels(equations)
 
 
 def channels(equations: Equations) -> dict[int, str]:

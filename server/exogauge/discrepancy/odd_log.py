@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.discrepancy.locate import ABOVE
 from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.verdict import ABOVE
 from exogauge.identification.identify import identify
 from exogauge.identification.result import ChannelFit
 from exogauge.identification.settings import Recording

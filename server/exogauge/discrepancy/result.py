@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.planned_motion import Apart, PlannedMotion
 from exogauge.discrepancy.undecided import Undecided
+from exogauge.discrepancy.verdict import Decision, Facts, Seen, Verdict, decide
 
 Array = NDArray[np.float64]
-Verdict = Literal["effects", "none", "unexplained"]
 
 
 @final
@@ -161,9 +161,9 @@ class Lineage:
 @dataclass(frozen=True)
 class Discrepancy:
     """before_after: quantity name -> (before, after), of supporting torque and stiffness. wear_chain: as chain, of the
-    supporting torque and the model of the wear; empty where nothing was added to it."""
+    supporting torque and the model of the wear; empty where nothing was added to it. seen: every channel that was
+    looked at, with all that was named. cannot: why something was not judged, in words."""
 
-    verdict: Verdict
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
     located: tuple[Excess, ...]
@@ -174,3 +174,23 @@ class Discrepancy:
     notes: tuple[str, ...]
     before_after: Mapping[str, tuple[Estimate, Estimate]]
     wear_chain: tuple[Link, ...] = ()
+    seen: tuple[Seen, ...] = ()
+    cannot: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        return self.decision.verdict
+
+    @property
+    def decision(self) -> Decision:
+        """From nothing but what stands here, so that it cannot contradict it."""
+        ends = [links[-1] for links in (self.chain, self.wear_chain) if links]
+        return decide(
+            Facts(
+                named=len(self.findings),
+                above=tuple(each.channel for each in self.unexplained),
+                seen=self.seen,
+                told=tuple(each.worst_rmse / each.worst_floor for each in ends if each.worst_floor > 0.0),
+                cannot=self.cannot,
+            )
+        )

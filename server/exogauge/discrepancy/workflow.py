@@ -20,11 +20,11 @@ from exogauge.discrepancy.everywhere import merged
 from exogauge.discrepancy.final_numbers import with_final_numbers
 from exogauge.discrepancy.ground import lay_ground
 from exogauge.discrepancy.importance import by_importance
-from exogauge.discrepancy.locate import located
+from exogauge.discrepancy.locate import located, seen
 from exogauge.discrepancy.odd_log import look_into_odd_logs
 from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.remainders import remainders
-from exogauge.discrepancy.result import Discrepancy, Finding, Verdict
+from exogauge.discrepancy.result import Discrepancy, Finding
 from exogauge.discrepancy.search import Search
 from exogauge.discrepancy.shapes_again import shapes_again
 from exogauge.discrepancy.with_motions import with_motions
@@ -96,12 +96,10 @@ def find_missing_effects(
     fitted = [each.log for each in search.recordings if not each.held_out]
     for odd in contradicted(current.model, fitted):
         findings.append(name_contradiction(len(findings) + 1, current, search.recordings, settings, odd))
-    verdict: Verdict = "effects" if findings else ("unexplained" if unexplained else "none")
     notes = joined if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
     progress(1.0, "compared")
     return Found(
         Discrepancy(
-            verdict=verdict,
             findings=with_motions(by_importance(merged(findings, len(current.model.robot.joints))), fitted),
             chain=chain,
             located=before,
@@ -111,6 +109,7 @@ def find_missing_effects(
             candidates=search.tried,
             notes=notes,
             before_after={},
+            seen=seen(equations, current),
         ),
         current,
         tuple(recordings),

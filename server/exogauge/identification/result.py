@@ -43,6 +43,7 @@ class ChannelFit:
     rest_share: share of samples at which the joint stands still, where only an interval of the torque is predictable.
     rmse_moving, rmse_at_rest: the identified RMSE in steady motion and at rest; starts, stops and turns are in neither.
     Above the cut-off, where the equations say nothing, rmse_moving counts the sensors' noise alone.
+    steady_s, moved_s: how long it is in steady motion, and how long it is not at rest.
     """
 
     channel: str
@@ -56,6 +57,8 @@ class ChannelFit:
     rmse_moving: float | None = None
     rmse_at_rest: float | None = None
     noise_beyond_band: float = 0.0
+    steady_s: float = 0.0
+    moved_s: float = 0.0
 
 
 @final

@@ -63,6 +63,8 @@ def fits(
     joints = enumerate(equations.robot.joints)
     resting = {f"tau.{joint.name}": prepared.raw_direction[:, axis] == 0.0 for axis, joint in joints}
     moving = rmse_in_steady_motion(equations, prepared, prediction.measured, prediction.predicted, identified, floors)
+    steady = steady_samples(equations, prepared)
+    step_s = float(np.median(np.diff(prediction.time)))
     result = []
     for channel, measured in prediction.measured.items():
         error = measured - prediction.predicted[channel]
@@ -80,6 +82,8 @@ def fits(
                 rest_share=float(rest.mean()),
                 rmse_moving=moving[channel],
                 rmse_at_rest=rms(error[rest]) if rest.any() else None,
+                steady_s=step_s * int(np.count_nonzero(steady[channel])),
+                moved_s=step_s * int(np.count_nonzero(~rest)),
             )
         )
     return tuple(result)

@@ -8,6 +8,7 @@ from typing import Any
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Finding, Place
+from exogauge.studies.discrepancy_sentences import left_sentence, verdict_sentence
 from exogauge.studies.effect_words import at_place
 from exogauge.studies.planned_motions import apart_entries, planned_entries
 from exogauge.studies.support_results import number
@@ -17,8 +18,8 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
     """`discrepancy`: None where the step was skipped; `steps[]` then says why."""
     if found is None:
         return None
-    return {
-        "verdict": found.verdict,
+    entry = {
+        **asdict(found.decision),
         "findings": [
             _finding(each, 1 + sum(len(before.plans) for before in found.findings[:number]))
             for number, each in enumerate(found.findings)
@@ -36,6 +37,7 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
             for quantity, (before, after) in found.before_after.items()
         },
     }
+    return entry | {"sentence": verdict_sentence(entry), "left_sentence": left_sentence(entry)}
 
 
 def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:

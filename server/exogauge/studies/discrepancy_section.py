@@ -17,7 +17,6 @@ from exogauge.studies.discrepancy_sentences import (
     chain_unit,
     chain_words,
     channel,
-    has_held_out,
     kind_of_channels,
     left_sentence,
     looked_at,
@@ -125,9 +124,11 @@ class ChangeRow:
 @final
 @dataclass(frozen=True)
 class DiscrepancyView:
-    """channels: `torques`, or `channels` where other readings were looked at too. drawn: number of figures."""
+    """channels: `torques`, or `channels` where other readings were looked at too. drawn: number of figures. at_floor:
+    nothing is left above the noise, and enough was seen to say so."""
 
     verdict: str
+    at_floor: bool
     sentence: str
     left: str
     looked_at: str
@@ -155,8 +156,9 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
     wear_chain = _chain(found.wear_chain, "dw", WEAR_CHAIN) if found.wear_chain else None
     pairs = found.before_after.items()
     return DiscrepancyView(
-        verdict=found.verdict,
-        sentence=verdict_sentence(entry, has_held_out(content)),
+        verdict=entry["verdict"],
+        at_floor=entry["left"] == "nothing",
+        sentence=verdict_sentence(entry),
         left=left_sentence(entry),
         looked_at=looked_at(content),
         channels=kind_of_channels(content),

@@ -16,14 +16,14 @@ FLOORS = "floors"  # unit of a chain over channels of several units
 NAMED = 3  # effects that the sentence names; it counts the others
 
 
-def verdict_sentence(entry: Mapping[str, Any], held_out: bool = True) -> str:
-    """entry: `discrepancy` of results.json. held_out: whether any log was; else nothing is claimed."""
-    if entry["findings"]:
+def verdict_sentence(entry: Mapping[str, Any]) -> str:
+    """entry: `discrepancy` of results.json; what it says is decided in `discrepancy.verdict`."""
+    if entry["verdict"] == "effects":
         return _effects(entry["findings"])
     if entry["verdict"] == "unexplained":
         return _unexplained(entry)
-    if not held_out:
-        return "Whether the model lacks an effect cannot be told: no log was held out."
+    if entry["verdict"] == "undecided":
+        return f"Whether the model lacks an effect is undecided. {_reason(entry)}"
     return (
         "No effect is missing as far as these logs can show: "
         f"{none_of(entry['candidates'])} surely explains anything beyond noise."
@@ -86,18 +86,18 @@ def excess(found: Mapping[str, Any]) -> str:
 
 def left_sentence(entry: Mapping[str, Any]) -> str:
     """What is above the noise after all that was named; empty where the verdict has said it."""
-    left = entry["unexplained"]
-    if not left or not entry["findings"]:
+    if entry["verdict"] != "effects":
         return ""
+    if entry["left"] == "nothing":
+        return "Nothing is left above the noise."
+    if entry["left"] == "open":
+        return f"Whether anything is left above the noise is undecided. {_reason(entry)}"
+    left = entry["unexplained"]
     worst = furthest(left)
     assert worst is not None
     count = "One channel stays" if len(left) == 1 else f"{len(left)} channels stay"
     where = "" if len(left) == 1 else "most "
     return f"{count} above the noise, {where}at {channel(worst['channel'])} ({excess(worst)})."
-
-
-def has_held_out(result: Mapping[str, Any]) -> bool:
-    return any(each["held_out"] for each in result["identification"]["validation"])
 
 
 def looked_at(result: Mapping[str, Any]) -> str:
@@ -133,6 +133,12 @@ def moves(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
 
 def none_of(candidates: int) -> str:
     return f"none of {counted(candidates, 'candidate')}"
+
+
+def _reason(entry: Mapping[str, Any]) -> str:
+    """`Cannot judge: 1.2 of 5 s of steady held-out motion at joint_2.`"""
+    reason = str(entry["reason"])
+    return f"{reason[:1].upper()}{reason[1:]}."
 
 
 def counted(number: int, noun: str) -> str:

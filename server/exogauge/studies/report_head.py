@@ -93,8 +93,7 @@ def leads(evaluation: Evaluation) -> list[str]:
     device, entry = device_lead(evaluation), discrepancy_entry(evaluation.discrepancy)
     if entry is None:
         return device
-    held_out = any(fit.held_out for fit in evaluation.identification.validation)
-    gap = [verdict_sentence(entry, held_out)]
+    gap = [verdict_sentence(entry)]
     return device + gap if entry["verdict"] == "none" else gap + device
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 from exogauge.devices.result import Estimate
-from exogauge.studies.discrepancy_sentences import counted, has_held_out, left_sentence, verdict_sentence
+from exogauge.studies.discrepancy_sentences import counted, left_sentence, verdict_sentence
 from exogauge.studies.effect_words import listed
 from exogauge.studies.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.rounding import significant
@@ -91,7 +91,7 @@ def _found(results: Mapping[str, Any], detail: Detail) -> list[str]:
     worn = " ".join(_strongest(results, device) for device in results["scope"]["devices"][: detail.devices])
     lacks = ""
     if results["discrepancy"] is not None:
-        verdict = verdict_sentence(results["discrepancy"], has_held_out(results))
+        verdict = verdict_sentence(results["discrepancy"])
         lacks = f"{verdict} {left_sentence(results['discrepancy'])}"
     return [each for each in (worn, lacks.strip(), _errors(results["identification"]["summary"])) if each]
 

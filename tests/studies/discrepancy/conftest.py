@@ -19,6 +19,7 @@ from exogauge.discrepancy.result import (
     Link,
     Place,
 )
+from exogauge.discrepancy.verdict import Seen
 
 PITCH, HAND = Place("joint", "torso_pitch"), Place("link", "r_arm")
 TAU_B, V_S = 3.0, 0.04  # [N·m], [rad/s] of the friction that was missing
@@ -86,7 +87,6 @@ def payload() -> Finding:
 def discrepancy() -> Discrepancy:
     """Two effects named."""
     return Discrepancy(
-        verdict="effects",
         findings=(stribeck(), payload()),
         chain=(
             Link("maker’s values", 7.71, 0.62, "tau.torso_pitch", 9.33, 1.02),
@@ -115,13 +115,21 @@ def discrepancy() -> Discrepancy:
             "RMSE of support B at torso_pitch, bend": (Estimate(1.83, 0.12, "N·m"), Estimate(0.171, 0.02, "N·m")),
             "stiffness of A by B": (Estimate(241.0, 6.0, "N/m"), Estimate(199.5, 4.0, "N/m")),
         },
+        seen=(Seen("tau.torso_yaw", 1.3, 30.0, 90.0), Seen("tau.torso_pitch", 1.06, 30.0, 90.0)),
     )
 
 
 @pytest.fixture(scope="session")
 def one(discrepancy: Discrepancy) -> Discrepancy:
     """One effect named, nothing left."""
-    return dataclasses.replace(discrepancy, findings=discrepancy.findings[:1], unexplained=())
+    end = dataclasses.replace(discrepancy.chain[-1], worst_rmse=0.66)
+    return dataclasses.replace(
+        discrepancy,
+        findings=discrepancy.findings[:1],
+        chain=(*discrepancy.chain[:-1], end),
+        unexplained=(),
+        seen=(Seen("tau.torso_yaw", 1.06, 30.0, 90.0),),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -129,7 +137,6 @@ def clean(discrepancy: Discrepancy) -> Discrepancy:
     """Nothing is missing."""
     return dataclasses.replace(
         discrepancy,
-        verdict="none",
         findings=(),
         chain=(
             Link("maker’s values", 2.31, 0.62, "tau.torso_pitch", 4.12, 0.66),
@@ -139,12 +146,17 @@ def clean(discrepancy: Discrepancy) -> Discrepancy:
         unexplained=(),
         lineage=discrepancy.lineage[:1],
         before_after={},
+        seen=(Seen("tau.torso_yaw", 1.06, 30.0, 90.0), Seen("tau.torso_pitch", 1.0, 30.0, 90.0)),
     )
 
 
 @pytest.fixture(scope="session")
 def unexplained(clean: Discrepancy, discrepancy: Discrepancy) -> Discrepancy:
     """Something is there, and nothing explains it."""
-    return dataclasses.replace(
-        clean, verdict="unexplained", located=discrepancy.located, unexplained=discrepancy.located
-    )
+    return dataclasses.replace(clean, located=discrepancy.located, unexplained=discrepancy.located)
+
+
+@pytest.fixture(scope="session")
+def short(clean: Discrepancy) -> Discrepancy:
+    """Nothing stands above the noise, in logs that hold hardly any motion."""
+    return dataclasses.replace(clean, seen=(Seen("tau.torso_yaw", 1.06, 1.2, 9.0),))

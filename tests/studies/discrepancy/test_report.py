@@ -65,7 +65,7 @@ def test_that_nothing_is_missing_is_said_after_the_rest(render: Render, clean: D
     text = words(section(render(clean)))
     assert "none of 214 candidates surely explains anything beyond noise" in text
     assert "Looked at: 3 joint torques in steady motion on 1 held-out log; 214 candidates" in text
-    assert "None of these torques is surely above its noise." in text
+    assert "All of these torques stand at their noise floors." in text
     assert "left unexplained" not in text
 
 
@@ -121,7 +121,7 @@ def test_a_gap_that_nothing_explains_names_its_places_once(render: Render, unexp
 
 
 def test_nothing_left_is_said_too(render: Render, one: Discrepancy) -> None:
-    assert "With it in the model, none of these torques is surely above its noise." in words(section(render(one)))
+    assert "With it in the model, all of these torques stand at their noise floors." in words(section(render(one)))
 
 
 def test_without_the_step_there_is_no_such_section(render: Render) -> None:

@@ -36,7 +36,6 @@ def found(clean: Discrepancy) -> Discrepancy:
     held = HeldOut("ft.wrist.fx", "N", 3.2, 0.52, 0.5), HeldOut("ft.wrist.mz", "N·m", 0.09, 0.011, 0.01)
     return dataclasses.replace(
         clean,
-        verdict="effects",
         findings=(
             finding(1, "ft_gain", FX, held[0], "reading", "N"),
             finding(2, "base_tilt", BASE, held[1], "time", "s"),

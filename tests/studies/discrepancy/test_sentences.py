@@ -80,9 +80,17 @@ def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy)
 
 
 def test_without_held_out_logs_nothing_is_claimed(clean: Discrepancy) -> None:
-    assert verdict_sentence(entry(clean), held_out=False) == (
-        "Whether the model lacks an effect cannot be told: no log was held out."
+    found = entry(dataclasses.replace(clean, seen=()))
+    assert found["verdict"] == "undecided"
+    assert verdict_sentence(found) == (
+        "Whether the model lacks an effect is undecided. Cannot judge: no log was held out."
     )
+
+
+def test_too_little_motion_is_told_in_seconds(short: Discrepancy) -> None:
+    text = verdict_sentence(entry(short))
+    assert "undecided" in text
+    assert "1.2 of 5 s of steady held-out motion at torso_yaw" in text
 
 
 def test_a_gap_that_nothing_explains_is_said_where_it_is_largest(unexplained: Discrepancy) -> None:
@@ -95,7 +103,7 @@ def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, o
     assert left_sentence(entry(discrepancy)) == (
         "One channel stays above the noise, at torso_yaw (0.811 N·m RMSE, noise floor 0.622)."
     )
-    assert left_sentence(entry(one)) == ""
+    assert left_sentence(entry(one)) == "Nothing is left above the noise."
     two = (*discrepancy.unexplained, Excess("tau.r_elbow", "N·m", 0.9, 0.6, float("nan"), ""))
     assert left_sentence(entry(dataclasses.replace(discrepancy, unexplained=two))).startswith(
         "2 channels stay above the noise, most at torso_yaw"

@@ -16,6 +16,7 @@ const KINDS: Record<string, string> = {
 const VERDICTS: Record<string, string> = {
   effects: "something is missing",
   unexplained: "something is missing that no candidate explains",
+  undecided: "undecided: too little to judge",
   none: "nothing is missing",
 };
 

@@ -48,7 +48,7 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
               </Fact>
             ))}
             <Fact name="Still unexplained">
-              {discrepancy.unexplained.length ? discrepancy.unexplained.map((each) => channelWords(each.channel)).join(", ") : "nothing above the noise"}
+              {discrepancy.unexplained.map((each) => channelWords(each.channel)).join(", ") || (discrepancy.left === "nothing" ? "nothing above the noise" : "cannot be judged")}
             </Fact>
             <Fact name="Tried">{count(discrepancy.candidates, "candidate")}</Fact>
           </Card>

@@ -146,7 +146,11 @@ export type Link = {
 export type Excess = { channel: string; unit: string; rmse: Num; noise_floor: Num; z: Num; where: string };
 
 export type Discrepancy = {
-  verdict: "effects" | "unexplained" | "none";
+  verdict: "effects" | "unexplained" | "undecided" | "none";
+  left?: "above" | "open" | "nothing";
+  reason?: string;
+  sentence?: string;
+  left_sentence?: string;
   findings: Finding[];
   chain: Link[];
   wear_chain?: Link[];
