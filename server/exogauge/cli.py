@@ -15,7 +15,7 @@ from exogauge.errors import ExogaugeError
 
 INCOMPLETE, BAD_INPUT = 1, 2
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-SHOWN_FINDINGS = 5  # of one sort, unless it is an error
+SHOWN_FINDINGS = 5  # channels of one sort, unless it is an error
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -189,23 +189,29 @@ def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
     from exogauge.studies.admit import admit
     from exogauge.studies.examine_logs import examine_logs as examined
-    from exogauge.studies.notices import by_sort
+    from exogauge.studies.notices import by_sort, named
     from exogauge.studies.open import open_study
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
         logs = admit(study)
-        sorts = by_sort(examined(study.robot, [*logs.recordings, *logs.worn]))
-    columns = ("log", "channel", "row", "detail")
+        sorts = by_sort(examined(study.robot, logs.recordings, logs.worn))
+    columns = ("channel", "logs", "detail")
     for sort in sorts:
-        most = len(sort.each) if options.all or sort.severity == "error" else SHOWN_FINDINGS
+        places = sort.places
+        if not (sort.first or options.all):
+            print(f"{sort.severity.upper()} {sort.rule}: {named([place.channel for place in places])}")
+            continue
+        most = len(places) if options.all or sort.severity == "error" else SHOWN_FINDINGS
         advice = f". {sort.advice[0].upper()}{sort.advice[1:]}" if sort.advice else ""
-        print(f"{sort.severity.upper()} {sort.rule}: {len(sort.each)}{advice}")
-        rows = [[finding.get(column) for column in columns] for finding in sort.each[:most]]
-        print(text_table(columns, rows, widest=90))
-        print(f"… and {len(sort.each) - most} more: --all lists them\n" if len(sort.each) > most else "")
+        print(f"{sort.severity.upper()} {sort.rule}: {len(places)}{advice}")
+        rows = [[each.channel, named(each.logs), each.finding.get("detail")] for each in places[:most]]
+        print(text_table(columns, rows, widest=110))
+        print(f"… and {len(places) - most} more channels\n" if len(places) > most else "")
+    if any(not sort.first for sort in sorts) and not options.all:
+        print("--all lists every channel of every sort")
     errors = sum(len(sort.each) for sort in sorts if sort.severity == "error")
-    print(f"{sum(len(sort.each) for sort in sorts)} findings, {errors} of them errors")
+    print(f"{sum(len(sort.each) for sort in sorts)} findings of {len(sorts)} sorts, {errors} of them errors")
     return 1 if errors else 0
 
 

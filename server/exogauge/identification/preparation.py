@@ -160,7 +160,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     raw_q = log.stack([f"q.{name}" for name in names])
     q = low_pass.apply(raw_q)
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
-    acc, gyro, gyro_dot = _base_motion(robot, log, low_pass)
+    acc, gyro, gyro_dot = base_motion(robot, log, low_pass)
     C = robot.axes_from_joints
     raw_drive = _drive_on_axes(robot, log)
     raw_wrenches = _wrenches(robot.contacts, log)
@@ -246,7 +246,7 @@ def _wrenches(sensors: Sequence[WrenchSensor], log: Log) -> Array:
     return wrenches
 
 
-def _base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:
+def base_motion(robot: Robot, log: Log, low_pass: LowPass) -> tuple[Array, Array, Array]:
     """Proper acceleration of the base link's origin, angular velocity and acceleration, in the base frame (T, 3)."""
     if robot.T_base_imu is None:
         still = np.zeros((log.samples, 3))

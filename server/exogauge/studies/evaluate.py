@@ -22,7 +22,7 @@ from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
-from exogauge.identification.settings import Progress, Recording
+from exogauge.identification.settings import Progress
 from exogauge.robots.export import export_urdf
 from exogauge.studies.admit import admit
 from exogauge.studies.before_after import before_after
@@ -86,7 +86,7 @@ def _evaluate(
         logs = admit(study, worn="support" in doing, progress=progress)
         recordings, worn, plain = logs.recordings, logs.worn, logs.plain
         progress(0.10, "examining the logs")
-        findings = examine_logs(study.robot, [*recordings, *(Recording(each.log, held_out=True) for each in worn)])
+        findings = examine_logs(study.robot, recordings, worn)
         spans = _spans(bool(worn), "discrepancy" in doing)
         found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
         failed = list[FailedStep]()

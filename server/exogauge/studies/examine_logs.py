@@ -6,31 +6,39 @@ from collections.abc import Sequence
 from typing import Any
 
 from exogauge.identification.settings import Recording
-from exogauge.logs.doctor import Expectation, JointLimits, examine
+from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
+from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
 from exogauge.studies.results import finite
 from exogauge.support.settings import WornLog
 
 STANDARD_GRAVITY = 9.80665
+OF_THE_BASE = ("acc", "gyro", "ft.*", "t")  # where these are wrong, so is what every joint should bear
 
 
-def examine_logs(robot: Robot, recordings: Sequence[Recording | WornLog]) -> list[dict[str, Any]]:
-    """{log, severity, channel, rule, detail, advice, row, value}, worst first within a log."""
+def examine_logs(robot: Robot, recordings: Sequence[Recording], worn: Sequence[WornLog] = ()) -> list[dict[str, Any]]:
+    """{log, severity, channel, rule, detail, advice, row, value}: first what the robot's description contradicts, then
+    log by log what its signals show, worst first. worn: with a device, whose share no description of the robot knows.
+    """
     expected = expectation(robot)
-    return [
-        {
-            "log": recording.log.name,
-            "severity": finding.severity,
-            "channel": finding.channel,
-            "rule": finding.rule,
-            "detail": finding.detail,
-            "advice": finding.advice,
-            "row": finding.row,
-            "value": finite(finding.value),
-        }
-        for recording in recordings
-        for finding in examine(recording.log, expected)
-    ]
+    logs = [*(each.log for each in recordings), *(each.log for each in worn)]
+    alone = [(log.name, finding) for log in logs for finding in examine(log, expected)]
+    doubtful = {log for log, finding in alone if finding.severity == "error" and finding.channel in OF_THE_BASE}
+    trusted = [each.log for each in recordings if each.log.name not in doubtful]
+    return [_entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted), *alone)]
+
+
+def _entry(log: str, finding: Finding) -> dict[str, Any]:
+    return {
+        "log": log,
+        "severity": finding.severity,
+        "channel": finding.channel,
+        "rule": finding.rule,
+        "detail": finding.detail,
+        "advice": finding.advice,
+        "row": finding.row,
+        "value": finite(finding.value),
+    }
 
 
 def expectation(robot: Robot) -> Expectation:

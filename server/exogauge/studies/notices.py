@@ -10,6 +10,7 @@ from typing import Any, final
 _LONG_LIST = re.compile(r"(?:[\w.\[\]/-]+, ){6,}[\w\[\]/-]+(?:\.[\w\[\]/-]+)*")
 _NUMBER = re.compile(r"[_.-]?\d+$")
 SHOWN_NAMES = 3
+SHOWN_FIRST = 3  # sorts of findings: who reads three may mend three; 551 notes are read by nobody
 SEVERITIES = ("error", "warning", "note")
 
 
@@ -24,13 +25,38 @@ class Notice:
 
 @final
 @dataclass(frozen=True)
+class Place:
+    """One channel, in one log or in many that show the same; finding: the first of them."""
+
+    channel: str
+    logs: tuple[str, ...]
+    finding: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
 class Findings:
-    """What the doctor says of one sort: the same rule with the same severity, on one or many channels."""
+    """What the doctor says of one sort: the same rule with the same severity, on one or many channels.
+
+    first: among the few that matter most, shown before the rest is unfolded.
+    """
 
     severity: str
     rule: str
     advice: str
     each: tuple[Mapping[str, Any], ...]
+    first: bool
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """By channel, in the order of appearance."""
+        channels: dict[str, list[Mapping[str, Any]]] = {}
+        for finding in self.each:
+            channels.setdefault(str(finding.get("channel") or ""), []).append(finding)
+        return tuple(
+            Place(channel, tuple(dict.fromkeys(str(one.get("log") or "") for one in found)), found[0])
+            for channel, found in channels.items()
+        )
 
 
 def notice(warning: str) -> Notice:
@@ -39,8 +65,13 @@ def notice(warning: str) -> Notice:
     if match is None:
         return Notice(warning, ())
     names = tuple(match.group().split(", "))
-    short = f"{', '.join(names[:SHOWN_NAMES])} and {len(names) - SHOWN_NAMES} more"
-    return Notice(warning[: match.start()] + short + warning[match.end() :], names)
+    return Notice(warning[: match.start()] + named(names) + warning[match.end() :], names)
+
+
+def named(names: Sequence[str]) -> str:
+    """`a, b, c and 4 more`"""
+    shown = ", ".join(names[:SHOWN_NAMES])
+    return f"{shown} and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else shown
 
 
 def repeats(logs: Iterable[str]) -> dict[str, list[str]]:
@@ -52,12 +83,14 @@ def repeats(logs: Iterable[str]) -> dict[str, list[str]]:
 
 
 def by_sort(findings: Sequence[Mapping[str, Any]]) -> list[Findings]:
-    """Grouped by severity and rule: errors first, then in the order of appearance."""
+    """Grouped by severity and rule: errors first, then in the order of appearance; the first three matter most."""
     groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for finding in findings:
         groups.setdefault((str(finding["severity"]), str(finding.get("rule", ""))), []).append(finding)
-    sorts = [
-        Findings(severity, rule.replace("_", " "), str(each[0].get("advice") or ""), tuple(each))
-        for (severity, rule), each in groups.items()
+    ordered = sorted(
+        groups.items(), key=lambda group: SEVERITIES.index(group[0][0]) if group[0][0] in SEVERITIES else 0
+    )
+    return [
+        Findings(severity, rule.replace("_", " "), str(each[0].get("advice") or ""), tuple(each), k < SHOWN_FIRST)
+        for k, ((severity, rule), each) in enumerate(ordered)
     ]
-    return sorted(sorts, key=lambda sort: SEVERITIES.index(sort.severity) if sort.severity in SEVERITIES else 0)

@@ -5,16 +5,17 @@ import { WideTable } from "../../parts/WideTable";
 import type { Doubt } from "./results";
 
 const MOST_NAMED = 4;
+const SHOWN_FIRST = 3;
 const ORDER = ["error", "warning", "note"];
 
-/** What the checks of the signals found, one row per rule: how often, where, and what to do. */
+/** What the checks of the signals found, one row per rule: how often, where, and what to do; three first, the rest folded. */
 export function SignalDoubts({ found }: { found: Doubt[] }) {
   const rules = new Map<string, Doubt[]>();
   for (const each of found) {
     const key = `${each.severity}|${each.rule}`;
     rules.set(key, [...(rules.get(key) ?? []), each]);
   }
-  const rows = [...rules.values()].sort((one, two) => rank(one) - rank(two) || two.length - one.length);
+  const rows = [...rules.values()].sort((one, two) => rank(one) - rank(two));
   return (
     <section aria-labelledby="signals">
       <Title order={2} size="h3" id="signals" mb="sm">
@@ -23,16 +24,27 @@ export function SignalDoubts({ found }: { found: Doubt[] }) {
       {rows.length === 0 ? (
         <Text size="sm">The checks of the signals found nothing to remark.</Text>
       ) : (
-        <WideTable
-          label="What the checks of the signals found"
-          columns={["Rule", "How often", "Where", "An example", "What to do"]}
-        >
-          {rows.map((doubts) => (
-            <Row key={`${doubts[0]?.severity}${doubts[0]?.rule}`} doubts={doubts} />
-          ))}
-        </WideTable>
+        <>
+          <Rules rows={rows.slice(0, SHOWN_FIRST)} label="What matters most of what the checks of the signals found" />
+          {rows.length > SHOWN_FIRST && (
+            <details>
+              <summary>{count(rows.length - SHOWN_FIRST, "more rule")}</summary>
+              <Rules rows={rows.slice(SHOWN_FIRST)} label="What else the checks of the signals found" />
+            </details>
+          )}
+        </>
       )}
     </section>
+  );
+}
+
+function Rules({ rows, label }: { rows: Doubt[][]; label: string }) {
+  return (
+    <WideTable label={label} columns={["Rule", "How often", "Where", "An example", "What to do"]}>
+      {rows.map((doubts) => (
+        <Row key={`${doubts[0]?.severity}${doubts[0]?.rule}`} doubts={doubts} />
+      ))}
+    </WideTable>
   );
 }
 

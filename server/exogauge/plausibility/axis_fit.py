@@ -1,0 +1,131 @@
+"""How likely an axis' measured torque is, were it this many times what the robot's description expects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PLAUSIBLE = 2.5  # a description's masses and k_T together: beyond this factor something else is wrong
+DECADES = 3.5  # of factors that are tried, up and down: N·mm read as N·m is 3, a gear seldom 300
+PER_DECADE = 8
+UNMODELLED = (
+    0.05,
+    0.1,
+    0.2,
+    0.4,
+)  # of an effort's rms: friction that is no straight line, ripple, what nobody described
+OFFSET = 0.3  # of an effort's rms: std of what is constant in it
+GAINS = 10.0 ** (np.arange(-DECADES * PER_DECADE, DECADES * PER_DECADE + 1) / PER_DECADE)
+AS_DESCRIBED = (GAINS >= 1.0 / PLAUSIBLE) & (GAINS <= PLAUSIBLE)
+FEWEST = 20  # moments in motion: at rest friction holds a joint, and its effort says nothing of the load
+INDEPENDENT = 0.25  # of these: what is left unmodelled is alike at neighbours
+MOVING = 0.1  # of an axis' usual speed
+MOVING_LEAST = 0.002  # [rad/s or m/s]
+
+
+@final
+@dataclass(frozen=True)
+class Likelihood:
+    """logs: (GAINS,) log likelihood by factor, counted in moments that are independent of each other.
+
+    misfit: of the best factor near one, rms of what is left by rms of the effort.
+    """
+
+    logs: Array
+    misfit: float
+
+    @property
+    def described(self) -> float:
+        """With a factor near one."""
+        return float(self.logs[AS_DESCRIBED].max())
+
+    @property
+    def any(self) -> float:
+        return float(self.logs.max())
+
+    @property
+    def gain(self) -> float:
+        return float(GAINS[int(np.argmax(self.logs))])
+
+
+def in_motion(velocity: Array) -> NDArray[np.bool_]:
+    """(N, A) -> (N, A)"""
+    usual = np.sqrt(np.mean(velocity**2, axis=0))
+    return np.asarray(np.abs(velocity) > np.maximum(MOVING * usual, MOVING_LEAST))
+
+
+@final
+class AxisFit:
+    """Of one axis in one log: y = g (L + δ) + k_d dq + τ_c sgn dq + J_r ddq + τ_o + noise, with δ as far as the
+    inertial parameters may be off; friction and rotor inertia are never negative, which tells an effort's sign even
+    where no gravity does.
+
+    load: (N,) [N·m] that the description expects. spread: (N, P) what each parameter's std moves of it.
+    velocity, acceleration: (N,) of the axis. moving: (N,) bool, the moments that count.
+    """
+
+    def __init__(
+        self, load: Array, spread: Array, velocity: Array, acceleration: Array, moving: NDArray[np.bool_]
+    ) -> None:
+        self.moving = m = moving
+        self._lambda, U = np.linalg.eigh(spread[m] @ spread[m].T)
+        self._lambda = np.maximum(self._lambda, 0.0)
+        Z = np.column_stack([velocity, np.sign(velocity), acceleration, np.ones_like(velocity)])[m]
+        size = np.sqrt(np.mean(Z**2, axis=0)) if m.any() else np.ones(4)
+        self._Z = U.T @ (Z / np.where(size > 1e-9, size, np.inf))
+        self._L, self._U = U.T @ load[m], U
+
+    @property
+    def tells(self) -> bool:
+        """Whether the axis moves in enough of the moments."""
+        return len(self._L) >= FEWEST
+
+    def likelihood(self, effort: Array, backwards: bool = False) -> Likelihood:
+        """effort: (N,) [N·m]. backwards: as if the axis moved the other way, as far as friction can tell."""
+        y = effort[self.moving]
+        rms = float(np.sqrt(np.mean(y**2))) + 1e-9
+        y, Z = self._U.T @ y, self._Z * np.where(backwards, [-1.0, -1.0, -1.0, 1.0], 1.0)
+        products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
+        logs, lefts = np.full(len(GAINS), -np.inf), np.zeros((len(GAINS), len(y)))
+        for share in UNMODELLED:
+            w = 1.0 / (GAINS[:, None] ** 2 * self._lambda + (share * rms) ** 2)  # (G, N)
+            r = y - GAINS[:, None] * self._L
+            M = (w @ products).reshape(-1, 4, 4)
+            M[:, 3, 3] += 1.0 / (OFFSET * rms) ** 2
+            explained, coefficients = _explained(M, (w * r) @ Z)
+            found = 0.5 * (explained - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
+            better = found > logs
+            logs[better] = found[better]
+            left = (r - coefficients @ Z.T) * np.sqrt(w) * share * rms  # what a change of the load leaves too
+            lefts[better] = left[better]
+        near = int(np.flatnonzero(AS_DESCRIBED)[np.argmax(logs[AS_DESCRIBED])])
+        misfit = float(np.sqrt(np.mean(lefts[near] ** 2))) / rms
+        return Likelihood(INDEPENDENT * logs, misfit)
+
+
+def _explained(M: Array, b: Array) -> tuple[Array, Array]:
+    """(G,) the most that columns with coefficients x explain, x_k >= 0 but for the last; and (G, K) these."""
+    G, K = b.shape
+    most, best = np.full(G, -np.inf), np.zeros((G, K))
+    for subset in _subsets(K - 1):
+        columns = [*subset, K - 1]
+        block = M[np.ix_(range(G), columns, columns)] + 1e-12 * np.eye(len(columns))
+        x = np.linalg.solve(block, b[:, columns, None])[..., 0]
+        gained = np.sum(x * b[:, columns], axis=1)
+        better = (x[:, :-1] >= 0.0).all(axis=1) & (gained > most)
+        most[better] = gained[better]
+        whole = np.zeros((G, K))
+        whole[:, columns] = x
+        best[better] = whole[better]
+    return most, best
+
+
+def _subsets(count: int) -> Sequence[tuple[int, ...]]:
+    return [each for size in range(count + 1) for each in combinations(range(count), size)]

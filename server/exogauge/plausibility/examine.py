@@ -1,0 +1,100 @@
+"""The doctor that knows the robot: joint by joint, is what was measured what the description leads one to expect?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from exogauge.identification.preparation import DRIVE
+from exogauge.logs.findings import Finding
+from exogauge.logs.model import Log
+from exogauge.plausibility.channel_rules import channel_rules
+from exogauge.plausibility.remedies import Remedy
+from exogauge.plausibility.search import Slip, find_slips
+from exogauge.plausibility.snapshot import take
+from exogauge.robots.description import Robot
+
+MOST_LOGS = 6  # a slip of a mapping is in all of them
+
+SAID = {
+    "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
+    "position_reversed": (
+        "fits what its effort bears only with its sign turned",
+        "turn its sign in a mapping, or the joint's axis in the URDF",
+    ),
+    "joint_reversed": (
+        "and its effort both fit only with their signs turned",
+        "turn both in a mapping, or the joint's axis in the URDF",
+    ),
+    "efforts_exchanged": ("fit only the other way round", "exchange the two columns in a mapping"),
+    "positions_exchanged": ("fit only the other way round", "exchange the two columns in a mapping"),
+    "joints_exchanged": (
+        "and their efforts fit only the other way round",
+        "exchange them: the order of `joints` in robot.yaml is that of the columns",
+    ),
+}
+
+
+def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[str, Finding]]:
+    """(name of the log, finding). Logs in which nothing is worn: what a wear bears, no description knows.
+
+    A statement is made only where the one reading explains so much more than the other that no doubt of masses, k_T
+    or friction makes up for it (`search.DECISIVE`); of a joint that stands still, or bears nothing, none is.
+    """
+    chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, MOST_LOGS).astype(int))] if logs else []
+    seen = [each for each in (take(robot, log) for log in chosen) if each is not None]
+    if not any(joint.actuation != "none" for joint in robot.joints):
+        return
+    slips, expected = find_slips(robot, seen)
+    told = set[tuple[str, str]]()
+    for slip in slips:
+        names = [log.name for log in logs] if len(slip.logs) == len(seen) else slip.logs
+        for name in names:
+            finding = as_finding(robot, slip)
+            told.add((name, finding.channel))
+            yield name, finding
+    for each in expected:
+        for finding in channel_rules(robot, each):
+            if (each.seen.log, finding.channel) not in told:
+                yield each.seen.log, finding
+
+
+def as_finding(robot: Robot, slip: Slip) -> Finding:
+    remedy = slip.remedy
+    channels = [channel(robot, remedy, joint) for joint in remedy.joints]
+    left = (
+        "beyond its limits as it is"
+        if np.isinf(slip.evidence)
+        else f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
+    )
+    said, advice = SAID.get(remedy.rule) or _with_value(robot, remedy)
+    if slip.as_good is not None and slip.as_good.kind != remedy.kind:
+        other = channel(robot, slip.as_good, remedy.joints[0])
+        said, advice = f"{said}, if {other} is right; these logs cannot tell which of the two is wrong", advice
+    if len(channels) == 2:
+        said = f"and {channels[1]} {said}"
+    return Finding("error", channels[0], remedy.rule, f"{said} ({left})", advice, value=remedy.value)
+
+
+def channel(robot: Robot, remedy: Remedy, joint: int) -> str:
+    described = robot.joints[joint]
+    kind = DRIVE[described.actuation] if remedy.kind == "effort" else "q"
+    return f"{kind}.{described.name}"
+
+
+def _with_value(robot: Robot, remedy: Remedy) -> tuple[str, str]:
+    value, joint = remedy.value or 0.0, robot.joints[remedy.joints[0]]
+    if remedy.rule == "position_offset":
+        detail = f"has its zero about {np.degrees(value):.0f}° from where the description has it"
+        return detail, "state the offset in a mapping"
+    if remedy.rule == "position_scale":
+        unit = "is it in degrees?" if value > 1.0 else "was a column in radians declared as degrees?"
+        gear = abs(joint.gear_ratio or 1.0)
+        if np.isclose(abs(np.log(value)), np.log(gear)):
+            unit = "is it on the motor's side of the gear, and stated as the joint's, or the reverse?"
+        return f"is {value:.3g} times what the effort it meets lets one expect", f"{unit} State it in a mapping"
+    detail = f"is about {value:.2g} times what gravity, inertia and friction ask for"
+    units = "mA, N·mm or a percentage?" if abs(value) > 1.0 else "in kA, or a share of the rated one?"
+    sign = " Its sign is turned too." if value < 0.0 else ""
+    return detail, f"check unit, side of the gear and k_T: {units}{sign}"

@@ -1,0 +1,77 @@
+"""What a robot's description expects of every axis, for a snapshot as it is or were it read otherwise."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.prior import inertial_std
+from exogauge.plausibility.axis_fit import FEWEST, AxisFit, Likelihood, in_motion
+from exogauge.plausibility.snapshot import Snapshot
+from exogauge.robots.description import Robot
+from exogauge.robots.regressor import regressor
+
+Array = NDArray[np.float64]
+
+ROUGH = 1.5  # times the stated doubt of inertial parameters: stock descriptions are rougher than that
+
+
+@final
+class Expected:
+    """The axes of a robot in one snapshot. Likelihoods are computed where they are asked for, once.
+
+    moving: (N, A) bool, the moments in which an axis moves; given to compare the same moments of another reading.
+    """
+
+    def __init__(self, robot: Robot, seen: Snapshot, moving: NDArray[np.bool_] | None = None) -> None:
+        self.robot, self.seen = robot, seen
+        C, first = robot.axes_from_joints, 6 if robot.floating else 0
+        Y = regressor(robot.tree, seen.motion)[:, first:]
+        Y = np.einsum("aj,njp->nap", np.linalg.inv(C).T, Y, optimize=True)
+        outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, first:] if robot.contacts else 0.0
+        self.load = Y @ robot.tree.phi.ravel() - outside
+        self._spread = Y * (ROUGH * inertial_std(robot).ravel())
+        self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
+        self.moving = in_motion(self._velocity) if moving is None else moving
+        self.effort = on_axes(robot, seen.effort)
+        self._fits: dict[int, AxisFit] = {}
+        self._known: dict[tuple[int, float, bool], Likelihood] = {}
+
+    def fit(self, axis: int) -> AxisFit:
+        if axis not in self._fits:
+            spread = self._spread[:, axis]
+            spread = spread[:, np.any(spread != 0.0, axis=0)]
+            velocity, acceleration = self._velocity[:, axis], self._acceleration[:, axis]
+            self._fits[axis] = AxisFit(self.load[:, axis], spread, velocity, acceleration, self.moving[:, axis])
+        return self._fits[axis]
+
+    def tells(self, axis: int) -> bool:
+        """Its effort is logged, and it moves in enough of the moments."""
+        return bool(self.seen.alive[axis]) and int(self.moving[:, axis].sum()) >= FEWEST
+
+    def likelihood(self, axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
+        """sign: of the effort. backwards: see `AxisFit.likelihood`."""
+        key = (axis, sign, backwards)
+        if key not in self._known:
+            self._known[key] = self.fit(axis).likelihood(sign * self.effort[:, axis], backwards)
+        return self._known[key]
+
+    def with_effort(self, seen: Snapshot) -> Expected:
+        """The same motion with the efforts of `seen`."""
+        other = copy(self)
+        other.seen, other.effort, other._known = seen, on_axes(self.robot, seen.effort), {}
+        return other
+
+
+def on_axes(robot: Robot, effort: Array) -> Array:
+    """(N, J) or (L, N, J) as logged -> on axes: motor currents belong there, joint torques are brought by C^{-T}."""
+    torque = np.array([joint.actuation == "torque" for joint in robot.joints])
+    result = effort.copy()
+    if torque.any():
+        to_axes = np.linalg.inv(robot.axes_from_joints)[np.ix_(torque, torque)]
+        result[..., torque] = effort[..., torque] @ to_axes
+    return result

@@ -1,0 +1,216 @@
+"""Which slip explains best why joints do not bear what the robot's description expects: one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import combinations
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.plausibility.axis_fit import GAINS, Likelihood
+from exogauge.plausibility.expectation import Expected
+from exogauge.plausibility.remedies import Remedy, exchanged, misread_positions, reversals, scaled_effort
+from exogauge.plausibility.snapshot import Snapshot
+from exogauge.robots.description import Robot
+from exogauge.robots.kinematics import subtree
+
+Array = NDArray[np.float64]
+
+DECISIVE = 12.0  # log likelihood over the description as it stands; hundreds of slips are tried on rough descriptions
+DOUBTED = 5.0
+UNDECIDED = 4.0
+AS_GOOD_AS = 2.0
+LARGE_MISFIT = 0.2  # of an axis' effort left; on recorded robots with stock descriptions 0.03 to 0.17 are
+MOST = 6  # slips in one study; who has more has one that was not thought of
+MOST_DOUBTED = 6  # joints that are tried
+FAR = 3.0  # times a limit of the description: no joint was driven there
+
+
+@final
+@dataclass(frozen=True)
+class Slip:
+    """remedy: what undoes it. evidence: gain in log likelihood. before, after: share of the axis' effort that is left.
+
+    as_good: a remedy of the same joint between which and this one the data do not decide. logs: in which it is.
+    """
+
+    remedy: Remedy
+    evidence: float
+    before: float
+    after: float
+    as_good: Remedy | None = None
+    logs: tuple[str, ...] = ()
+
+
+def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list[Expected]]:
+    """What is wrong in all of the logs, the slip that explains most first; then, with it undone, in single ones.
+
+    And what is expected of each log as it was handed in.
+    """
+    as_read = [Expected(robot, each) for each in seen]
+    slips = _beyond_limits(robot, seen)
+    undone = list(seen)
+    for slip in slips:
+        undone = [slip.remedy.undo(each) for each in undone]
+    state = _State(robot, [Expected(robot, each) for each in undone] if slips else as_read)
+    every = tuple(range(len(seen)))
+    for logs in [every, *((k,) for k in every if len(seen) > 1)]:
+        while len(slips) < MOST:
+            part = _State(robot, [state.expected[k] for k in logs])
+            best = part.best_remedy()
+            if best is None:
+                break
+            slips.append(replace(best, logs=tuple(seen[k].log for k in logs)))
+            now = {k: Expected(robot, best.remedy.undo(state.expected[k].seen)) for k in logs}
+            state = _State(robot, [now.get(k, each) for k, each in enumerate(state.expected)])
+    return slips, as_read
+
+
+def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
+    """Positions far beyond their joint's limits, or far faster, that are neither in another unit: that needs no
+    comparison of loads, which such positions put out of reason everywhere.
+    """
+    slips = []
+    for joint in range(len(robot.joints)):
+        fits = [
+            remedy
+            for remedy in misread_positions(robot, joint)
+            if remedy.rule == "position_scale" and (remedy.value or 0.0) > 1.0
+            and all(_impossible(robot, each, joint) for each in seen)
+            and not any(_impossible(robot, remedy.undo(each), joint) for each in seen)
+        ]  # fmt: skip
+        if fits and seen:
+            slips.append(Slip(fits[0], np.inf, 1.0, 0.0, logs=tuple(each.log for each in seen)))
+    return slips
+
+
+def _impossible(robot: Robot, seen: Snapshot, joint: int) -> bool:
+    tree = robot.tree
+    span, fastest = tree.upper[joint] - tree.lower[joint], tree.velocity_limit[joint]
+    too_wide = 0.0 < span < np.inf and float(np.ptp(seen.q[:, joint])) > FAR * span
+    too_fast = 0.05 < fastest < np.inf and float(np.abs(seen.dq[:, joint]).max()) > FAR * fastest
+    return bool(too_wide or too_fast)
+
+
+@final
+class _State:
+    """The logs as they would be, with what was found so far undone."""
+
+    def __init__(self, robot: Robot, expected: Sequence[Expected]) -> None:
+        self.robot, self.expected = robot, expected
+        self.seen = [each.seen for each in expected]
+        self._related, self._coupled = _related(robot), _coupled(robot)
+
+    def best_remedy(self) -> Slip | None:
+        doubted = self.doubted()
+        if not doubted:
+            return None
+        tried = list[tuple[Remedy, float]]()
+        for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
+            tried += [(remedy, self.gain(remedy)) for remedy in remedies]
+            tried.sort(key=lambda each: -each[1])
+            if tried and tried[0][1] > DECISIVE and not self.left_in_doubt(tried[0][0]):
+                break  # nothing else need be tried
+        if not tried or tried[0][1] < DECISIVE:
+            return None
+        remedy, evidence = tried[0]
+        axis = remedy.joints[0]
+        then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
+        as_good = [other for other, its in tried[1:] if its > evidence - UNDECIDED and other.joints == remedy.joints]
+        left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
+        return Slip(remedy, evidence, *left, as_good[0] if as_good else None)
+
+    def left_in_doubt(self, remedy: Remedy) -> bool:
+        """Whether axes that the remedy touches stay in doubt with it."""
+        then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
+        return any(then.in_doubt(axis) for axis in self._touched(remedy))
+
+    def axes(self) -> list[int]:
+        return [a for a in range(len(self.robot.joints)) if any(each.tells(a) for each in self.expected)]
+
+    def doubted(self) -> list[int]:
+        """Axes that do not bear what is described, the worst first."""
+        found = dict[int, float]()
+        for axis in self.axes():
+            if self.in_doubt(axis):
+                found[axis] = pooled(self.expected, axis).misfit
+        return sorted(found, key=lambda axis: -found[axis])[:MOST_DOUBTED]
+
+    def in_doubt(self, axis: int) -> bool:
+        now = pooled(self.expected, axis)
+        return now.any - now.described > DOUBTED or now.misfit > LARGE_MISFIT
+
+    def plain_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
+        """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried."""
+        found = [remedy for joint in doubted for remedy in reversals(joint)]
+        found += [exchanged(one, other)[0] for one, other in combinations(doubted, 2)]
+        for joint in doubted:
+            for sign in (1.0, -1.0) if len(self._coupled[joint]) == 1 else ():
+                beyond = pooled(self.expected, joint, sign)
+                if beyond.any > beyond.described:
+                    found.append(scaled_effort(joint, sign * beyond.gain))
+        return found
+
+    def rare_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
+        found = [remedy for joint in doubted for remedy in misread_positions(self.robot, joint)]
+        return found + [remedy for one, other in combinations(doubted, 2) for remedy in exchanged(one, other)[1:]]
+
+    def gain(self, remedy: Remedy) -> float:
+        """In log likelihood of all that the remedy changes, less what its rarity costs."""
+        axes = self._touched(remedy)
+        if remedy.rule == "effort_scale":
+            (joint,), value = remedy.joints, remedy.value or 1.0
+            beyond = pooled(self.expected, joint, float(np.sign(value)))
+            return beyond.any - pooled(self.expected, joint).described - remedy.cost
+        undone = [remedy.undo(each) for each in self.seen]
+        if remedy.kind == "effort":
+            now = self.expected
+            then = [each.with_effort(seen) for each, seen in zip(self.expected, undone, strict=True)]
+        elif len(remedy.joints) == 1:
+            now = self.expected
+            pairs = zip(self.expected, undone, strict=True)
+            then = [Expected(self.robot, seen, each.moving) for each, seen in pairs]
+        else:  # the same moments count for both
+            then = [Expected(self.robot, seen) for seen in undone]
+            both = [one.moving & other.moving for one, other in zip(self.expected, then, strict=True)]
+            now = [Expected(self.robot, seen, moving) for seen, moving in zip(self.seen, both, strict=True)]
+            then = [Expected(self.robot, seen, moving) for seen, moving in zip(undone, both, strict=True)]
+        change = (pooled(then, axis).described - pooled(now, axis).described for axis in axes)
+        return sum(change) - remedy.cost
+
+    def _touched(self, remedy: Remedy) -> list[int]:
+        telling = set(self.axes())
+        if remedy.kind == "effort":
+            return sorted(telling & set().union(*(self._coupled[joint] for joint in remedy.joints)))
+        return sorted(telling & set().union(*(self._related[joint] for joint in remedy.joints)))
+
+
+def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
+    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort.
+
+    What a description lacks it lacks in every log: ten of them count as `AS_GOOD_AS`.
+    """
+    each = [one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)]
+    logs = reduce(np.add, (one.logs for one in each), np.zeros(len(GAINS)))
+    share = min(1.0, AS_GOOD_AS / max(1, len(each)))
+    return Likelihood(share * logs, max((one.misfit for one in each), default=0.0))
+
+
+def _coupled(robot: Robot) -> list[set[int]]:
+    """Joint -> axes that its position or its torque belongs to."""
+    C = robot.axes_from_joints
+    return [{int(a) for a in np.flatnonzero((C[:, j] != 0.0) | (C[j] != 0.0))} for j in range(len(C))]
+
+
+def _related(robot: Robot) -> list[set[int]]:
+    """Joint -> axes whose load its position changes: of all that it carries, and of all that carry it."""
+    tree, coupled = robot.tree, _coupled(robot)
+    carried = subtree(tree)
+    body = {int(tree.dof[i]): i for i in range(len(tree.bodies)) if tree.dof[i] >= 0}
+    joints = range(len(robot.joints))
+    related = [[k for k in joints if carried[body[j], body[k]] or carried[body[k], body[j]]] for j in joints]
+    return [set().union(*(coupled[k] for k in each)) for each in related]

@@ -1,0 +1,110 @@
+"""A few moments of a log, spread over it: enough to ask whether what was measured fits the robot's description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.preparation import DRIVE, base_motion, needed_channels, wrench_channels
+from exogauge.identification.prior import joint_prior
+from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.derivatives import differentiate, differentiate_twice
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.model import Log
+from exogauge.logs.resampling import is_even
+from exogauge.plausibility.axis_fit import in_motion
+from exogauge.robots.description import Robot
+from exogauge.robots.motion import Motion
+
+Array = NDArray[np.float64]
+
+MOMENTS = 160  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
+FASTEST_HZ, SLOWEST_HZ = 8.0, 1.0  # of the low-pass: gravity and inertia of a robot's motion lie below
+LATEST_S = 0.12  # by which efforts are tried to be late, or early
+LAGS = 13  # that are tried
+
+
+@final
+@dataclass(frozen=True)
+class Snapshot:
+    """N moments of one log, low-passed; J joints, S contact sensors.
+
+    q, dq, ddq: (N, J). acc, gyro, gyro_dot: (N, 3) of the base link's origin, in its frame.
+    effort: (N, J) [N·m] torque as logged, or the a-priori k_T times the current; 0 where a joint logs none.
+    late: (LAGS, N, J) the same, from so much later; lags: (LAGS,) [s].
+    wrenches: (N, S, 6) world on robot, in sensor frames.
+    alive: (J,) bool, an effort is logged and is not one number throughout.
+    zeros: (J,) share of exact zeros among a logged effort's samples in motion. still: (J,) bool, the position is one
+    number throughout.
+    """
+
+    log: str
+    q: Array
+    dq: Array
+    ddq: Array
+    acc: Array
+    gyro: Array
+    gyro_dot: Array
+    effort: Array
+    late: Array
+    lags: Array
+    wrenches: Array
+    alive: NDArray[np.bool_]
+    zeros: Array
+    still: NDArray[np.bool_]
+    rate_hz: float
+
+    @property
+    def motion(self) -> Motion:
+        return Motion(self.q, self.dq, self.ddq, self.acc, self.gyro, self.gyro_dot)
+
+
+def take(robot: Robot, log: Log) -> Snapshot | None:
+    """None where channels are missing or hold no number, or the log is too short to be low-passed."""
+    names = needed_channels(robot)
+    if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
+        return None
+    rate, joints = log.rate_hz, robot.joints
+    if not is_even(log.time):
+        even = np.arange(log.time[0], log.time[-1], 1.0 / rate)
+        log = Log(log.name, even, {name: np.interp(even, log.time, log.channels[name]) for name in names})
+    q = log.stack([f"q.{joint.name}" for joint in joints])
+    hz = float(np.clip(suggest_cutoff(q, rate), SLOWEST_HZ, FASTEST_HZ))
+    low_pass = LowPass(min(hz, 0.2 * rate), rate)
+    settle = low_pass.settle_samples
+    if len(q) < 4 * settle:
+        return None
+    at = np.linspace(settle, len(q) - 1 - settle, MOMENTS).astype(np.intp)
+    still, q = np.ptp(q, axis=0) == 0.0, low_pass.apply(q)
+    dq, ddq = differentiate(q, rate), differentiate_twice(q, rate)
+    effort, alive, zeros = np.zeros_like(q), np.zeros(len(joints), dtype=bool), np.zeros(len(joints))
+    moving = in_motion(dq)
+    for k, joint in enumerate(joints):
+        if joint.actuation != "none":
+            raw = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
+            effort[:, k], alive[k] = low_pass.apply(raw) * joint_prior(joint, "k_T"), np.ptp(raw) > 0.0
+            zeros[k] = np.mean(raw[moving[:, k]] == 0.0) if moving[:, k].any() else 0.0
+    latest = min(round(LATEST_S * rate), settle)
+    steps = np.unique(np.round(np.linspace(-latest, latest, LAGS)).astype(np.intp))
+    acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
+    wrenches = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name)))[at] for sensor in robot.contacts]
+    return Snapshot(
+        log=log.name,
+        q=q[at],
+        dq=dq[at],
+        ddq=ddq[at],
+        acc=acc,
+        gyro=gyro,
+        gyro_dot=gyro_dot,
+        effort=effort[at],
+        late=np.stack([effort[at + step] for step in steps]),
+        lags=steps / rate,
+        wrenches=np.stack(wrenches, axis=1) if wrenches else np.zeros((len(at), 0, 6)),
+        alive=alive,
+        zeros=zeros,
+        still=still,
+        rate_hz=rate,
+    )

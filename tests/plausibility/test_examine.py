@@ -1,0 +1,121 @@
+"""Of one slip in a log the doctor names the joint and the slip; of none it says nothing, however rough the description."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.fuzz.small_robots import JOINTS, simulated_logs, write_study
+
+from exogauge.cli import main
+from exogauge.logs.model import Log
+from exogauge.plausibility.examine import examine_against_robot
+from exogauge.robots.description import Robot
+from exogauge.studies.robot_file import load_robot
+
+Columns = Mapping[str, np.ndarray]
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["arm", "floating"])
+def floating(request: pytest.FixtureRequest) -> bool:
+    return bool(request.param)
+
+
+@pytest.fixture(scope="module")
+def logs(floating: bool) -> list[dict[str, np.ndarray]]:
+    return list(simulated_logs(floating).values())
+
+
+@pytest.fixture(scope="module")
+def robot(floating: bool, tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    folder = tmp_path_factory.mktemp("robot")
+    write_study(folder, floating, {})
+    return load_robot(folder)
+
+
+def said(robot: Robot, logs: list[dict[str, np.ndarray]]) -> set[tuple[str, str]]:
+    """(channel, rule) over all logs."""
+    found = examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(logs)])
+    return {(finding.channel, finding.rule) for _, finding in found if finding.severity == "error"}
+
+
+def as_log(number: int, columns: Columns) -> Log:
+    return Log(f"log_{number}", columns["t"], {name: values for name, values in columns.items() if name != "t"})
+
+
+def test_what_is_as_described_raises_no_doubt(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    assert said(robot, logs) == set()
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_a_current_with_the_wrong_sign_is_named(robot: Robot, logs: list[dict[str, np.ndarray]], joint: str) -> None:
+    name = f"i.{joint}"
+    assert said(robot, [each | {name: -each[name]} for each in logs]) == {(name, "effort_reversed")}
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_a_position_with_the_wrong_sign_is_named(robot: Robot, logs: list[dict[str, np.ndarray]], joint: str) -> None:
+    name = f"q.{joint}"
+    assert said(robot, [each | {name: -each[name]} for each in logs]) == {(name, "position_reversed")}
+
+
+@pytest.mark.parametrize(("one", "other"), [("j1", "j2"), ("j2", "j3")])
+def test_exchanged_currents_are_named_as_such(
+    robot: Robot, logs: list[dict[str, np.ndarray]], one: str, other: str
+) -> None:
+    names = f"i.{one}", f"i.{other}"
+    swapped = [each | {names[0]: each[names[1]], names[1]: each[names[0]]} for each in logs]
+    ((channel, rule),) = said(robot, swapped)
+    assert rule == "efforts_exchanged"
+    assert channel in names
+
+
+@pytest.mark.parametrize("factor", [1000.0, 80.0, 0.001])
+def test_a_current_in_another_unit_is_named_on_joints_that_bear_something(
+    robot: Robot, logs: list[dict[str, np.ndarray]], factor: float
+) -> None:
+    assert said(robot, [each | {"i.j2": factor * each["i.j2"]} for each in logs]) == {("i.j2", "effort_scale")}
+
+
+def test_degrees_are_named(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    assert said(robot, [each | {"q.j2": np.degrees(each["q.j2"])} for each in logs]) == {("q.j2", "position_scale")}
+
+
+def test_channels_without_life_are_named(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    nothing = [each | {"i.j2": 0.0 * each["i.j2"]} for each in logs]
+    assert said(robot, nothing) == {("i.j2", "effort_dead")}
+    half = [each | {"i.j2": each["i.j2"] * (np.arange(len(each["t"])) % 1000 < 500)} for each in logs]
+    assert ("i.j2", "effort_mostly_zero") in said(robot, half)
+    frozen = [each | {"q.j2": 0.0 * each["q.j2"]} for each in logs]
+    assert ("q.j2", "position_dead") in said(robot, frozen)
+
+
+def test_a_slip_in_one_log_is_told_of_that_log_only(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    turned = [each | ({"i.j2": -each["i.j2"]} if k == 1 else {}) for k, each in enumerate(logs)]
+    found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(turned)]))
+    assert {(log, finding.channel, finding.rule) for log, finding in found} == {("log_1", "i.j2", "effort_reversed")}
+
+
+def test_joints_at_rest_say_nothing_of_their_signs(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    rng = np.random.default_rng(0)
+    still = [
+        each
+        | {name: np.full_like(v, v[0]) + 1e-5 * rng.standard_normal(len(v)) for name, v in each.items() if name != "t"}
+        for each in logs
+    ]
+    assert said(robot, [each | {"i.j2": -each["i.j2"]} for each in still]) == set()
+
+
+def test_the_doctor_says_first_what_the_robot_contradicts(
+    floating: bool, logs: list[dict[str, np.ndarray]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = ("id_1", "id_2", "val_1")
+    turned = {name: each | {"i.j2": -each["i.j2"]} for name, each in zip(names, logs, strict=True)}
+    assert main(["doctor", str(write_study(tmp_path, floating, turned))]) == 1
+    first, second, _, third, *_ = capsys.readouterr().out.splitlines()
+    assert first.startswith("ERROR effort reversed: 1. Turn its sign")
+    assert "channel" in second
+    assert "i.j2" in third
+    assert "id_1, id_2, val_1" in third
