@@ -1,4 +1,4 @@
-"""Two small robots on files, simulated by pinocchio's own inverse dynamics: an arm, and a body that stands on a plate."""
+"""Two small robots on files, moved by pinocchio's own inverse dynamics: an arm, and a body that stands on a plate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Of one slip in a log the doctor names the joint and the slip; of none it says nothing, however rough the description."""
+"""Of one slip in a log the doctor names the joint and what is wrong; of none it says nothing."""
 
 from __future__ import annotations
 
@@ -88,6 +88,8 @@ def test_channels_without_life_are_named(robot: Robot, logs: list[dict[str, np.n
     assert said(robot, nothing) == {("i.j2", "effort_dead")}
     half = [each | {"i.j2": each["i.j2"] * (np.arange(len(each["t"])) % 1000 < 500)} for each in logs]
     assert ("i.j2", "effort_mostly_zero") in said(robot, half)
+    if robot.floating:
+        return  # a joint that stands on a swaying body bears as much as one that moves
     frozen = [each | {"q.j2": 0.0 * each["q.j2"]} for each in logs]
     assert ("q.j2", "position_dead") in said(robot, frozen)
 

@@ -63,11 +63,9 @@ def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[s
 def as_finding(robot: Robot, slip: Slip) -> Finding:
     remedy = slip.remedy
     channels = [channel(robot, remedy, joint) for joint in remedy.joints]
-    left = (
-        "beyond its limits as it is"
-        if np.isinf(slip.evidence)
-        else f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
-    )
+    left = f"left unexplained are {100 * slip.before:.0f} % as it is and {100 * slip.after:.0f} % so"
+    if np.isinf(slip.evidence):
+        left = "as it is, it goes far beyond its limits"
     said, advice = SAID.get(remedy.rule) or _with_value(robot, remedy)
     if slip.as_good is not None and slip.as_good.kind != remedy.kind:
         other = channel(robot, slip.as_good, remedy.joints[0])
