@@ -113,7 +113,7 @@ class _State:
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
             tried += [(remedy, self.gain(remedy)) for remedy in remedies]
             tried.sort(key=lambda each: -each[1])
-            if tried and tried[0][1] > DECISIVE and not self.left_in_doubt(tried[0][0]):
+            if tried and tried[0][1] > DECISIVE and self.settles(tried[0][0]):
                 break  # nothing else need be tried
         if not tried or tried[0][1] < DECISIVE:
             return None
@@ -124,10 +124,10 @@ class _State:
         left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
         return Slip(remedy, evidence, *left, as_good[0] if as_good else None)
 
-    def left_in_doubt(self, remedy: Remedy) -> bool:
-        """Whether axes that the remedy touches stay in doubt with it."""
+    def settles(self, remedy: Remedy) -> bool:
+        """Whether no axis that the remedy touches stays in doubt with it; a factor of an effort hides much else."""
         then = _State(self.robot, [Expected(self.robot, remedy.undo(seen)) for seen in self.seen])
-        return any(then.in_doubt(axis) for axis in self._touched(remedy))
+        return remedy.rule != "effort_scale" and not any(then.in_doubt(axis) for axis in self._touched(remedy))
 
     def axes(self) -> list[int]:
         return [a for a in range(len(self.robot.joints)) if any(each.tells(a) for each in self.expected)]
