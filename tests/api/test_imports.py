@@ -95,7 +95,23 @@ def test_the_mapping_of_what_is_sure_is_refused_until_every_column_is_named_or_l
     mapping["files"][0]["ignore"] = ["elbow_des_pos", "note", "x7"]
     closed = preview(client, upload_id=key, robot_id=robot, mapping=mapping)
     assert (closed["complete"], closed["errors"]) == (True, [])
+    assert closed["clock"] == {"samples": 400, "duration_s": pytest.approx(3.99), "rate_hz": pytest.approx(100.0)}
     assert set(closed["channels"]) == {"q.elbow", "tau.elbow"}
+
+
+@on_sqlite
+def test_a_wrong_unit_of_time_shows_in_the_clock_and_is_not_stored(client: TestClient, robot: str) -> None:
+    """Milliseconds read as seconds: 3990 s at 0.1 Hz."""
+    key = uploaded(client, TABLE)
+    mapping = preview(client, upload_id=key, robot_id=robot)["mapping"]
+    mapping["files"][0] |= {"ignore": "rest", "time": {"column": "stamp_ms", "unit": "s"}}
+    found = preview(client, upload_id=key, robot_id=robot, mapping=mapping)
+    assert not found["complete"]
+    assert found["clock"] == {"samples": 400, "duration_s": pytest.approx(3990), "rate_hz": pytest.approx(0.1)}
+    assert "0.1 Hz" in found["errors"][0]["detail"]
+    answer = client.post(f"{V1}/logs/from-upload", json={"upload_id": key, "robot_id": robot, "mapping": mapping})
+    assert answer.status_code == 422, answer.text
+    assert "0.1 Hz" in answer.text
 
 
 @on_sqlite

@@ -103,10 +103,19 @@ class FindingOut(BaseModel):
 
 
 @final
+class ClockOut(BaseModel):
+    """Of the log that the given mapping makes; rate_hz: median."""
+
+    samples: int
+    duration_s: float
+    rate_hz: float
+
+
+@final
 class PreviewOut(BaseModel):
     """header: whether the file names its columns. mapping: of what is sure; proposal: of every suggestion; remembered:
     the robot's, made to fit this file's name. complete: the given mapping makes a log, of these channels, and findings
-    are the doctor's; else errors say what is missing."""
+    are the doctor's; else errors say what is missing. clock: wherever the columns could be read."""
 
     upload_id: str
     file: str
@@ -118,6 +127,7 @@ class PreviewOut(BaseModel):
     remembered: dict[str, Any] | None
     complete: bool
     channels: list[str]
+    clock: ClockOut | None
     errors: list[ProblemError]
     findings: list[FindingOut]
 
@@ -158,6 +168,7 @@ def preview_log(wanted: PreviewRequest, storage: StorageDep, settings: SettingsD
         remembered=remembered(robot_id, name, storage),
         complete=given is not None and not given["faults"],
         channels=given["channels"] if given else [],
+        clock=given["clock"] if given else None,
         errors=[of_fault(Fault(**fault)) for fault in given["faults"]] if given else [],
         findings=given["findings"] if given else [],
     )

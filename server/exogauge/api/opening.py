@@ -6,6 +6,7 @@ Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder o
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -101,8 +102,7 @@ def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[
 
     here = Path(folder)
     if mapping is None:
-        read = read_log(here / file, file, file=file)
-        return {"channels": list(read.channels), **span(read)}
+        return told(read_log(here / file, file, file=file), file)
     rules = parse_mapping((here / mapping).read_bytes(), mapping)
     if robot is None:
         joints = joints_of(rules)
@@ -111,7 +111,16 @@ def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[
         _, entry, _ = read_robot(Bundle(here, robot), robot)
         joints = [joint.name for joint in entry.joints]
         gears = known_gears(rules, entry, motor_from_joint(entry), mapping)
-    read = read_mapped({file: here / file}, rules, joints=joints, motor_from_joint=gears, name=file)
+    return told(read_mapped({file: here / file}, rules, joints=joints, motor_from_joint=gears, name=file), file)
+
+
+def told(read: Any, file: str) -> dict[str, Any]:
+    """Its channels and clock, or BadLog where the unit of time must be wrong."""
+    from exogauge.errors import BadLog
+    from exogauge.studies.admit import impossible_rate
+
+    if wrong := impossible_rate(read):
+        raise BadLog([replace(fault, file=file) for fault in wrong])
     return {"channels": list(read.channels), **span(read)}
 
 

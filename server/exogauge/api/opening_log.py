@@ -43,7 +43,7 @@ def judge(path: Path, file: str, described: Any, entry: Any, text: bytes) -> tup
     from exogauge.logs.findings import Expectation
     from exogauge.logs.tables import TextLayout
     from exogauge.studies.examine_logs import expectation
-    from exogauge.studies.log_preview import judged
+    from exogauge.studies.log_preview import NO_LOG, judged
     from exogauge.studies.mapping_file import parse_mapping
     from exogauge.studies.read_log import known_gears
     from exogauge.studies.robot_file import motor_from_joint
@@ -53,7 +53,7 @@ def judge(path: Path, file: str, described: Any, entry: Any, text: bytes) -> tup
         joints = joints_of(rules) if entry is None else [joint.name for joint in entry.joints]
         gears = np.eye(len(joints)) if entry is None else known_gears(rules, entry, motor_from_joint(entry), MAPPING)
     except BadInput as bad:
-        return {"faults": [vars(fault) for fault in bad.faults], "findings": [], "channels": []}, None
+        return NO_LOG | {"faults": [vars(fault) for fault in bad.faults]}, None
     layout = rules.files[0].layout if len(rules.files) == 1 and rules.files[0].layout != TextLayout() else None
     expected = Expectation() if described is None else expectation(described)
     return judged(path, file, rules, joints, gears, expected), layout

@@ -58,6 +58,11 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
     return logs
 
 
+def impossible_rate(log: Log) -> list[Fault]:
+    """The unit of time is the suspect."""
+    return [fault for fault in impossible_clock(log) if fault.rule == "rate_impossible"]
+
+
 def impossible_clock(log: Log) -> list[Fault]:
     """A log too short to move in, or a rate at which no robot is logged: then the unit of time is the suspect."""
     if log.samples < 2:

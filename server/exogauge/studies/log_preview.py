@@ -32,6 +32,7 @@ FIRST_ROWS = 20
 AROUND = 200  # samples to each side of a finding
 MOST_TEXT_COLUMNS = 40
 TEXT = ("not_a_number",)
+NO_LOG: dict[str, Any] = {"faults": [], "findings": [], "channels": [], "clock": None}
 
 
 def preview(path: Path, file: str, robot: Robot | None, layout: TextLayout | None = None) -> dict[str, Any]:
@@ -64,12 +65,20 @@ def preview(path: Path, file: str, robot: Robot | None, layout: TextLayout | Non
 def judged(
     path: Path, file: str, rules: LogMapping, joints: Sequence[str], gears: Array, expected: Expectation
 ) -> dict[str, Any]:
-    """{faults, findings, channels}: what keeps the mapping from making a log, else what the doctor finds in it."""
+    """{faults, findings, channels, clock}: what keeps the mapping from making a log, else what the doctor finds in it.
+
+    clock: {samples, duration_s, rate_hz} wherever there is one, so that a wrong unit of time is seen.
+    """
+    from exogauge.studies.admit import impossible_rate
+
     try:
         log = read_mapped({file: path}, rules, joints=joints, motor_from_joint=gears, name=file, allow_gaps=True)
     except BadInput as bad:
-        return {"faults": [asdict(fault) for fault in bad.faults], "findings": [], "channels": []}
-    return {"faults": [], "findings": findings(log, expected), "channels": list(log.channels)}
+        return NO_LOG | {"faults": [asdict(fault) for fault in bad.faults]}
+    clock = {"samples": log.samples, "duration_s": float(log.time[-1] - log.time[0]), "rate_hz": log.rate_hz}
+    if wrong := impossible_rate(log):
+        return NO_LOG | {"faults": [asdict(fault) for fault in wrong], "clock": clock}
+    return {"faults": [], "findings": findings(log, expected), "channels": list(log.channels), "clock": clock}
 
 
 def findings(log: Log, expected: Expectation) -> list[dict[str, Any]]:

@@ -7,6 +7,12 @@ import styles from "./Verdict.module.css";
 
 const MOST = 12;
 
+/** 24 s at 500 Hz, 12000 samples: where the unit of time is wrong, this is where it shows. */
+function lasts({ duration_s, rate_hz, samples }: NonNullable<Preview["clock"]>) {
+  const rounded = (value: number) => Number(value.toPrecision(4)).toLocaleString("en", { maximumSignificantDigits: 4 });
+  return `${rounded(duration_s)} s at ${rounded(rate_hz)} Hz, ${samples} samples`;
+}
+
 /** Whether the mapping makes a log, and if not, what is missing and what to do. */
 export function Verdict({ answer, waiting, preview }: { answer: Preview | undefined; waiting: boolean; preview: Preview }) {
   if (!answer) return waiting ? <Text role="status">The mapping is tried …</Text> : null;
@@ -17,12 +23,14 @@ export function Verdict({ answer, waiting, preview }: { answer: Preview | undefi
   if (answer.complete) {
     return (
       <Alert role="status" variant="default" icon={<IconCheck aria-hidden />} title={<>This makes a log of {count(answer.channels.length, "channel")} {busy}</>} className={styles.good}>
+        {answer.clock && <Text size="sm">{lasts(answer.clock)}</Text>}
         {answer.channels.join(", ")}
       </Alert>
     );
   }
   return (
     <Alert role="status" variant="default" icon={<IconInfoCircle aria-hidden />} title={<>Not a log yet {busy}</>} className={styles.open}>
+      {answer.clock && <Text size="sm">{lasts(answer.clock)}</Text>}
       <List size="sm" spacing={4}>
         {columns.length > 0 && (
           <List.Item>
