@@ -87,6 +87,12 @@ def _add_study_commands(commands: Commands) -> None:
     doctor.add_argument("--all", action="store_true", help="every finding, also where there are many of one sort")
     doctor.set_defaults(command=examine_logs)
 
+    mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
+    mapping.add_argument("files", type=Path, nargs="+", metavar="FILE", help="the files of one log")
+    mapping.add_argument("--robot", type=Path, metavar="FILE", help="robot.yaml, or nothing but a URDF")
+    mapping.add_argument("--out", type=Path, metavar="MAPPING.yaml", help="write it there, and not to the screen")
+    mapping.set_defaults(command=draft_mapping)
+
     device = commands.add_parser(
         "device", help="check a device file on its robot: where bands run, which way they pull"
     )
@@ -213,6 +219,20 @@ def examine_logs(options: argparse.Namespace) -> int:
     errors = sum(len(sort.each) for sort in sorts if sort.severity == "error")
     print(f"{sum(len(sort.each) for sort in sorts)} findings of {len(sorts)} sorts, {errors} of them errors")
     return 1 if errors else 0
+
+
+def draft_mapping(options: argparse.Namespace) -> int:
+    from exogauge.studies.device_on_robot import read_wearer
+    from exogauge.studies.mapping_draft import draft
+
+    robot = None if options.robot is None else read_wearer(options.robot, None)
+    text = draft(options.files, robot)
+    if options.out is None:
+        print(text, end="")
+    else:
+        options.out.write_text(text, encoding="utf-8")
+        print(options.out)
+    return 0
 
 
 def check_device(options: argparse.Namespace) -> int:

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import sysconfig
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from exogauge.errors import BadRobot
-from exogauge.robots.urdf_check import check_urdf
+from exogauge.robots.urdf import load_tree
+from exogauge.robots.urdf_check import check_urdf, raised_inertias, read_urdf
+
+ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
 
 INERTIA = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
 
@@ -72,6 +79,46 @@ def test_each_broken_rule_is_named(rule):
 def test_a_mesh_outside_the_bundle_is_refused(path):
     with pytest.raises(BadRobot, match="outside the bundle"):
         check_urdf(_robot(_link("a", more=MESH.format(path))))
+
+
+@pytest.mark.parametrize(
+    "moments", [(3.5e-8, 9.1e-8, -3.5e-8), (0.0, 0.0, 3e-6), (1e-20, -1e-20, 0.0), (0.1, 0.2, 0.3 + 5e-6)]
+)
+def test_an_inertia_that_misses_a_body_by_little_is_raised_to_the_nearest_and_told(moments):
+    urdf = _robot(_link("a"), _link("antenna", inertia=_spread(*moments)), _joint("j", "a", "antenna"))
+    tree = load_tree(urdf, joints=("j",), base_link="a", floating=False)
+    found = np.sort(tree.phi[0][[4, 6, 9]])
+    assert found[0] + found[1] >= found[2] * (1 - 1e-9)
+    assert np.all(found >= 0.0)
+    assert np.max(np.abs(found - np.sort(moments))) <= 1e-5
+    told = raised_inertias(urdf, "arm.urdf")
+    assert len(told) == (max(np.abs(moments)) > 1e-12)
+    assert all("'antenna'" in each and "arm.urdf" in each for each in told)
+
+
+def test_an_inertia_far_from_any_body_is_refused_whatever_stands_beside_it():
+    near, far = _link("near", inertia=_spread(0, 0, 3e-6)), _link("far", inertia=_spread(0.1, 0.1, 0.3))
+    with pytest.raises(BadRobot) as caught:
+        check_urdf(_robot(near, far, _joint("j", "near", "far")))
+    assert [fault.detail.split("'")[1] for fault in caught.value.faults] == ["far"]
+
+
+@pytest.mark.parametrize(
+    ("file", "joints"),
+    [
+        ("tiago_description/robots/tiago.urdf", ("arm_1_joint", "arm_2_joint")),
+        ("icub_description/robots/icub.urdf", ("l_knee", "l_elbow")),
+        ("go1_description/urdf/go1.urdf", ("FL_hip_joint",)),
+    ],
+)
+def test_stock_robots_with_such_inertias_are_read(file, joints):
+    path = ROBOTS / file
+    if not path.is_file():
+        pytest.skip(f"example-robot-data has no {file}")
+    urdf = path.read_bytes()
+    children = {child.get("link") for joint in read_urdf(urdf).findall("joint") for child in joint.findall("child")}
+    root = next(name for link in read_urdf(urdf).findall("link") if (name := link.get("name")) not in children)
+    assert load_tree(urdf, joints=joints, base_link=root, floating=True).mass > 0.0
 
 
 def test_the_heavy_moment_is_told_with_its_link_value_and_advice():

@@ -54,7 +54,7 @@ def study(folder: str) -> dict[str, Any]:
             "name": opened.name,
             "robot": {"file": opened.file.robot, **about(opened.robot)},
             "devices": [{"file": file, **worn_by(opened.robot, each)} for file, each in opened.devices.items()],
-            "warnings": list(opened.device_warnings),
+            "warnings": list(opened.warnings),
             "logs": logs,
             "steps": [vars(step) for step in opened.steps],
         }

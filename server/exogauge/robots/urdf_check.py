@@ -19,6 +19,10 @@ MAX_LINKS = 500
 MAX_DEPTH = 200
 MAX_FAULTS = 50
 INERTIA_TOLERANCE = 1e-6  # of the trace: what rounding to six digits may cost
+SLIGHT = (
+    1e-5  # kg·m²: below, an inertia matters to no motion of a joint (a gram at 10 cm), and how far it misses does not
+)
+ROUNDED = 1e-12  # kg·m²: less than that is a zero that was computed
 
 JOINT_TYPES = frozenset({"revolute", "continuous", "prismatic", "fixed", "floating", "planar"})
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic"})
@@ -31,8 +35,12 @@ def check_urdf(urdf: bytes, file: str = "robot.urdf") -> None:
 
 
 def read_urdf(urdf: bytes, file: str = "robot.urdf") -> Element:
-    """The checked <robot> element. Raises BadRobot."""
+    """The checked <robot> element. Raises BadRobot.
+
+    Inertias that miss a possible body by no more than `SLIGHT` are those of the nearest one (`raised_inertias`).
+    """
     robot = _parse(urdf, file)
+    _raise_slightly_impossible(robot)
     links, joints = robot.findall("link"), robot.findall("joint")
     if len(links) > MAX_LINKS:
         raise BadRobot(Fault(f"{len(links)} links, at most {MAX_LINKS} are accepted", "too_many_links", file=file))
@@ -48,6 +56,19 @@ def read_urdf(urdf: bytes, file: str = "robot.urdf") -> Element:
     if faults:
         raise BadRobot(faults[:MAX_FAULTS])
     return robot
+
+
+def raised_inertias(urdf: bytes, file: str = "robot.urdf") -> tuple[str, ...]:
+    """A warning that names the links whose inertia had to be raised to that of a body; rounded zeros are not told."""
+    raised = [each for each in _raise_slightly_impossible(_parse(urdf, file)) if each[1] > ROUNDED]
+    if not raised:
+        return ()
+    link, short, moments = max(raised, key=lambda each: each[1])
+    links = ", ".join(repr(name) for name, _, _ in raised)
+    return (
+        f"{file}: no body has the inertia of {links}; at {link!r} it misses by {short:.2g} kg·m² ({moments}). "
+        "The nearest possible one is taken: correct the URDF if it matters.",
+    )
 
 
 def numbers(text: str) -> list[float]:
@@ -157,6 +178,36 @@ def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
         yield Fault(f"{what}: no body has these moments, the largest exceeds the sum of the others",
                     "inertia_triangle", "Give more digits, or check that it is about the centre of mass", file,
                     value=moments)  # fmt: skip
+
+
+def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, str]]:
+    """Write the nearest possible inertia where a link's misses it by little; (link, by how much, its moments).
+
+    The principal second moments ∫ r² dm that are negative become 0, which moves the inertia least; mass, centre and
+    axes stay. Inertias beyond that, and what is no number, are left to `_inertial_faults`.
+    """
+    raised = []
+    for link in robot.findall("link"):
+        inertia = link.find("inertial/inertia")
+        try:
+            mass = float(link.find("inertial/mass").get("value", ""))  # type: ignore[union-attr]
+            xx, xy, yy, xz, yz, zz = (float(inertia.get(name, "")) for name in INERTIA_NAMES)  # type: ignore[union-attr]
+            matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            principal, axes = np.linalg.eigh(matrix)
+        except (AttributeError, ValueError, np.linalg.LinAlgError):
+            continue
+        second = 0.5 * principal.sum() - principal  # ∫ r² dm along each axis
+        short = -2.0 * float(second.min())
+        if mass <= 0.0 or not INERTIA_TOLERANCE * np.abs(principal).sum() < short <= SLIGHT:
+            continue
+        second = np.maximum(second, 0.0)
+        possible = (axes * (second.sum() - second)) @ axes.T
+        places = {"ixx": (0, 0), "ixy": (0, 1), "iyy": (1, 1), "ixz": (0, 2), "iyz": (1, 2), "izz": (2, 2)}
+        for name, place in places.items():
+            inertia.set(name, repr(float(possible[place])))  # type: ignore[union-attr]
+        moments = f"principal moments {principal[0]:.4g}, {principal[1]:.4g}, {principal[2]:.4g}"
+        raised.append((link.get("name", ""), short, moments))
+    return raised
 
 
 def _mesh_faults(link: Element, file: str) -> Iterator[Fault]:

@@ -125,7 +125,7 @@ def _evaluate(
             inputs=study.bundle.inputs,
             findings=findings,
             identification=found,
-            warnings=(*study.device_warnings, *(each.sentence for each in failed)),
+            warnings=(*study.warnings, *(each.sentence for each in failed)),
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),

@@ -17,6 +17,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.logs.segments import segments
 from exogauge.robots.description import Robot
+from exogauge.robots.urdf_check import raised_inertias
 from exogauge.studies.bundle import Bundle, open_bundle
 from exogauge.studies.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.read_log import read_entries
@@ -56,7 +57,7 @@ class Study:
     log_names: of `file.logs`, one each, unique: names of logs, channels' tables and series files.
     urdf: bytes of the robot's URDF. settings, support_settings: those of study.yaml with the caller's on top.
     devices: by file, in the order in which they are named. log_devices: the device file of each log, None where it
-    wears none. device_warnings: what looks like a slip in them.
+    wears none. warnings: what looks like a slip in them, and inertias of the URDF that no body has.
     """
 
     bundle: Bundle
@@ -70,7 +71,7 @@ class Study:
     support_settings: SupportSettings
     devices: Mapping[str, Device]
     log_devices: tuple[str | None, ...]
-    device_warnings: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     def __enter__(self) -> Self:
         return self
@@ -125,7 +126,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         support_settings=support_settings,
         devices=worn.devices,
         log_devices=worn.of_log,
-        device_warnings=worn.warnings,
+        warnings=(*raised_inertias(urdf, robot_file.urdf), *worn.warnings),
     )
 
 
