@@ -154,6 +154,35 @@ def client(app: FastAPI) -> Iterator[TestClient]:
         yield opened
 
 
+class SmallDisk:
+    """A file system of its own that is full, or not, as a test wants it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.ballast = folder / "ballast"
+
+    def fill(self, but: int = 0) -> None:
+        """Leave only so many bytes (whole pages)."""
+        with self.ballast.open("wb") as file:
+            free = shutil.disk_usage(self.folder).free
+            os.posix_fallocate(file.fileno(), 0, free - but)
+
+    def empty(self) -> None:
+        self.ballast.unlink()
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[SmallDisk]:
+    """A megabyte; only root may mount one."""
+    folder = tmp_path / "small_disk"
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", str(folder)]
+    if shutil.which("mount") is None or subprocess.run(command, capture_output=True).returncode != 0:
+        pytest.skip("no small disk can be mounted here")
+    yield SmallDisk(folder)
+    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Children of tests find no settings of the developer's own."""
     config.addinivalue_line("filterwarnings", "ignore:Using `httpx` with `starlette.testclient`")

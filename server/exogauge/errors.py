@@ -12,12 +12,14 @@ ExogaugeError
 ├── NotFound             no such thing, or not yours to see
 ├── Conflict             the thing changed meanwhile, or the same key was used for something else
 └── Unavailable          the database, the disk or a worker cannot serve now; trying again may help
+    └── DiskFull         a disk, or a quota on it, has no room: the same works as soon as there is
 
 The domain knows no HTTP code; `api/problems.py` maps classes to statuses.
 """
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -111,3 +113,17 @@ class Conflict(ExogaugeError):
 
 class Unavailable(ExogaugeError):
     """Cannot serve now; trying again may help."""
+
+
+class DiskFull(Unavailable):
+    """A disk, or a quota on it, has no room; the same works as soon as there is."""
+
+
+def no_room(error: BaseException | None) -> bool:
+    """Whether a full disk or quota is behind an error, whatever was made of it since."""
+    while error is not None:
+        full = isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
+        if full or isinstance(error, DiskFull):
+            return True
+        error = error.__cause__ or error.__context__
+    return False

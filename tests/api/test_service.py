@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import tempfile
 from datetime import UTC, datetime
 from typing import Any
 
@@ -41,6 +42,35 @@ def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settin
         shutil.rmtree(settings.blobs)
         answer = client.get("/healthz")
         assert (answer.status_code, answer.json()["blobs"]) == (503, "unavailable")
+
+
+@on_sqlite
+def test_health_is_looked_at_without_writing_anything(client: TestClient, settings: Settings) -> None:
+    client.get("/healthz")
+    before = {path: path.stat().st_mtime_ns for path in settings.blobs.rglob("*")}
+    assert client.get("/healthz").json()["blobs"] == "ok"
+    assert {path: path.stat().st_mtime_ns for path in settings.blobs.rglob("*")} == before
+    assert not [path for path in before if path.is_file()]
+
+
+@on_sqlite
+@pytest.mark.slow
+def test_a_full_disk_shows_in_health_and_is_507_wherever_it_is_met(
+    settings: Settings, small_disk: Any, pack: Any, study_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small = Settings(data_dir=small_disk.folder, database_url=settings.database_url, workers=0)
+    monkeypatch.setattr(tempfile, "tempdir", str(small_disk.folder))  # where uploads are read, too
+    with TestClient(create_app(small), raise_server_exceptions=False) as client:
+        answers = []
+        for pages in (0, 2, 6, 9, 10, 11, 12, 13, 15):  # full when it arrives, is laid out, is read or is kept
+            small_disk.fill(pages * 4096)
+            assert client.get("/healthz").json()["blobs"] == ("ok" if pages else "unavailable")
+            answers.append(client.post(f"{V1}/studies", files={"bundle": ("arm.zip", pack(study_files))}))
+            small_disk.empty()
+            if answers[-1].status_code == 201:
+                break
+        assert {each.json()["type"] for each in answers[:-1]} == {"urn:exogauge:problem:disk-full"}
+        assert [each.status_code for each in answers] == [507] * (len(answers) - 1) + [201]
 
 
 @on_sqlite

@@ -268,3 +268,22 @@ def test_two_cannot_send_to_one_upload_at_a_time(client: TestClient) -> None:
     with files.appending(place.rsplit("/", 1)[-1]):
         assert send(client, place, 0, b"12345").status_code == 423
     assert send(client, place, 0, b"12345").status_code == 204
+
+
+@on_sqlite
+@pytest.mark.parametrize("hashed", [False, True])
+@pytest.mark.parametrize("announced", [False, True])
+def test_a_piece_beyond_the_end_leaves_nothing(
+    client: TestClient, settings: Settings, hashed: bool, announced: bool
+) -> None:
+    size = 3 << 20  # more than is gathered before it is written
+    place = begin(client, size)
+    assert send(client, place, 0, b"12345").status_code == 204
+    data = bytes(size)
+    pieces = data if announced else (data[start : start + 65536] for start in range(0, size, 65536))
+    answer = send(client, place, 5, pieces, **(checksum(data) if hashed else {}))
+    assert answer.status_code == 413
+    assert answer.json()["errors"][0]["code"] == "beyond_upload_length"
+    assert offset(client, place) == 5
+    assert [path.read_bytes() for path in settings.uploads.iterdir()] == [b"12345"]
+    assert send(client, place, 5, data[5:]).status_code == 204

@@ -45,6 +45,13 @@ def burn(folder: Path, out: Path, progress, settings) -> None:
     if mode == "kill_worker":
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(60)
+    if settings.get("bytes"):
+        try:
+            (out / "load").write_bytes(os.urandom(settings["bytes"]))
+        except OSError:
+            if mode == "hides":
+                raise BadStudy(Fault("the file is damaged", "damaged", "Export it again.")) from None
+            raise
     files = {str(p.relative_to(folder)): p.read_text() for p in sorted(folder.rglob("*")) if p.is_file()}
     (out / "results.json").write_text(json.dumps({"files": files, "pid": os.getpid()}))
     (out / "series").mkdir()

@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta, timezone
 import pytest
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError, StatementError
+from sqlalchemy.orm import Session
 
 from exogauge.errors import Unavailable
 from exogauge.storage.database import database_now, database_url, make_engine, serving
@@ -23,6 +24,14 @@ def add_job(storage: Storage) -> str:
         store.session.add(job)
         store.session.flush()
         return job.id
+
+
+def test_what_a_user_is_told_of_a_database_that_is_away_names_no_host() -> None:
+    engine = make_engine("postgresql://secret_user:secret@127.0.0.1:1/secret_name")
+    with pytest.raises(Unavailable) as told, serving("answer"), Session(engine):
+        engine.connect()
+    assert str(told.value) == "the database cannot answer now"
+    assert "127.0.0.1" in str(told.value.__cause__)  # the log's business
 
 
 def test_a_time_comes_back_as_the_same_instant_in_utc(storage: Storage) -> None:

@@ -14,7 +14,6 @@ from exogauge.storage.store import Storage
 
 log = logging.getLogger(__name__)
 router = APIRouter(tags=["health"])
-PROBE = b"exogauge blob store probe"
 
 
 @router.get(
@@ -49,7 +48,7 @@ def ask_database(storage: Storage) -> tuple[str, int]:
 
 def ask_blobs(storage: Storage) -> str:
     try:
-        storage.blobs.put(PROBE)
+        storage.blobs.refuse_if_full()
     except Unavailable as error:
         log.warning("health: %s", error)
         return "unavailable"

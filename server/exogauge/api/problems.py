@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import logging
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
@@ -22,6 +21,7 @@ from exogauge.errors import (
     BadStudy,
     Cancelled,
     Conflict,
+    DiskFull,
     ExogaugeError,
     Fault,
     NotFound,
@@ -29,13 +29,16 @@ from exogauge.errors import (
     PhysicallyImpossible,
     TooLarge,
     Unavailable,
+    no_room,
 )
+from exogauge.storage.database import away
 
 log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 MOST_ERRORS = 100
 STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class that fits counts
+    DiskFull: (507, "disk-full", "The disk is full"),
     TooLarge: (413, "too-large", "Too large"),
     BadLog: (422, "bad-log", "The log breaks a rule"),
     BadRobot: (422, "bad-robot", "The robot's description breaks a rule"),
@@ -113,8 +116,6 @@ def of_error(error: ExogaugeError, instance: str | None = None) -> JSONResponse:
 def problem_of(error: ExogaugeError, instance: str | None = None) -> Problem:
     found = (entry for kind, entry in STATUS.items() if isinstance(error, kind))
     status, slug, title = next(found, (500, "internal", "Internal error"))
-    if isinstance(error, Unavailable) and disk_is_full(error):
-        status, slug, title = 507, "disk-full", "The disk is full"
     errors = [of_fault(fault) for fault in error.faults] if isinstance(error, BadInput) else []
     detail = str(error)
     if len(errors) > 1:
@@ -174,13 +175,6 @@ def of_http(error: HTTPException, instance: str | None = None) -> JSONResponse:
     return problem_response(error.status_code, slug, title, str(error.detail), instance=instance, headers=headers)
 
 
-def disk_is_full(error: BaseException) -> bool:
-    cause = error.__cause__
-    if isinstance(cause, OSError):
-        return cause.errno in (errno.ENOSPC, errno.EDQUOT)
-    return isinstance(cause, OperationalError) and "disk is full" in str(cause.orig)
-
-
 def clean(text: str) -> str:
     """Text that JSON can carry: no lone surrogates, no endless values."""
     return text[:4000].encode("utf-8", "backslashreplace").decode()
@@ -210,18 +204,20 @@ def install(app: FastAPI) -> None:
     @app.exception_handler(OperationalError)
     @app.exception_handler(InterfaceError)
     def _database(request: Request, error: Any) -> JSONResponse:
-        log.warning("%s %s: %s", request.method, request.url.path, error)
-        away = Unavailable("the database cannot answer now")
-        away.__cause__ = error
-        return of_error(away, request.url.path)
+        return of_error(away(error), request.url.path)
 
     @app.exception_handler(DataError)
     def _unstorable(request: Request, error: DataError) -> JSONResponse:
         detail = "a value cannot be stored: a control character, or a number out of range"
         return problem_response(422, "unstorable", "The request breaks a rule", detail, instance=request.url.path)
 
+    @app.exception_handler(OSError)
     @app.exception_handler(Exception)
     def _defect(request: Request, error: Exception) -> JSONResponse:
+        if no_room(error):
+            return of_error(
+                DiskFull("the disk is full; the same request works as soon as there is room"), request.url.path
+            )
         log.error("%s %s failed", request.method, request.url.path, exc_info=error)
         detail = "This is a defect of the service, not of your input. Its log names the cause."
         return problem_response(500, "internal", "Internal error", detail, instance=request.url.path)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-import errno
 import hashlib
 import os
 import shutil
@@ -30,7 +29,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from exogauge.api.dependencies import Id, SettingsDep, StorageDep
 from exogauge.api.problems import problem_response
-from exogauge.errors import Conflict, Fault, TooLarge, Unavailable
+from exogauge.errors import Conflict, DiskFull, Fault, TooLarge
 from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import InUse, PartialFiles, copy_piece, sync, write_all
@@ -214,6 +213,9 @@ async def receive(
             if hashed.digest() == expected:
                 await run_in_threadpool(copy_piece, piece, file)
             return bool(hashed.digest() == expected)
+        except TooLarge:  # of a piece that goes beyond the end, nothing is left
+            await run_in_threadpool(file.truncate, there)
+            raise
         finally:
             await run_in_threadpool(sync, file)
 
@@ -274,8 +276,7 @@ def refuse_too_much(size: int, settings: Settings) -> None:
         raise TooLarge(Fault(detail, "file_too_large", "Leave out what is not needed, or ask for more room."))
     folder = settings.uploads if settings.uploads.is_dir() else settings.data_dir
     if shutil.disk_usage(folder).free < size:
-        full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        raise Unavailable(f"the disk has no room for {size} bytes more") from full
+        raise DiskFull(f"the disk has no room for {size} bytes more")
 
 
 def find(key: str, storage: Storage) -> UploadRecord:

@@ -15,11 +15,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar, final
 
-from exogauge.errors import Cancelled, ExogaugeError, Unavailable
+from exogauge.errors import Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
+from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
 from exogauge.storage.records import JobRecord
 from exogauge.storage.store import Storage
@@ -29,7 +30,8 @@ T = TypeVar("T")
 
 LOOK_EVERY_S = 0.2  # progress written and wishes to cancel read, at most this often
 LONGEST_PAUSE_S = 5.0
-DISK_PATIENCE_S = 120.0
+LONGEST_DISK_PAUSE_S = 60.0  # before a computation begins anew, which may take minutes
+DISK_PATIENCE_S = 120.0  # for a disk that is broken; a full one is waited for
 
 
 class NotMineAnyMore(ExogaugeError):
@@ -40,18 +42,28 @@ class Leaving(ExogaugeError):
     """This worker was asked to leave."""
 
 
-def until_it_works(action: Callable[[], T], patience_s: float = math.inf) -> T:
-    """Do something again and again while the database or the disk is away; the last error after `patience_s`."""
+def sleep(pause_s: float, _: Unavailable) -> None:
+    time.sleep(pause_s)
+
+
+def until_it_works(
+    action: Callable[[], T],
+    patience_s: float = math.inf,
+    wait: Callable[[float, Unavailable], None] = sleep,
+    longest_pause_s: float = LONGEST_PAUSE_S,
+) -> T:
+    """Do something again and again while the database or the disk is away; the last error after `patience_s`, but
+    never for a full disk: somebody will make room. wait: for so long, and for what; it may raise to give up."""
     give_up, pause_s = time.monotonic() + patience_s, 0.2
     while True:
         try:
             return action()
         except Unavailable as error:
-            if time.monotonic() > give_up:
+            if time.monotonic() > give_up and not isinstance(error, DiskFull):
                 raise
             log.warning("trying again in %.1f s: %s", pause_s, error)
-            time.sleep(pause_s)
-            pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
+            wait(pause_s, error)
+            pause_s = min(2 * pause_s, longest_pause_s)
 
 
 @final
@@ -64,6 +76,7 @@ class Runner:
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
         self._looked = 0.0
+        self._progress = 0.0
         self._unsaid: tuple[float, str] | None = None
 
     def run(self, job_id: str) -> None:
@@ -117,18 +130,38 @@ class Runner:
             shutil.rmtree(folder, ignore_errors=True)
 
     def _compute_and_save(self, job: JobRecord, folder: Path) -> None:
-        recipe = recipe_for(job.kind)
-        source, out = folder / "study", folder / "out"
-        self._unsaid = None
-        shutil.rmtree(folder, ignore_errors=True)
-        out.mkdir(parents=True)
-        source.mkdir()
-        until_it_works(lambda: self._load(job, source))
-        self._child.call(
-            recipe.compute, source, out, job.settings, lambda p, m: self._watch(job, p, m), recipe.timeout_s
-        )
-        files = until_it_works(lambda: keep_folder(self._storage.blobs, out), DISK_PATIENCE_S)
+        """A full disk is waited for: a computation that met one begins anew, what one made is kept until it fits."""
+        out = folder / "out"
+
+        def wait(pause_s: float, error: Unavailable) -> None:
+            self._wait(job, pause_s, error)
+
+        self._progress, self._unsaid = 0.0, None
+        until_it_works(lambda: self._compute(job, folder, out, wait), DISK_PATIENCE_S, wait, LONGEST_DISK_PAUSE_S)
+        files = until_it_works(lambda: keep_folder(self._storage.blobs, out), DISK_PATIENCE_S, wait)
         until_it_works(lambda: self._succeed(job, files))
+
+    def _compute(self, job: JobRecord, folder: Path, out: Path, wait: Callable[[float, Unavailable], None]) -> None:
+        recipe, source = recipe_for(job.kind), folder / "study"
+        try:
+            with disk("prepare a scratch folder"):
+                shutil.rmtree(folder, ignore_errors=True)
+                out.mkdir(parents=True)
+                source.mkdir()
+            until_it_works(lambda: self._load(job, source), wait=wait)
+            self._child.call(
+                recipe.compute, source, out, job.settings, lambda p, m: self._watch(job, p, m), recipe.timeout_s
+            )
+        except DiskFull:
+            shutil.rmtree(folder, ignore_errors=True)  # its own part of what is in the way
+            raise
+
+    def _wait(self, job: JobRecord, pause_s: float, error: Unavailable) -> None:
+        """Say for what, and hear a wish to cancel or to leave."""
+        until = time.monotonic() + pause_s
+        while (left := until - time.monotonic()) > 0:
+            self._watch(job, self._progress, f"waits: {error}")
+            time.sleep(min(LOOK_EVERY_S, left))
 
     def _load(self, job: JobRecord, folder: Path) -> None:
         with self._storage.reading() as store:
@@ -139,6 +172,7 @@ class Runner:
         if self._leaving.is_set():
             raise Leaving
         if progress is not None:
+            self._progress = progress
             self._unsaid = (progress, message or "")
         now = time.monotonic()
         if now - self._looked < LOOK_EVERY_S:

@@ -29,7 +29,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from exogauge.errors import BadInput, ExogaugeError
+from exogauge.errors import BadInput, DiskFull, ExogaugeError, no_room
 
 PROGRESS_INTERVAL_S = 0.1
 
@@ -71,6 +71,8 @@ def answer(request: dict[str, Any], replies: Replies) -> None:
 def described(error: Exception) -> dict[str, Any]:
     """An exception as JSON: what the user may read, and the trace only for what nobody foresaw."""
     faults = [dataclasses.asdict(fault) for fault in error.faults] if isinstance(error, BadInput) else []
+    if no_room(error):
+        return {"class": DiskFull.__name__, "message": "the disk is full", "faults": [], "trace": None}
     expected = isinstance(error, ExogaugeError)
     return {
         "class": type(error).__name__,

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import IO, Any, final
 
 from exogauge.blas_threads import one_thread
-from exogauge.errors import ExogaugeError
+from exogauge.errors import DiskFull, ExogaugeError
+from exogauge.storage.blobs import disk
 
 POLL_S = 0.1
 STDERR_TAIL = 4000  # characters of the child's stderr kept for the job's log
@@ -77,8 +78,9 @@ class ComputeChild:
         if self._process is not None and self._process.poll() is None:
             return
         self.kill()
+        with disk("start to compute"):
+            self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (lives as long as the process)
         ours, theirs = socket.socketpair()
-        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (lives as long as the process)
         command = [sys.executable, "-m", "exogauge.jobs.child", str(theirs.fileno())]
         self._process = subprocess.Popen(
             command,
@@ -102,8 +104,8 @@ class ComputeChild:
     ) -> None:
         """Run `call(folder, out, progress, settings)` in the child.
 
-        Raises ComputeFailed when the function raised, ComputeChildDied when the process died, ComputeTimeout,
-        and whatever `watch` raises. In the last three cases the process is gone afterwards.
+        Raises ComputeFailed when the function raised, DiskFull when it met one, ComputeChildDied when the process
+        died, ComputeTimeout, and whatever `watch` raises. In all but the first case the process is gone afterwards.
         """
         self.start()
         self._request_id += 1
@@ -145,6 +147,8 @@ class ComputeChild:
         if reply["id"] != self._request_id:
             raise ComputeChildDied(f"reply {reply['id']} to request {self._request_id}")
         if "error" in reply:
+            if reply["error"]["class"] == DiskFull.__name__:
+                raise DiskFull(f"cannot compute now: {reply['error']['message']}")
             raise ComputeFailed(reply["error"])
         if "progress" in reply:
             watch(reply["progress"], reply["message"])

@@ -11,8 +11,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from exogauge.sandbox.protocol import ANSWER
+from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 
+STOPS = {errno.EFBIG: "FileTooLarge"}
 Tasks = Mapping[str, Callable[..., dict[str, Any]]]
 
 
@@ -26,18 +27,25 @@ def serve(tasks: Tasks) -> NoReturn:
     from exogauge.sandbox.limits import Limits
 
     Limits(**request["limits"]).apply()
-    Path(ANSWER).write_text(json.dumps(answer(tasks[request["task"]], request["options"]), allow_nan=False))
+    from exogauge.errors import no_room
+
+    try:
+        Path(ANSWER).write_text(json.dumps(answer(tasks[request["task"]], request["options"]), allow_nan=False))
+    except OSError as problem:  # a full disk has no room for an answer either
+        os._exit(NO_ROOM if no_room(problem) else 1)
     sys.stderr.flush()
     os._exit(0)
 
 
 def answer(task: Callable[..., dict[str, Any]], options: Mapping[str, Any]) -> dict[str, Any]:
     """The result, the faults of the input, or the name of what stopped the child (traced on standard error)."""
-    from exogauge.errors import BadInput
+    from exogauge.errors import BadInput, no_room
 
     try:
         return {"result": task(**options)}
     except BadInput as bad:
+        if no_room(bad):  # behind what its reader took for damage
+            return {"error": "NoSpace"}
         return {"error": type(bad).__name__, "faults": [vars(fault) for fault in bad.faults]}
     except MemoryError:
         return {"error": "MemoryError"}
@@ -46,7 +54,7 @@ def answer(task: Callable[..., dict[str, Any]], options: Mapping[str, Any]) -> d
         return {"error": "MemoryError" if "failed to map" in str(problem) else "Unforeseen"}
     except OSError as problem:
         traceback.print_exc()
-        return {"error": {errno.EFBIG: "FileTooLarge", errno.ENOSPC: "NoSpace"}.get(problem.errno or 0, "Unforeseen")}
-    except Exception:  # the child's last door: nothing may leave it but an answer
+        return {"error": "NoSpace" if no_room(problem) else STOPS.get(problem.errno or 0, "Unforeseen")}
+    except Exception as problem:  # the child's last door: nothing may leave it but an answer
         traceback.print_exc()
-        return {"error": "Unforeseen"}
+        return {"error": "NoSpace" if no_room(problem) else "Unforeseen"}

@@ -16,9 +16,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy, Fault, TooLarge, Unavailable
+from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy, DiskFull, Fault, TooLarge, Unavailable
 from exogauge.sandbox.limits import Limits
-from exogauge.sandbox.protocol import ANSWER
+from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 
 log = logging.getLogger(__name__)
 
@@ -51,8 +51,8 @@ def ask(
         raise ERRORS[answer["error"]]([Fault(**fault) for fault in answer["faults"]])
     stop = answer.get("error", "none")
     log.warning("reading %s: child ended with %s, answer %s; %s", file or f"a {what}", code, stop, trace)
-    if stop == "NoSpace":
-        raise Unavailable(f"there is no space left for reading the {what}")
+    if stop == "NoSpace" or code == NO_ROOM:
+        raise DiskFull(f"there is no space left for reading the {what}")
     if code in (-signal.SIGXCPU, -signal.SIGKILL):
         raise TooLarge(_fault(f"reading the {what} takes too long or too much memory", "time_limit", file))
     if code == -signal.SIGXFSZ or stop == "FileTooLarge":

@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO, BinaryIO, Protocol, final
 
-from exogauge.errors import Fault, NotFound, TooLarge, Unavailable
+from exogauge.errors import DiskFull, Fault, NotFound, TooLarge, Unavailable, no_room
 
 CHUNK = 1024 * 1024
 SHA256_HEX = re.compile(r"[0-9a-f]{64}")
@@ -31,6 +31,11 @@ class BlobStore(Protocol):
     def size(self, sha256: str) -> int: ...
     def exists(self, sha256: str) -> bool: ...
     def delete(self, sha256: str) -> None: ...
+
+    def refuse_if_full(self) -> None:
+        """Unavailable where nothing could be kept now; writes nothing."""
+        ...
+
     def iterate(self) -> Iterator[str]: ...
 
     def path_for(self, sha256: str) -> Path | None:
@@ -92,6 +97,14 @@ class FolderBlobs:
     def delete(self, sha256: str) -> None:
         self._path(sha256).unlink(missing_ok=True)
 
+    def refuse_if_full(self) -> None:
+        with disk("store files"):
+            if not os.access(self.incoming, os.W_OK):
+                self.incoming.stat()  # says it better, where it is gone
+                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+            if shutil.disk_usage(self.incoming).free == 0:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
     def iterate(self) -> Iterator[str]:
         for folder in sorted(self.folder.glob("[0-9a-f][0-9a-f]")):
             yield from sorted(folder.name + path.name for path in folder.iterdir())
@@ -133,9 +146,10 @@ def chunks(source: bytes | Path | BinaryIO) -> Iterator[bytes]:
 
 def copy_out(blobs: BlobStore, sha256: str, target: Path) -> None:
     """Write a blob to `target` (a copy: whoever changes it does not change the store)."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with blobs.open(sha256) as source, target.open("wb") as out:
-        shutil.copyfileobj(source, out, CHUNK)
+    with disk("lay out the files"), blobs.open(sha256) as source:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with target.open("wb") as out:
+            shutil.copyfileobj(source, out, CHUNK)
 
 
 def remove_abandoned(folder: Path, older_than_s: float = 86_400.0) -> None:
@@ -156,10 +170,10 @@ def fsync_folder(folder: Path) -> None:
 
 @contextmanager
 def disk(what: str) -> Iterator[None]:
-    """A disk that is full, read-only or broken becomes `Unavailable` (its cause keeps the errno)."""
+    """A disk that is full becomes `DiskFull`, one that is read-only or broken `Unavailable`."""
     try:
         yield
     except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        text = "the disk is full" if full else (error.strerror or str(error))
-        raise Unavailable(f"cannot {what} now: {text}") from error
+        if no_room(error):
+            raise DiskFull(f"cannot {what} now: the disk is full") from error
+        raise Unavailable(f"cannot {what} now: {error.strerror or type(error).__name__}") from error

@@ -8,6 +8,7 @@ Neither database protects a read-modify-write: change rows with `UPDATE … WHER
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,7 +23,9 @@ from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.orm import Session
 from sqlalchemy.types import TypeDecorator
 
-from exogauge.errors import Unavailable
+from exogauge.errors import DiskFull, Unavailable
+
+log = logging.getLogger(__name__)
 
 NAMING = {
     "ix": "ix_%(table_name)s_%(column_0_N_name)s",
@@ -32,6 +35,7 @@ NAMING = {
     "pk": "pk_%(table_name)s",
 }
 PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreign_keys=ON")
+DISK_FULL = "53100"  # PostgreSQL's SQLSTATE
 READONLY = {"readonly": True, "postgresql_readonly": True}
 
 
@@ -113,17 +117,22 @@ def serving(what: str) -> Iterator[None]:
     try:
         yield
     except (OperationalError, InterfaceError) as error:
-        raise Unavailable(f"the database cannot {what} now: {first_line(error)}") from error
+        raise away(error, what) from error
     except DBAPIError as error:
         if error.connection_invalidated:
-            raise Unavailable(f"the database cannot {what} now: {first_line(error)}") from error
+            raise away(error, what) from error
         raise
     except sa.exc.TimeoutError as error:
         raise Unavailable(f"the database cannot {what} now: all connections are in use") from error
 
 
-def first_line(error: DBAPIError) -> str:
-    return (str(error.orig).strip().splitlines() or [type(error).__name__])[0]
+def away(error: DBAPIError, what: str = "answer") -> Unavailable:
+    """What a user is told; the driver's words name hosts, ports and files, and go into the log alone."""
+    words = (str(error.orig).strip().splitlines() or [type(error).__name__])[0]
+    log.warning("the database cannot %s now: %s", what, words)
+    if "disk is full" in words or getattr(error.orig, "sqlstate", None) == DISK_FULL:
+        return DiskFull(f"the database cannot {what} now: the disk is full")
+    return Unavailable(f"the database cannot {what} now")
 
 
 def database_now(session: Session) -> datetime:

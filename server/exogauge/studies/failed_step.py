@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import final
 
-from exogauge.errors import Cancelled, ExogaugeError
+from exogauge.errors import Cancelled, ExogaugeError, Unavailable, no_room
 from exogauge.studies.open import Step
 
 log = logging.getLogger(__name__)
@@ -37,11 +37,13 @@ def keeping(failed: MutableSequence[FailedStep], *steps: str) -> Iterator[None]:
     """
     try:
         yield
-    except Cancelled:
+    except (Cancelled, Unavailable):
         raise
     except ExogaugeError as error:
         failed += [FailedStep(step, str(error), expected=True) for step in steps]
     except Exception as error:
+        if no_room(error):
+            raise
         log.exception("the step %s failed", " and ".join(steps))
         reason = f"unexpected error ({type(error).__name__}: {error})"
         failed += [FailedStep(step, reason, expected=False) for step in steps]
