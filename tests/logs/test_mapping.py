@@ -26,7 +26,7 @@ from exogauge.logs.mapping_rules import (
     check_rotation,
 )
 from exogauge.logs.model import Array, Log
-from exogauge.logs.tables import TextLayout
+from exogauge.logs.tables import TextLayout, open_table
 
 T = 20
 SAME = Clock(rate_hz=100.0)
@@ -283,6 +283,32 @@ def test_every_file_is_matched_by_one_part_of_the_mapping(tmp_path: Path) -> Non
         with pytest.raises(BadLog) as caught:
             read_mapped(changed, mapping, joints=("a", "b"), motor_from_joint=None, name="log")
         assert caught.value.faults[0].rule == rule
+
+
+@pytest.mark.parametrize("version", [5, 73])
+def test_fields_of_a_matlab_struct_are_columns(version: int, tmp_path: Path) -> None:
+    t, q = np.arange(T) / 50.0, np.arange(2.0 * T).reshape(T, 2)
+    path = tmp_path / "walk.mat"
+    if version == 5:
+        signals = np.zeros((1, 2), dtype=[("label", object), ("values", object)])
+        signals["values"][0] = [q[:, 0], q[:, 1]]
+        log = {"time": t, "arm": {"q": q, "name": "left"}, "signals": signals}
+        scipy.io.savemat(path, {"log": log, "rate": 50.0}, do_compression=True)
+    else:
+        with h5py.File(path, "w", userblock_size=512) as target:
+            target["log/time"], target["log/arm/q"], target["rate"] = t[None, :], q.T, [[50.0]]
+        with path.open("r+b") as head:
+            head.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+    assert {"log.time", "log.arm.q", "rate"} <= set(open_table(path, "walk.mat").names)
+    rule = Values(Source((), "log.arm.q"), ("q.a", "q.b"), "rad")
+    log = one(path, rule, clock=Clock("log.time"), ignore=None)
+    assert np.array_equal(log.stack(["q.a", "q.b"]), q)
+    np.testing.assert_allclose(log.time, t)
+    if version == 5:
+        third = one(path, column("log.signals(2).values", "q.b", "rad"), clock=Clock("log.time"), ignore=None)
+        assert np.array_equal(third.channels["q.b"], q[:, 1])
+        (found,) = refused(path, column("log.arm.name", "q.b", "rad"), clock=Clock("log.time"), ignore=None)
+        assert found.rule == "not_a_number"
 
 
 def save_mat(path: Path, arrays: dict[str, Array], version: int) -> None:

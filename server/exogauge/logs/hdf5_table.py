@@ -32,7 +32,8 @@ _FAILURES = (OSError, RuntimeError, ValueError, KeyError, TypeError, OverflowErr
 
 @final
 class Hdf5Table:
-    """`names` are the paths of all datasets (`group/name`); those that hold no numbers are told when read."""
+    """`names` are the paths of all datasets (`group/name`, of MATLAB structs `struct.field`); what holds no numbers is
+    told when read."""
 
     part: tuple[int, int] | None = None
     notes: tuple[Note, ...] = ()
@@ -40,13 +41,19 @@ class Hdf5Table:
     def __init__(self, path: Path, file: str) -> None:
         self.file = file
         self._path = path
+        self._separator = "/"
         self._shapes: dict[str, tuple[int, ...]] = {}
         self._numeric: dict[str, bool] = {}
+        self._paths: dict[str, str] = {}
         try:
+            with path.open("rb") as stream:
+                if stream.read(10) == b"MATLAB 7.3":
+                    self._separator = "."
             with h5py.File(path, "r", locking=False) as source:
                 for name, dataset in self._walk(source, "", 0, set()):
                     self._numeric[name] = dataset.dtype.kind in "fiu" and dataset.dtype.itemsize <= 8
                     self._shapes[name] = tuple(dataset.shape or ())
+                    self._paths[name] = dataset.name
                     if len(self._shapes) > MAX_COLUMNS:
                         check_cells(1, len(self._shapes), file)
         except BadInput:
@@ -78,7 +85,7 @@ class Hdf5Table:
         try:
             with h5py.File(self._path, "r", locking=False) as source:
                 for name in names:
-                    values = np.asarray(source[name][()])
+                    values = np.asarray(source[self._paths[name]][()])
                     columns[name] = values if name in exact and values.dtype.kind in "iu" else values.astype(np.float64)
         except _FAILURES as problem:
             raise BadLog(broken(problem, self.file, name)) from None
@@ -104,7 +111,7 @@ class Hdf5Table:
                 address = h5py.h5o.get_info(item.id).addr
                 if address not in seen:
                     seen.add(address)
-                    yield from self._walk(item, f"{name}/", depth + 1, seen)
+                    yield from self._walk(item, f"{name}{self._separator}", depth + 1, seen)
             elif isinstance(item, h5py.Dataset):
                 self._check_storage(item, name)
                 yield name, item
