@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from tests.api.conftest import table
+from tests.api.conftest import LINK, table
 
 from exogauge.storage.files import PinnedFile
 
@@ -72,6 +74,57 @@ def test_a_joint_that_slides_has_metres_and_newtons(
     study = hand_in(study_files | {"robot.urdf": urdf})
     channels = client.get(f"{V1}/studies/{study}/series/val").json()["channels"]
     assert {each["name"]: each["unit"] for each in channels} == {"q.elbow": "m", "tau.elbow": "N"}
+
+
+def test_a_robot_that_floats_is_drawn_and_each_joint_keeps_its_own_unit(
+    client: TestClient, hand_in: Callable[..., str]
+) -> None:
+    """Four bodies, three joints; the URDF has them in another order than robot.yaml and the log."""
+    study = hand_in(floating_files())
+    facts = client.get(f"{V1}/studies/{study}/series/id").json()
+    units = {each["name"]: each["unit"] for each in facts["channels"]}
+    assert {name: unit for name, unit in units.items() if name[0] in "qt"} == {
+        "q.waist": "rad", "q.lift": "m", "q.neck": "rad", "tau.waist": "N·m", "tau.lift": "N", "tau.neck": "N·m",
+    }  # fmt: skip
+    assert (units["acc.x"], units["gyro.z"], units["ft.sole.fz"], units["ft.sole.mx"]) == ("m/s²", "rad/s", "N", "N·m")
+    tiles = client.get(f"{V1}/studies/{study}/series/id/tiles", params={"channels": ["q.lift"], "width": 1000}).json()
+    assert tiles["channels"]["q.lift"]["max"] == pytest.approx([0.1 * math.sin(0.02 * k) for k in range(300)])
+
+
+def floating_files() -> dict[str, bytes]:
+    """A torso on a foot's sensor that turns at the waist, lifts a slide and nods."""
+
+    def joint(name: str, kind: str, child: str) -> str:
+        return (
+            f'<joint name="{name}" type="{kind}"><parent link="body"/><child link="{child}"/><axis xyz="0 1 0"/>'
+            '<limit lower="-2" upper="2" effort="50" velocity="5"/></joint>'
+        )
+
+    links = "".join(LINK.format(name) for name in ("body", "head", "trunk", "tray")) + '<link name="sole"/>'
+    order = (("neck", "revolute", "head"), ("waist", "revolute", "trunk"), ("lift", "prismatic", "tray"))
+    joints = "".join(joint(*each) for each in order)
+    joints += '<joint name="ankle" type="fixed"><parent link="body"/><child link="sole"/></joint>'
+    robot = {
+        "version": 1, "urdf": "robot.urdf", "base": "floating", "base_link": "body", "imu": {"frame": "body"},
+        "ft_sensors": [{"name": "sole", "frame": "sole", "role": "contact", "sees": "world_on_robot"}],
+        "joints": [{"name": name, "actuation": "torque"} for name in ("waist", "lift", "neck")],
+    }  # fmt: skip
+    others = [f"{kind}.{axis}" for kind in ("acc", "gyro") for axis in "xyz"]
+    others += [f"ft.sole.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz")]
+    names = ["t", *(f"{kind}.{name}" for name in ("waist", "lift", "neck") for kind in ("q", "tau")), *others]
+    rows = [",".join(names)]
+    for k in range(300):
+        t, swing = 0.01 * k, 0.1 * math.sin(0.02 * k)
+        rows.append(",".join(map(repr, [t, 0.2 * swing, 1.0, swing, 2.0, 0.5 * swing, 3.0, *[0.01] * len(others)])))
+    logs = [{"file": "logs/id.csv", "role": "identification"}]
+    study = {"version": 1, "name": "On one foot", "robot": "robot.yaml", "logs": logs}
+    texts = {
+        "study.yaml": json.dumps(study),
+        "robot.yaml": json.dumps(robot),
+        "robot.urdf": f'<robot name="nodder">{links}{joints}</robot>',
+        "logs/id.csv": "\n".join(rows) + "\n",
+    }
+    return {path: text.encode() for path, text in texts.items()}
 
 
 def test_what_is_wrong_with_a_log_is_told_and_no_other_file_is_reached(

@@ -18,7 +18,10 @@ def by_the_page(path: str, calls: Sequence[tuple[str, Sequence[Any]]]) -> list[A
     if not (SOURCE.parent / "node_modules").is_dir():
         pytest.skip("what the page is made of is not installed: `make web`")
     script = (
-        f'import * as code from "{(SOURCE / path).as_uri()}"; import {{ readFileSync }} from "node:fs";'
+        'import { readFileSync } from "node:fs"; import { registerHooks } from "node:module";'
+        "const whole = (name) => (/^\\.\\.?\\/[^.]+$/.test(name) ? `${name}.ts` : name);"
+        "registerHooks({ resolve: (name, context, next) => next(whole(name), context) });"
+        f'const code = await import("{(SOURCE / path).as_uri()}");'
         "const calls = JSON.parse(readFileSync(0, 'utf8'));"
         "console.log(JSON.stringify(calls.map(([name, given]) => code[name](...given))));"
     )

@@ -58,6 +58,11 @@ class RigidTree:
     parts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
+    def sliding(self) -> frozenset[str]:
+        """Prismatic joints, by name: bodies and joints are counted and ordered apart."""
+        return frozenset(self.joints[dof] for dof in self.dof[self.prismatic].tolist())
+
+    @property
     def mass(self) -> float:
         """A-priori total mass of the moving bodies [kg]."""
         return float(self.phi[:, 0].sum())

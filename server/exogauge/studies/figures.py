@@ -45,6 +45,7 @@ STYLE = {
     "xtick.labelcolor": COLOURS["--muted"],
     "ytick.labelcolor": COLOURS["--muted"],
     "text.color": COLOURS["--ink"],
+    "axes.formatter.useoffset": False,  # a label says where its tick is, without a sum to make
     "axes.spines.top": False,
     "axes.spines.right": False,
     "grid.color": COLOURS["--line"],

@@ -15,10 +15,7 @@ WIDEST_TURN, WIDEST_SLIDE = np.pi, 0.5  # [rad], [m] to either side where a join
 
 def drawn_postures(tree: RigidTree, count: int = DRAWN) -> Array:
     """(1 + count, J) [rad or m]: all joints at zero, then drawn evenly within their limits, always the same ones."""
-    slides = np.zeros(len(tree.joints), dtype=np.bool_)
-    moved = tree.dof >= 0
-    slides[tree.dof[moved]] = tree.prismatic[moved]
-    widest = np.where(slides, WIDEST_SLIDE, WIDEST_TURN)
+    widest = np.array([WIDEST_SLIDE if joint in tree.sliding else WIDEST_TURN for joint in tree.joints])
     lower = np.where(np.isfinite(tree.lower), tree.lower, -widest)
     upper = np.where(np.isfinite(tree.upper), tree.upper, widest)
     drawn = np.random.default_rng(0).uniform(lower, upper, size=(count, len(tree.joints)))

@@ -91,14 +91,13 @@ def read_logged(bundle: Bundle, log: str) -> LoggedRobot:
 def read_raw(bundle: Bundle, log: str) -> tuple[Log, dict[str, str]]:
     """A log as its file and mapping say, and the unit of each channel. Raises BadStudy, BadRobot, BadLog."""
     study = _open(bundle)
-    found, tree = _read_entry(study, _entry(study, log), log), study.robot.tree
-    slides = {joint for joint, slide in zip(tree.joints, tree.prismatic.tolist(), strict=True) if slide}
-    return found, {name: unit_of(parse_channel(name), slides) for name in found.channels}
+    found, sliding = _read_entry(study, _entry(study, log), log), study.robot.tree.sliding
+    return found, {name: unit_of(parse_channel(name), sliding) for name in found.channels}
 
 
-def unit_of(channel: Channel, slides: Set[str]) -> str:
-    """slides: prismatic joints, whose positions are lengths and whose efforts are forces."""
-    if not channel.of_joint or channel.subject not in slides:
+def unit_of(channel: Channel, sliding: Set[str]) -> str:
+    """sliding: prismatic joints, whose positions are lengths and whose efforts are forces."""
+    if not channel.of_joint or channel.subject not in sliding:
         return channel.unit
     return channel.unit.replace("rad", "m").replace("N·m", "N")
 

@@ -42,7 +42,7 @@ def _joint(joint: Joint, k: int, tree: RigidTree) -> dict[str, Any]:
     body = int(np.flatnonzero(tree.dof == k)[0])
     return {
         "name": joint.name,
-        "kind": "prismatic" if tree.prismatic[body] else "revolute",
+        "kind": "prismatic" if joint.name in tree.sliding else "revolute",
         "moves": tree.bodies[body],
         "actuation": joint.actuation,
         "gear_ratio": joint.gear_ratio,

@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import numpy as np
-
 from exogauge.robots.description import Robot
 from exogauge.studies.discrepancy_sentences import counted
 from exogauge.studies.effect_words import listed
@@ -41,9 +39,7 @@ def scope_entry(record: StudyRecord, robot: Robot, synthetic: bool, support: Sup
 
 def _units(robot: Robot) -> dict[str, str]:
     tree = robot.tree
-    return {
-        name: M if tree.prismatic[int(np.flatnonzero(tree.dof == k)[0])] else RAD for k, name in enumerate(tree.joints)
-    }
+    return {name: M if name in tree.sliding else RAD for name in tree.joints}
 
 
 def _motions(record: StudyRecord, support: SupportResult, units: dict[str, str]) -> list[dict[str, Any]]:

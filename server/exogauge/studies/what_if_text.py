@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from exogauge.devices.what_if import BandLoad, WhatIf
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.recorded_motion import RecordedMotion
@@ -76,5 +74,4 @@ def _band_text(found: WhatIf) -> str:
 
 
 def unit_of(tree: RigidTree, joint: str) -> str:
-    body = int(np.flatnonzero(tree.dof == tree.joints.index(joint))[0])
-    return "N" if tree.prismatic[body] else "N·m"
+    return "N" if joint in tree.sliding else "N·m"

@@ -6,6 +6,7 @@ import { useLayoutEffect, useRef } from "react";
 import type uPlot from "uplot";
 
 import { madePlot } from "../plots/made";
+import { tickWords } from "../plots/ticks";
 import styles from "./TimePlot.module.css";
 
 /** look: which pen, from 0; old: how it was before, dashed. values: one for each time. */
@@ -110,7 +111,7 @@ function options(
     stroke: INK[scheme],
     grid: { stroke: GRID[scheme], width: 1 },
     ticks: { stroke: GRID[scheme], width: 1 },
-    values: (_, found) => found.map((each) => String(each).replace("-", "−")),
+    values: (_, found) => tickWords(found),
   });
   return {
     width,
