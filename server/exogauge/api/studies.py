@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Literal
+from uuid import UUID
 
 import yaml
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -58,8 +59,15 @@ def list_studies(
     limit: Limit = 50,
     search: Search = "",
     state: Annotated[State | Literal["none"] | None, Query(description="of the latest job; none: has no job")] = None,
+    robot_id: Annotated[
+        UUID | Literal["none"] | None,
+        Query(description="with the robot.yaml and URDF of this robot, byte for byte; none: of no robot in the list"),
+    ] = None,
 ) -> StudyList:
-    page = store.studies.page(cursor, limit, search=search, state=state)
+    if isinstance(robot_id, UUID):
+        store.robots.get(str(robot_id))
+    robot = None if robot_id is None else str(robot_id)
+    page = store.studies.page(cursor, limit, search=search, state=state, robot_id=robot)
     jobs = store.jobs.latest([study.id for study in page.items])
     items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
     return StudyList(items=items, next_cursor=encoded_cursor(page.after))

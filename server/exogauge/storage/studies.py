@@ -18,7 +18,8 @@ from exogauge.storage.records import Page, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.search import found_by, words_of
 
-NO_JOB = "none"
+NONE = "none"
+DESCRIPTION = "robot.yaml"
 
 
 @final
@@ -49,12 +50,23 @@ class Studies:
         return self.lab.get(StudyRecord, tables.Study, key, "study")
 
     def page(
-        self, after: tuple[datetime, str] | None, limit: int, *, search: str = "", state: str | None = None
+        self,
+        after: tuple[datetime, str] | None,
+        limit: int,
+        *,
+        search: str = "",
+        state: str | None = None,
+        robot_id: str | None = None,
     ) -> Page[StudyRecord]:
-        """search: words that all are found; state: of the study's latest job, `none` where it has none."""
+        """search: words that all are found; state: of the study's latest job, `none` where it has none; robot_id: with
+        the very files of this robot, `none`: of no robot on its own."""
         query = self.lab.select(tables.Study).where(found_by(tables.Study, search))
+        if robot_id is not None:
+            robots = self.lab.select(tables.Robot).where(_is_of(tables.Study, tables.Robot))
+            mine = robots if robot_id == NONE else robots.where(tables.Robot.id == robot_id)
+            query = query.where(~mine.exists() if robot_id == NONE else mine.exists())
         if state is not None:
-            query = query.where(sa.func.coalesce(latest_state(tables.Study.id), NO_JOB) == state)
+            query = query.where(sa.func.coalesce(latest_state(tables.Study.id), NONE) == state)
         return self.lab.page(StudyRecord, tables.Study, query, after, limit)
 
     def files(self, key: str) -> tuple[PinnedFile, ...]:
@@ -77,3 +89,15 @@ class Studies:
         return tables.StudyFile(
             lab_id=self.lab.lab_id, study_id=study_id, path=file.path, sha256=file.sha256, size=file.size
         )
+
+
+def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnElement[bool]:
+    """The study holds robot.yaml and the URDF that it names, byte for byte, under whatever paths; names say nothing."""
+    needed, held = tables.RobotFile, tables.StudyFile
+    of_robot = sa.and_(
+        needed.robot_id == robot.id,
+        sa.or_(needed.path == DESCRIPTION, needed.path == robot.summary["urdf"].as_string()),
+    )
+    has = sa.exists().where(held.study_id == study.id, held.sha256 == needed.sha256).correlate(study, needed)
+    lacks = sa.exists().where(of_robot, ~has).correlate(study, robot)
+    return sa.and_(sa.exists().where(of_robot).correlate(robot), ~lacks)

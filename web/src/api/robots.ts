@@ -1,4 +1,4 @@
-import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient, type QueryClient } from "@tanstack/react-query";
 
 import { address } from "../app/base";
 import { answer, api, type Schemas } from "./client";
@@ -81,8 +81,13 @@ export function useAddRobot() {
   return useMutation({
     mutationFn: (files: Map<string, Blob>) =>
       answer(api.POST("/api/v1/robots", { body: bundle(files) as never, bodySerializer: (form) => form })) as Promise<Robot>,
-    onSuccess: () => cache.invalidateQueries({ queryKey: ["robots"] }),
+    onSuccess: () => listsChanged(cache),
   });
+}
+
+/** A robot more: studies may be of it. */
+export function listsChanged(cache: QueryClient) {
+  return Promise.all([["robots"], ["devices"], ["studies"]].map((queryKey) => cache.invalidateQueries({ queryKey })));
 }
 
 export function bundle(files: Map<string, Blob>, fields: Record<string, string> = {}): FormData {

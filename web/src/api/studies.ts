@@ -1,4 +1,5 @@
 import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
 
 import { answer, api, type Schemas } from "./client";
 
@@ -7,6 +8,7 @@ export type JobState = Schemas["LatestJob"]["state"];
 export type StateSought = JobState | "none";
 
 const PAGE = 30;
+const LONGEST_PAGE = 200;
 const BUSY_MS = 2_000;
 const IDLE_MS = 20_000;
 
@@ -29,6 +31,22 @@ export function useStudies(search = "", state: StateSought | "" = "") {
       return all.some((study) => isActive(study.latest_job?.state)) ? BUSY_MS : IDLE_MS;
     },
   });
+}
+
+/** Every study of the kind, however many pages that takes. robot_id: of a robot by its files; `none`: of one that is in no list. */
+export function useEveryStudy(of: { robot_id?: string; state?: StateSought } = {}) {
+  const found = useInfiniteQuery({
+    queryKey: ["studies", "every", of],
+    queryFn: ({ pageParam, signal }) =>
+      answer(api.GET("/api/v1/studies", { params: { query: { limit: LONGEST_PAGE, cursor: pageParam, ...of } }, signal })),
+    initialPageParam: undefined as string | undefined,
+    getNextPageParam: (page) => page.next_cursor ?? undefined,
+  });
+  const { hasNextPage, error, isFetchingNextPage, fetchNextPage } = found;
+  useEffect(() => {
+    if (hasNextPage && !error && !isFetchingNextPage) void fetchNextPage();
+  }, [hasNextPage, error, isFetchingNextPage, fetchNextPage]);
+  return { ...found, studies: useMemo(() => found.data?.pages.flatMap((page) => page.items) ?? [], [found.data]) };
 }
 
 export function useStudy(id: string) {

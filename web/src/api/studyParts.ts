@@ -5,7 +5,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { answer, api } from "./client";
 import type { Device } from "./devices";
 import { fetchFile } from "./files";
-import { bundle, fileAddress, type Robot } from "./robots";
+import { bundle, fileAddress, listsChanged, type Robot } from "./robots";
 import type { Study } from "./studies";
 
 type Summary = { robot?: { file?: string; name?: string }; devices?: { file: string; name: string }[] };
@@ -48,7 +48,7 @@ export function useTakeRobot() {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: addRobot,
-    onSuccess: () => cache.invalidateQueries({ queryKey: ["robots"] }),
+    onSuccess: () => listsChanged(cache),
   });
 }
 
@@ -56,10 +56,6 @@ export function useTakeDevice() {
   const cache = useQueryClient();
   return useMutation({
     mutationFn: ({ study, file }: { study: Study; file: string }) => addDevice(study, file),
-    onSuccess: () =>
-      Promise.all([
-        cache.invalidateQueries({ queryKey: ["robots"] }),
-        cache.invalidateQueries({ queryKey: ["devices"] }),
-      ]),
+    onSuccess: () => listsChanged(cache),
   });
 }

@@ -2,7 +2,7 @@ import { Anchor, Checkbox, Table, Text, Title } from "@mantine/core";
 import { Link } from "react-router";
 
 import { useFinishedJobs, type FinishedJob } from "../../api/compare";
-import { useStudies } from "../../api/studies";
+import { useEveryStudy } from "../../api/studies";
 import { factsOf } from "../studies/facts";
 import { Empty } from "../../parts/Empty";
 import { LinkButton } from "../../parts/LinkButton";
@@ -18,7 +18,7 @@ const KINDS: Record<string, string> = { evaluate: "every step", support: "suppor
 /** Finished evaluations; those chosen stand side by side. */
 export function JobPicker({ chosen, choose }: { chosen: string[]; choose: (jobs: string[]) => void }) {
   const { data: jobs, error, refetch } = useFinishedJobs();
-  const { data: studies } = useStudies();
+  const { studies } = useEveryStudy();
   if (error && !jobs) return <ProblemBox error={error} retry={() => void refetch()} />;
   if (!jobs) return <Loading what="the finished evaluations" />;
   if (jobs.length === 0) {
@@ -29,7 +29,7 @@ export function JobPicker({ chosen, choose }: { chosen: string[]; choose: (jobs:
       </Empty>
     );
   }
-  const known = new Map(studies?.pages.flatMap((page) => page.items).map((study) => [study.id, study]));
+  const known = new Map(studies.map((study) => [study.id, study]));
   const toggle = ({ id }: FinishedJob) => choose(chosen.includes(id) ? chosen.filter((each) => each !== id) : [...chosen, id]);
   return (
     <section aria-labelledby="jobs" className={styles.picker}>

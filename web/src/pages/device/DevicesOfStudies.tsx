@@ -2,7 +2,7 @@ import { Button, Text, Title } from "@mantine/core";
 import { useNavigate } from "react-router";
 
 import type { Device } from "../../api/devices";
-import { useStudies, type Study } from "../../api/studies";
+import { useEveryStudy, type Study } from "../../api/studies";
 import { partsOf, useTakeDevice } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Row, Rows } from "../../parts/Rows";
@@ -10,12 +10,12 @@ import { isFound } from "../../parts/useSought";
 
 /** Devices that came with studies and are not in the list, of those that are searched for. words: of the search, may be empty. */
 export function DevicesOfStudies({ devices, words }: { devices: Device[]; words: string }) {
-  const { data } = useStudies();
+  const { studies } = useEveryStudy();
   const take = useTakeDevice();
   const navigate = useNavigate();
   const listed = new Set(devices.map((device) => device.summary.name));
   const found = new Map<string, { study: Study; file: string }>();
-  for (const study of data?.pages.flatMap((page) => page.items) ?? []) {
+  for (const study of studies) {
     for (const { name, file } of partsOf(study).devices ?? []) {
       if (!listed.has(name) && !found.has(name) && isFound(words, name)) found.set(name, { study, file });
     }

@@ -4,8 +4,7 @@ import { useMemo, useState } from "react";
 import { Link } from "react-router";
 
 import type { Robot } from "../../api/robots";
-import { useStudies, type Study } from "../../api/studies";
-import { partsOf } from "../../api/studyParts";
+import { useEveryStudy, type Study } from "../../api/studies";
 import { useWhatIf, type Change, type WhatIf as Answer } from "../../api/whatIf";
 import { Loading } from "../../parts/Loading";
 import { fixed, NONE } from "../../parts/digits";
@@ -21,11 +20,10 @@ type Props = { robot: Robot; device: DeviceContent; hindered: boolean };
 
 /** What the device as it stands now would do over a recorded motion, beside what the log's own device does. */
 export function WhatIf({ robot, device, hindered }: Props) {
-  const { data } = useStudies();
-  const studies = (data?.pages.flatMap((page) => page.items) ?? []).filter((study) => partsOf(study).robot?.name === robot.summary.name);
+  const { studies, isPending, hasNextPage, error, refetch } = useEveryStudy({ robot_id: robot.id });
   const [chosen, choose] = useState("");
   const [chosenLog, chooseLog] = useState("");
-  const study = studies.find((each) => each.id === chosen) ?? studies[0];
+  const study = studies.find((each) => each.id === chosen) ?? studies.find((each) => wornLogs(each).length > 0) ?? studies[0];
   const logs = study ? wornLogs(study) : [];
   const log = logs.find((each) => each.name === chosenLog) ?? logs[0];
   return (
@@ -33,9 +31,13 @@ export function WhatIf({ robot, device, hindered }: Props) {
       <Title order={3} size="h4" id="what-if" mb="xs">
         What it would do
       </Title>
-      {!study || !log ? (
+      {error && !study ? (
+        <ProblemBox error={error} retry={() => void refetch()} />
+      ) : isPending || (!log && hasNextPage) ? (
+        <Loading what="the studies with this robot" lines={3} />
+      ) : !study || !log ? (
         <Text size="sm">
-          {study ? `The study ${study.name} holds no log with a device worn.` : "There is no study with this robot yet."} Hand one in
+          {study ? `The study ${study.name} holds no log with a device worn.` : "There is no study with the files of this very robot yet."} Hand one in
           at <Anchor component={Link} to="/studies" underline="always">the studies</Anchor>, and the torque over its motions is drawn here.
         </Text>
       ) : (

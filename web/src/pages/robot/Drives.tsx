@@ -4,8 +4,7 @@ import { Link } from "react-router";
 
 import { useStudyResults, type JointResult } from "../../api/results";
 import type { Robot, RobotJoint } from "../../api/robots";
-import { useStudies, useStudy } from "../../api/studies";
-import { partsOf } from "../../api/studyParts";
+import { useEveryStudy, type Study } from "../../api/studies";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { plusMinus } from "../../parts/digits";
 import { number, WideTable } from "../../parts/WideTable";
@@ -22,10 +21,7 @@ const VALUES = [
 
 /** Drive values as the maker says, and beside them what a study with this robot identified. */
 export function Drives({ robot, joints }: { robot: Robot; joints: RobotJoint[] }) {
-  const { data } = useStudies();
-  const studies = (data?.pages.flatMap((page) => page.items) ?? []).filter(
-    (study) => partsOf(study).robot?.name === robot.summary.name && study.latest_job?.state === "succeeded",
-  );
+  const { studies } = useEveryStudy({ robot_id: robot.id, state: "succeeded" });
   const [chosen, choose] = useState("");
   const [onlyMoved, setOnlyMoved] = useState(false);
   const study = studies.find((each) => each.id === chosen) ?? studies[0];
@@ -80,7 +76,7 @@ export function Drives({ robot, joints }: { robot: Robot; joints: RobotJoint[] }
       )}
       <Text size="sm" c="dimmed" mt="xs">
         The maker’s values with their standard deviation, where robot.yaml gives them.{" "}
-        {study ? <Below robot={robot} studyId={study.id} /> : "Once a study with this robot is evaluated, what it identified stands below them."}
+        {study ? <Below study={study} /> : "Once a study with this robot is evaluated, what it identified stands below them."}
       </Text>
     </section>
   );
@@ -95,18 +91,14 @@ function Identified({ of }: { of: JointResult[string] }) {
   );
 }
 
-function Below({ robot, studyId }: { robot: Robot; studyId: string }) {
-  const { data: study } = useStudy(studyId);
-  const theirs = new Set(study?.files?.map((file) => file.sha256));
-  const same = robot.files?.every((file) => theirs.has(file.sha256));
+function Below({ study }: { study: Study }) {
   return (
     <>
       In bold below them: identified in{" "}
-      <Anchor component={Link} to={`/studies/${studyId}`} inherit underline="always">
-        {study?.name ?? "the study"}
+      <Anchor component={Link} to={`/studies/${study.id}`} inherit underline="always">
+        {study.name}
       </Anchor>
-      {study && (same ? ", which has these very files." : ", whose robot has the same name and other files.")} “Not decided”: the
-      prior says more than the logs.
+      , which has these very files. “Not decided”: the prior says more than the logs.
     </>
   );
 }

@@ -1,23 +1,21 @@
 import { Button, Text, Title } from "@mantine/core";
 import { useNavigate } from "react-router";
 
-import type { Robot } from "../../api/robots";
-import { useStudies, type Study } from "../../api/studies";
+import { useEveryStudy, type Study } from "../../api/studies";
 import { partsOf, useTakeRobot } from "../../api/studyParts";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Row, Rows } from "../../parts/Rows";
 import { isFound } from "../../parts/useSought";
 
-/** Robots that came with studies and are not in the list, of those that are searched for. words: of the search, may be empty. */
-export function RobotsOfStudies({ robots, words }: { robots: Robot[]; words: string }) {
-  const { data } = useStudies();
+/** Robots that came with studies and whose files are not in the list, of those that are searched for. words: of the search, may be empty. */
+export function RobotsOfStudies({ words }: { words: string }) {
+  const { studies } = useEveryStudy({ robot_id: "none" });
   const take = useTakeRobot();
   const navigate = useNavigate();
-  const listed = new Set(robots.map((robot) => robot.summary.name));
   const found = new Map<string, Study>();
-  for (const study of data?.pages.flatMap((page) => page.items) ?? []) {
+  for (const study of studies) {
     const name = partsOf(study).robot?.name;
-    if (name && !listed.has(name) && !found.has(name) && isFound(words, name)) found.set(name, study);
+    if (name && !found.has(name) && isFound(words, name)) found.set(name, study);
   }
   if (found.size === 0) return null;
   return (

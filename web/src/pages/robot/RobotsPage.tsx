@@ -33,7 +33,7 @@ export function Component() {
       ) : (
         <Stack gap="xl" mt="xl">
           {robots.length > 0 || sought.words ? <RobotList robots={robots} sought={sought} /> : <NoRobots />}
-          <RobotsOfStudies robots={robots} words={sought.words} />
+          <RobotsOfStudies words={sought.words} />
         </Stack>
       )}
     </>
