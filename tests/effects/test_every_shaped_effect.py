@@ -13,7 +13,8 @@ from exogauge.effects.scales import in_si
 from exogauge.effects.shaped import AxisSignals
 
 COORDINATES = {"velocity", "position", "load", "time", "acceleration", "drive", "temperature"}
-MOST_COLUMNS = 140  # on one axis, over all effects and shapes: what a search can afford per joint
+MOST_COLUMNS = 150  # on one axis, over all effects and shapes: with 139 a pass over Talos' 32 joints takes twice what
+# identifying takes (docs/performance.md), and one more effect of one's own has to fit
 DISSIPATIVE = ("stribeck", "load_coulomb", "nonlinear_viscous", "presliding")
 CONSERVATIVE = ("joint_spring", "torque_ripple")
 EFFECTS = dict(shaped_effects())
