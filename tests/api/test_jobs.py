@@ -7,6 +7,7 @@ import threading
 from uuid import uuid4
 
 import pytest
+import sqlalchemy as sa
 
 from exogauge.jobs import claims, recipes
 from exogauge.jobs.engine import migrate_engine
@@ -213,6 +214,28 @@ def test_a_queued_job_knows_how_many_start_before_it(client, study):
     client.post(f"/api/v1/jobs/{jobs[0]['id']}/cancel")
     assert client.get(f"/api/v1/jobs/{jobs[2]['id']}").json()["ahead"] == 1
     assert client.get(f"/api/v1/jobs/{jobs[0]['id']}").json()["ahead"] is None
+
+
+def test_a_list_of_jobs_takes_as_many_statements_for_fifty_as_for_one(client, study, app):
+    counted = []
+    sa.event.listen(app.state.storage.engine, "before_cursor_execute", lambda *_: counted.append(1))
+
+    def statements():
+        counted.clear()
+        answer = client.get("/api/v1/jobs", params={"limit": 100}).json()["items"]
+        return len(answer), len(counted), answer
+
+    ask(client, study)
+    _, few, _ = statements()
+    rest = [ask(client, study, settings={"n": k}).json()["id"] for k in range(49)]
+    count, many, listed = statements()
+    assert (count, many) == (50, few)
+    assert [job["ahead"] for job in listed] == list(range(49, -1, -1))
+    client.post(f"/api/v1/jobs/{rest[0]}/cancel")
+    _, mixed, listed = statements()
+    assert mixed == few
+    shown = [client.get(f"/api/v1/jobs/{job['id']}").json() for job in listed[-3:]]
+    assert [(job["ahead"], job["place"]) for job in listed[-3:]] == [(job["ahead"], job["place"]) for job in shown]
 
 
 def test_only_the_living_may_change_a_job_and_only_while_they_hold_it(client, study, app):

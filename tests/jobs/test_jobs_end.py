@@ -59,7 +59,7 @@ def test_a_queued_job_is_cancelled_at_once_and_never_runs(staffed):
     staffed.until(busy, lambda now: now.state == "running")
     job = staffed.submit("queued")
     with staffed.storage.reading() as store:
-        assert requests.place_in_words(store.session, staffed.job(job)) == "next to start"
+        assert requests.places(store.session, [staffed.job(job)])[job.id].words == "next to start"
     staffed.cancel(job)
     assert staffed.job(job).state == "cancelled"
     staffed.cancel(busy)

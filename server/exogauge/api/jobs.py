@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Any, Self, final
 
@@ -84,11 +85,20 @@ class JobOut(Answer):
 
     @classmethod
     def of(cls, job: JobRecord, session: Session, *, with_log: bool = False) -> Self:
-        steps = steps_of(job)
-        answer = cls.model_validate({**vars(job), "log": job.log if with_log else None, "steps": steps})
-        answer.place, answer.ahead = requests.place_in_words(session, job), requests.ahead_of(session, job)
-        answer.problem = of_failure(job.failure, job.reason)
+        (answer,) = cls.of_each([job], session)
+        answer.log = job.log if with_log else None
         return answer
+
+    @classmethod
+    def of_each(cls, jobs: Sequence[JobRecord], session: Session) -> list[Self]:
+        """Without their logs."""
+        places = requests.places(session, jobs)
+        answers: list[Self] = [cls.model_validate({**vars(job), "log": None, "steps": steps_of(job)}) for job in jobs]
+        for job, answer in zip(jobs, answers, strict=True):
+            if (place := places.get(job.id)) is not None:
+                answer.place, answer.ahead = place.words, place.ahead
+            answer.problem = of_failure(job.failure, job.reason)
+        return answers
 
 
 def steps_of(job: JobRecord) -> list[JobStep]:
@@ -128,8 +138,7 @@ def list_jobs(
 ) -> JobList:
     """Newest first."""
     page = store.jobs.page(cursor, limit, study_id=study_id, state=state)
-    items = [JobOut.of(job, store.session) for job in page.items]
-    return JobList(items=items, next_cursor=encoded_cursor(page.after))
+    return JobList(items=JobOut.of_each(page.items, store.session), next_cursor=encoded_cursor(page.after))
 
 
 @router.get("/jobs/{job_id}", operation_id="getJob")

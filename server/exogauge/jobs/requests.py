@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
 
 import sqlalchemy as sa
 from sqlalchemy.orm import Session
@@ -75,28 +76,36 @@ def cancel(store: Store, job_id: str) -> JobRecord:
     return store.jobs.get(job_id)
 
 
-def place_in_words(session: Session, job: JobRecord) -> str | None:
-    """What the owner of a queued job wants to know; None for any other job."""
-    if job.state != "queued":
-        return None
-    workers = count(session, sa.select(WorkerLease.worker_id))
+@final
+@dataclass(frozen=True)
+class Place:
+    """Where a queued job stands. ahead: how many start before it; words: what its owner wants to know."""
+
+    ahead: int
+    words: str
+
+
+def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
+    """Job id -> its place, of those that are queued. Two statements, however many they are."""
+    wanted = [job.id for job in jobs if job.state == "queued"]
+    if not wanted:
+        return {}
+    before = sa.func.row_number().over(order_by=(Job.created_at, Job.id)) - 1
+    queue = sa.select(Job.id, before.label("ahead")).where(Job.state == "queued").subquery()
+    ahead = session.execute(sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(wanted))).all()
+    workers, running = session.execute(
+        sa.select(
+            sa.select(sa.func.count()).select_from(WorkerLease).scalar_subquery(),
+            sa.select(sa.func.count()).select_from(Job).where(Job.state == "running").scalar_subquery(),
+        )
+    ).one()
+    return {key: Place(count, in_words(count, running, workers)) for key, count in ahead}
+
+
+def in_words(ahead: int, running: int, workers: int) -> str:
     if workers == 0:
         return "waiting for a worker: none is running (`exogauge work` starts one)"
-    ahead = ahead_of(session, job) or 0
-    running = count(session, sa.select(Job.id).where(Job.state == "running"))
     if ahead == 0:
         return "next to start" if running >= workers else "starting"
     jobs, plural = "job" if ahead == 1 else "jobs", "" if workers == 1 else "s"
     return f"{ahead} {jobs} ahead in the queue, {running} running on {workers} worker{plural}"
-
-
-def ahead_of(session: Session, job: JobRecord) -> int | None:
-    """How many jobs start before a queued one; None for any other job."""
-    if job.state != "queued":
-        return None
-    before = (Job.created_at < job.created_at) | ((Job.created_at == job.created_at) & (Job.id < job.id))
-    return count(session, sa.select(Job.id).where(Job.state == "queued", before))
-
-
-def count(session: Session, rows: sa.Select[Any]) -> int:
-    return session.scalar(sa.select(sa.func.count()).select_from(rows.subquery())) or 0
