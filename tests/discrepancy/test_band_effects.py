@@ -356,3 +356,19 @@ def test_findings_of_the_robot_stay_in_front_of_those_of_its_wear(trunk):
 def _linear(trunk):
     seen = gathered(trunk, None, 5)
     return identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
+
+
+def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repeated(trunk):
+    """In the repeated motion the joints hardly moved: its pairs said a hundredth of the noise, and a clean sample stood
+    at 124 floors."""
+    seen = gathered(trunk, None, 1)
+    tiny, alone = np.full(3, 0.01 * NOISE), np.full(3, NOISE / np.sqrt(2.0))
+    backgrounds = dict(seen.backgrounds)
+    for motion, runs in (("bend", tiny), ("twist", None), ("mix", None)):
+        repeats = Repeatability(alone, alone, runs, runs, alone, runs)
+        backgrounds[motion] = replace(backgrounds[motion], repeats=repeats)
+    seen = replace(seen, backgrounds=backgrounds)
+    linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
+    found = find_band_effects(trunk.model, seen, [linear], NONE_YET)
+    assert found.unexplained == ()
+    assert found.verdict == "none"

@@ -186,14 +186,22 @@ def _null_logs(gathered: Gathered, own: Sequence[Evidence], beyond: Beyond | Non
 
 
 def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> Array:
-    """(D,) [N·m] over those motions of these logs in which the joint moves steadily."""
+    """(D,) [N·m] over those motions of these logs in which the joint moves steadily. Of a motion that was recorded
+    once, A's is what the model and that one run say; those that were repeated, in which the joint may hardly move, do
+    not make it less."""
     repeats = [gathered.backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
-    found = [each.by_model_steady for each in repeats]
-    if approach == "A":
-        pairs = [each.between_runs_steady for each in repeats if each.between_runs_steady is not None]
-        found = pairs or [np.sqrt(2.0) * each for each in found]
-    seen = np.sum([each > 0.0 for each in found], axis=0)
-    return np.asarray(np.sqrt(np.sum(np.square(found), axis=0) / np.maximum(seen, 1)))
+    if approach == "B":
+        return _rms_of_seen([each.by_model_steady for each in repeats])
+    runs = [np.sqrt(2.0) * each.by_model_steady if each.between_runs_steady is None else each.between_runs_steady
+            for each in repeats]  # fmt: skip
+    once = [one for one, each in zip(runs, repeats, strict=True) if each.between_runs_steady is None]
+    return np.maximum(_rms_of_seen(runs), _rms_of_seen(once)) if once else _rms_of_seen(runs)
+
+
+def _rms_of_seen(floors: Sequence[Array]) -> Array:
+    """(D,) 0: not seen."""
+    seen = np.sum([each > 0.0 for each in floors], axis=0)
+    return np.asarray(np.sqrt(np.sum(np.square(floors), axis=0) / np.maximum(seen, 1)))
 
 
 def _of_the_robot(model: RobotModel, logs: WearLogs) -> Array:

@@ -27,6 +27,7 @@ from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
 from exogauge.discrepancy.band_shape import with_best_shape
 from exogauge.discrepancy.band_stated import contradicted
 from exogauge.discrepancy.block_gains import summed, sureness
+from exogauge.discrepancy.may_be_named import not_named, refused, told
 from exogauge.discrepancy.result import Alternative, Discrepancy, Excess, Finding, Lineage, Link
 from exogauge.discrepancy.verdict import ABOVE, Seen
 from exogauge.effects.band import BandEffect
@@ -120,8 +121,13 @@ def search_wear(
         winner = next((each for each in judged if not each.objection), None)
         if winner is None or len(findings) >= MOST_EFFECTS:
             break
-        ground, winner, judged = _sharpened(ground, winner, judged, folds)
-        findings.append(name_effect(named + len(findings) + 1, ground, winner, judged, folds, of))
+        sharpened, winner, judged = _sharpened(ground, winner, judged, folds)
+        finding = name_effect(named + len(findings) + 1, sharpened, winner, judged, folds, of)
+        if reason := refused(finding):
+            rejected.append(not_named(finding, reason))
+            break
+        ground = sharpened
+        findings.append(finding)
         explained = np.maximum(explained, winner.gone)
         ground = weighed(ground, winner.fitted)
         wears.append(ground.fitted.wear)
@@ -133,7 +139,10 @@ def search_wear(
     scorer = Scorer(ground.setting, ground.fitted)
     for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
         if effects.get(each.effect) is not None:
-            findings.append(name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of))
+            finding = name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of)
+            named_now, doubtful = told([finding])
+            findings += named_now
+            rejected += doubtful
     return WearFindings(
         findings=tuple(findings),
         chain=_chain(ground, findings, wears, folds, of),

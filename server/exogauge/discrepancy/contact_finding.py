@@ -30,7 +30,7 @@ def name_contact(rank: int, contact: Contact, before: Identification, after: Ide
     """before, after: identified with and without the time in which it happened."""
     robot, bodies = after.model.robot, after.model.robot.tree.bodies
     push, link = contact.pushes[0], bodies[contact.body]
-    held_out = _held_out(channels(robot)[push.kind], before, after)
+    held_out = _held_out(channels(robot)[push.kind], before, after, contact)
 
     def other(body: int, reason: str) -> Alternative:
         gain = next(each.gain for each in push.links if each.body == body)
@@ -89,13 +89,18 @@ def _sentence(link: str, contact: Contact, held_out: HeldOut) -> str:
     )
 
 
-def _held_out(channel: str, before: Identification, after: Identification) -> HeldOut:
-    """Of held-out logs, of all logs where there are none."""
-    values = []
-    for each in (before, after):
-        fits = [fit for fit in each.validation if fit.channel == channel]
-        values.append(pooled([fit for fit in fits if fit.held_out] or fits))
-    return HeldOut(channel, unit_of(channel), values[0][0], values[1][0], values[1][1])
+def _held_out(channel: str, before: Identification, after: Identification, contact: Contact) -> HeldOut:
+    """Of held-out logs; where these say nothing of it, of the logs in which it happened."""
+    touched = list(dict.fromkeys(push.rows.name for push in contact.pushes))
+    for log in ("", ", ".join(touched)):
+        values = []
+        for each in (before, after):
+            fits = [fit for fit in each.validation if fit.channel == channel]
+            values.append(pooled([fit for fit in fits if (fit.log in touched if log else fit.held_out)]))
+        held = HeldOut(channel, unit_of(channel), values[0][0], values[1][0], values[1][1], log)
+        if held.falls:
+            break
+    return held
 
 
 def _evidence(robot: Robot, push: Push) -> Evidence:

@@ -16,7 +16,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 
 SURE = 9.0  # twice the log likelihood ratio: odds of 90, and some twenty numbers are looked at
-SIGNIFICANT = 1.65  # standard deviations of the mass or the gain: its sign is known; the evidence asks for more
+SIGNIFICANT = 2.0  # standard deviations of the mass or the gain: no number that may as well be none is named
 TELL_APART = 6.0  # by which the best number must stand above another one
 MOST = 2
 

@@ -13,7 +13,8 @@ from exogauge.discrepancy.evidence import continued, evidence, strongest
 from exogauge.discrepancy.ground import Ground
 from exogauge.discrepancy.judge import Judgement, apart
 from exogauge.discrepancy.locate import channels, pooled
-from exogauge.discrepancy.result import Alternative, Finding, HeldOut, Place
+from exogauge.discrepancy.may_be_named import refused
+from exogauge.discrepancy.result import AT_MOST, Alternative, Finding, HeldOut, Place
 from exogauge.discrepancy.site_rows import SiteRows
 from exogauge.discrepancy.undecided import Undecided, undecided
 from exogauge.effects.words import at_place, opening
@@ -24,8 +25,6 @@ from exogauge.identification.result import Identification
 from exogauge.identification.site import Effect, Site
 from exogauge.identification.validate import unit_of
 
-AT_MOST = 0.995  # of the held-out error before
-JOLTS = ("backlash",)  # effects whose torque is short blows
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
 OPEN = 6.0  # evidence below which the fitted logs do not tell the two apart: odds of twenty to one
 
@@ -68,7 +67,7 @@ def name_effect(
         parameters=parameters(model, winner.score, rows),
         held_out=held_out,
         score=score,
-        sentence=_sentence(place, effect, strongest(shown, held_out.unit), _falls(held_out, winner), others)
+        sentence=_sentence(place, effect, strongest(shown, held_out.unit), _falls(held_out), others)
         + continued(winner.score, winner.kind, rows),
         alternatives=tuple(others),
         also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
@@ -98,17 +97,12 @@ def channel_of(equations: Equations, kind: int) -> str:
 def objection(finding: Finding, without: float, with_it: float) -> str:
     """Why an effect is dropped again once the robot has been identified with it, or "". without, with_it: `low_passed`.
 
-    The error as it was logged has to fall as well, but for jolts, which may be met a moment late.
+    The error as it is told has to fall as well, and the size of the effect to be known.
     """
-    held = finding.held_out
-    pairs = (
-        [(without, with_it)] if finding.effect in JOLTS else [(without, with_it), (held.rmse_before, held.rmse_after)]
-    )
-    for before, after in pairs:
-        if after > AT_MOST * before:
-            change = f"{before:.3g} to {after:.3g} {held.unit}"
-            return f"with the robot identified again the held-out error does not fall ({change})"
-    return ""
+    if with_it > AT_MOST * without:
+        change = f"{without:.3g} to {with_it:.3g} {finding.held_out.unit}"
+        return f"with the robot identified again the held-out error does not fall ({change})"
+    return refused(finding)
 
 
 def low_passed(ground: Ground, kind: int, logs: Sequence[str]) -> float:
@@ -133,15 +127,9 @@ def _held_out(channel: str, before: Identification, after: Identification, judge
     return HeldOut(channel, unit_of(channel), rmse_before, rmse_after, floor, log)
 
 
-def _falls(held_out: HeldOut, winner: Judgement) -> str:
+def _falls(held_out: HeldOut) -> str:
     which = f"the error in {held_out.log}, the one log that has it," if held_out.log else "the held-out error"
     before, after, unit = held_out.rmse_before, held_out.rmse_after, held_out.unit
-    if after > AT_MOST * before:
-        return (
-            f"{which} falls from {winner.before:.2g} to {winner.after:.2g} {unit} RMSE once it is low-passed; jolts "
-            f"that are met a moment early or late keep it at {after:.2g} as it was logged (noise floor "
-            f"{held_out.noise_floor:.2g})."
-        )
     share = f"{100 * held_out.explained:.0f} % of the excess"
     return (
         f"{which} falls from {before:.2g} to {after:.2g} {unit} RMSE (noise floor {held_out.noise_floor:.2g}), {share}."

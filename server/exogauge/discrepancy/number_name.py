@@ -5,7 +5,7 @@ from __future__ import annotations
 from exogauge.discrepancy.contradicted import Change
 from exogauge.discrepancy.result import Place
 from exogauge.identification.model import RobotModel
-from exogauge.robots.ends import carries_nothing
+from exogauge.robots.ends import takes_payload
 
 
 def effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
@@ -14,5 +14,5 @@ def effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
     if not change.of_link:
         return "kt_gain", Place("joint", robot.joints[index].name)
     heavier = change.value[0] > 0.0
-    effect = "payload" if heavier and carries_nothing(robot.tree, index) else "link_mass"
+    effect = "payload" if heavier and takes_payload(robot, index) else "link_mass"
     return effect, Place("link", robot.tree.bodies[index])

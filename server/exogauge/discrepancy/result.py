@@ -16,6 +16,8 @@ from exogauge.discrepancy.verdict import Decision, Facts, Seen, Verdict, decide
 
 Array = NDArray[np.float64]
 
+AT_MOST = 0.995  # of the held-out error before: with more the two are told by the same three digits
+
 
 @final
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class HeldOut:
     rmse_after: float
     noise_floor: float
     log: str = ""
+
+    @property
+    def falls(self) -> bool:
+        """By more than what a last digit says."""
+        return self.rmse_after <= AT_MOST * self.rmse_before
 
     @property
     def explained(self) -> float:

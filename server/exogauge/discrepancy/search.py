@@ -18,6 +18,7 @@ from exogauge.discrepancy.ground import Ground, lay_ground
 from exogauge.discrepancy.hints import hinted
 from exogauge.discrepancy.judge import Judgement, judge
 from exogauge.discrepancy.locate import channels, pooled
+from exogauge.discrepancy.may_be_named import not_named
 from exogauge.discrepancy.refine import CLOSELY, refined
 from exogauge.discrepancy.result import Alternative, Finding
 from exogauge.discrepancy.score import Score, score
@@ -219,6 +220,13 @@ class Search:
                 step.finding.effect, step.finding.place, step.finding.score, reason
             )
             self._again(kept)
+
+    def take_back(self, number: int, reason: str) -> None:
+        """One that turned out not to be worth its name once all others were there."""
+        step, kept = self.steps[number], [each for k, each in enumerate(self.steps) if k != number]
+        self.failed[step.added.effect.name, step.added.site] = not_named(step.finding, reason)
+        self._again(kept)
+        self.last = self._lay(self.current)
 
     def _again(self, kept: Sequence[Step]) -> None:
         """The same steps without the one that was taken out; their findings keep what was said of them."""

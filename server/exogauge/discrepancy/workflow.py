@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
+from exogauge.discrepancy.as_drawn import as_drawn
 from exogauge.discrepancy.band_limit import band_limits
 from exogauge.discrepancy.chain import lineage, link
 from exogauge.discrepancy.contact import contacts, pushes
@@ -21,6 +22,7 @@ from exogauge.discrepancy.final_numbers import with_final_numbers
 from exogauge.discrepancy.ground import lay_ground
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.locate import located, seen
+from exogauge.discrepancy.may_be_named import refused, told
 from exogauge.discrepancy.odd_log import look_into_odd_logs
 from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.remainders import remainders
@@ -74,14 +76,14 @@ def find_missing_effects(
     shapes_again(search)
     assert search.first is not None
     assert search.last is not None
-    bends, equations = own_curves(search), search.base.model.equations
-    bends += remainders(search, bends)
+    bends, steps = _steps_as_told(search)
+    equations = search.base.model.equations
     last = bends[-1].found if bends else search.current
     looked_like_a_push = search.steps and any(each.effect == CONTACT for each in findings)
     if looked_like_a_push and not pushes(last.model, whole):  # what was named since explains it
         tick = partial(_still_at, progress)
         return find_missing_effects(found, given, effects, settings, tick, touched=False)
-    findings += _with_bends(len(findings), search, bends)
+    findings += [replace(each, rank=len(findings) + each.rank) for each in steps]
     models = [*models[:-1], search.base, *(step.found for step in search.steps), *(bend.found for bend in bends)]
     additions = [(each.effect, each.place) for each in findings]
     additions += [(bend.label, bend.finding.place) for bend in bends]
@@ -94,8 +96,11 @@ def find_missing_effects(
     logs = {each.log.name for each in recordings if each.held_out}
     chain = tuple(link(each, added, channels, logs) for each, added in zip(models, [None, *additions], strict=True))
     fitted = [each.log for each in search.recordings if not each.held_out]
-    for odd in contradicted(current.model, fitted):
-        findings.append(name_contradiction(len(findings) + 1, current, search.recordings, settings, odd))
+    odd = contradicted(current.model, fitted)
+    numbers = [name_contradiction(len(findings) + n, current, search.recordings, settings, each)
+               for n, each in enumerate(odd, 1)]  # fmt: skip
+    contradictions, doubtful = told(numbers)
+    findings += contradictions
     notes = joined if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
     progress(1.0, "compared")
     return Found(
@@ -104,7 +109,7 @@ def find_missing_effects(
             chain=chain,
             located=before,
             unexplained=unexplained,
-            rejected=(*search.failed.values(), *search.rejected),
+            rejected=(*search.failed.values(), *search.rejected, *doubtful),
             lineage=lineage(additions),
             candidates=search.tried,
             notes=notes,
@@ -127,16 +132,27 @@ def _still_at(progress: Progress, _fraction: float, phrase: str) -> None:
     progress(ALMOST, phrase)
 
 
-def _with_bends(named: int, search: Search, bends: Sequence[Bend]) -> list[Finding]:
-    """The steps' findings, as their bends tell them, with the numbers of all formulas together; named: findings before
-    them."""
+def _steps_as_told(search: Search) -> tuple[list[Bend], list[Finding]]:
+    """Bends, and the findings of all steps. One that may not be named with all others there is not in the model."""
+    while True:
+        bends = own_curves(search)
+        bends += remainders(search, bends)
+        findings = _with_bends(search, bends)
+        poor = next(((number, reason) for number, each in enumerate(findings) if (reason := refused(each))), None)
+        if poor is None:
+            return bends, [as_drawn(each, step.added.effect) for each, step in zip(findings, search.steps, strict=True)]
+        search.take_back(*poor)
+
+
+def _with_bends(search: Search, bends: Sequence[Bend]) -> list[Finding]:
+    """The steps' findings, as their bends tell them, with the numbers of all formulas together."""
     bent = {(each.finding.effect, each.finding.place): each.finding for each in bends}
-    told = list[Finding]()
+    findings = list[Finding]()
     for step in search.steps:
         finding = bent.get((step.finding.effect, step.finding.place), step.finding)
         finding = with_final_numbers(finding, step.added, search.current.model)
-        told.append(replace(finding, rank=named + len(told) + 1))
-    return told
+        findings.append(replace(finding, rank=len(findings) + 1))
+    return findings
 
 
 def _filtered_alike(
@@ -144,7 +160,7 @@ def _filtered_alike(
 ) -> tuple[Sequence[Recording], list[Identification], list[Finding]]:
     """Before anything else is sought: what a log's own low-pass has done looks like several effects."""
     limited = band_limits(found, recordings, lambda anew: identify(found.model.robot, anew, settings), progress)
-    if limited is None:
+    if limited is None or refused(limited.finding):
         return recordings, [found], []
     return limited.recordings, [limited.before, limited.identification], [limited.finding]
 
@@ -159,7 +175,7 @@ def _untouched(
     """What happened once, such as a push, is left out before effects that are always there are sought."""
     robot = models[-1].model.robot
     touched = contacts(models[-1], recordings, lambda anew: identify(robot, anew, settings), progress)
-    if touched is None:
+    if touched is None or any(refused(each) for each in touched.findings):
         return recordings, models, findings
     named = [replace(each, rank=len(findings) + n) for n, each in enumerate(touched.findings, 1)]
     return touched.recordings, [*models, *([touched.identification] * len(named))], [*findings, *named]

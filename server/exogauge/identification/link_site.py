@@ -12,7 +12,7 @@ from exogauge.effects.link import LinkSignals
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Seen
-from exogauge.robots.ends import carries_nothing
+from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.tree import RigidTree
@@ -89,7 +89,7 @@ def end_links(equations: Equations) -> list[LinkSite]:
     return [
         LinkSite(body)
         for body in range(len(tree.bodies))
-        if carries_nothing(tree, body) and (tree.dof[body] >= 0 or body in behind) and not _finger(tree, body)
+        if takes_payload(equations.robot, body) and (tree.dof[body] >= 0 or body in behind) and not _finger(tree, body)
     ]
 
 

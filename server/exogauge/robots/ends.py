@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
 from exogauge.robots.tree import RigidTree
 
@@ -17,3 +18,11 @@ def carries_nothing(tree: RigidTree, body: int) -> bool:
     carried[body] = False
     parts = {tree.bodies.index(name) for name in tree.parts}
     return float(tree.phi[carried, 0].sum()) < FINGERS * tree.mass and not parts.intersection(carried.nonzero()[0])
+
+
+def takes_payload(robot: Robot, body: int) -> bool:
+    """Whether it carries nothing, and does not stand on anything: a shank above a light foot, or above the sensor
+    at which the robot ends, is no hand."""
+    standing = {robot.tree.frames[sensor.frame][0] for sensor in robot.contacts}
+    legs = subtree(robot.tree)[body].nonzero()[0]
+    return carries_nothing(robot.tree, body) and not standing.intersection(legs)

@@ -1,0 +1,84 @@
+"""No name without an error that falls, or for what may as well be nothing; and a leg carries no payload."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.devices.result import Estimate
+from exogauge.discrepancy.as_drawn import as_drawn
+from exogauge.discrepancy.may_be_named import refused, told
+from exogauge.discrepancy.result import Evidence, Finding, HeldOut, Place
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.ends import carries_nothing, takes_payload
+from exogauge.robots.urdf import load_tree
+
+
+def finding(effect: str, before: float, after: float, **parameters: tuple[float, float]) -> Finding:
+    return Finding(
+        1, effect, Place("joint", "j1"), {name: Estimate(*pair, "") for name, pair in parameters.items()},
+        HeldOut("tau.j1", "N·m", before, after, 0.1), 0.5, "…", (), (), "", Evidence("", "", *([np.zeros(0)] * 5)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("before", "after"), [(461.0, 515.0), (0.716, 0.716), (2.0, float("nan"))])
+def test_nothing_is_named_whose_held_out_error_does_not_fall(before: float, after: float) -> None:
+    named, others = told([finding("kt_gain", before, after, gain=(2.0, 0.01), ratio=(1.2, 0.01))])
+    assert named == ()
+    (other,) = others
+    assert "does not fall" in other.reason
+    assert f"{before:.3g}" in other.reason
+
+
+def test_a_load_that_may_as_well_weigh_nothing_is_not_named() -> None:
+    assert "0 ± 0.3" in refused(finding("payload", 2.0, 1.0, mass=(0.0, 0.3), x=(0.1, 0.01)))
+    assert refused(finding("payload", 2.0, 1.0, mass=(0.7, 0.3), x=(0.0, 0.01))) == ""
+
+
+def test_a_gain_is_news_by_its_distance_from_what_is_stated() -> None:
+    assert refused(finding("kt_gain", 2.0, 1.0, gain=(5.0, 0.1), stated=(4.9, 0.1), ratio=(1.02, 0.02)))
+    assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02))) == ""
+
+
+def test_one_part_of_a_wave_may_be_zero_and_not_both() -> None:
+    assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1))) == ""
+    assert "d_a 0.01 ± 0.1" in refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)))
+
+
+def test_a_curve_whose_size_and_shape_trade_against_each_other_is_told_as_drawn() -> None:
+    """Its error falls, so it is there; 7.5 ± 6.2 N·m is no number."""
+    open_shape = finding("stribeck", 2.0, 1.0, tau_b=(7.5, 6.2), v_s=(0.004, 0.006))
+    assert refused(open_shape) == ""
+    told_so = as_drawn(open_shape, shaped_effects()["stribeck"])
+    assert not told_so.parameters
+    assert "as drawn" in told_so.sentence
+    known = finding("stribeck", 2.0, 1.0, tau_b=(1.5, 0.1), v_s=(0.04, 0.001))
+    assert as_drawn(known, shaped_effects()["stribeck"]) is known
+
+
+LEG = """<robot name="walker">
+<link name="trunk"><inertial><mass value="20"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+{limbs}</robot>"""
+LIMB = """<link name="{0}"><inertial><origin xyz="0 0 -0.2"/><mass value="3"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.01"/></inertial></link>
+<joint name="j_{0}" type="revolute"><parent link="trunk"/><child link="{0}"/><axis xyz="0 1 0"/>
+<limit lower="-2" upper="2" velocity="9" effort="99"/></joint>
+<link name="end_{0}"/><joint name="at_{0}" type="fixed"><parent link="{0}"/><child link="end_{0}"/></joint>"""
+
+
+def test_a_shank_above_the_sensor_it_stands_on_takes_no_payload_and_an_arm_does() -> None:
+    text = LEG.format(limbs=LIMB.format("shank") + LIMB.format("arm")).encode()
+    names = ("j_shank", "j_arm")
+    tree = load_tree(text, joints=list(names), base_link="trunk", floating=True)
+    joints = tuple(Joint(name, "torque") for name in names)
+    foot = WrenchSensor("foot", "end_shank", "contact", 1.0)
+    robot = Robot("walker", tree, joints, pin.SE3.Identity(), (foot,), np.eye(2))
+    ends = {name: takes_payload(robot, body) for body, name in enumerate(tree.bodies)}
+    assert ends == {"trunk": False, "shank": False, "arm": True}
+    assert carries_nothing(tree, tree.bodies.index("shank")), "without the sensor it looks like a hand"
+    assert takes_payload(replace(robot, sensors=()), tree.bodies.index("shank"))
