@@ -209,3 +209,19 @@ def test_static_friction_stays_at_the_prior_where_nothing_rests(make_truth, make
     found = fill_static_friction(equations, statistics, prior, x)
     assert found.x[static_friction_columns(equations)].tolist() == [0.0, 0.0, 0.0]
     assert found.std == {}
+
+
+def test_static_friction_is_not_known_where_an_axis_rests_for_moments_only(make_truth, make_log):
+    """1.5 % of the samples, slow turns, gave a static friction of their own with a small deviation."""
+    truth = make_truth(True, coupling=DIFFERENTIAL)
+    equations, x = equations_of(truth.robot), true_parameters(equations_of(truth.robot), truth)
+    prepared = prepared_of(truth.robot, make_log(truth, seed=1, seconds=20.0, noise=1.0))
+    first, axes = equations.first_axis, len(truth.robot.joints)
+    (statistics,) = equations.collect(prepared, x, 1)
+    prior = per_parameter(truth.robot, equations.base, equations.effects, scales(truth.robot, [prepared]))
+    for kind in range(first, first + axes):
+        statistics.count[kind] = 70 * statistics.count[kind + axes]  # as if it had moved all the rest of a long log
+    found = fill_static_friction(equations, statistics, prior, x)
+    assert found.std == {}
+    columns = static_friction_columns(equations)
+    np.testing.assert_array_equal(found.x[columns], prior.seen_mean[columns])

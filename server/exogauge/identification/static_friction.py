@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 SCATTER = 2.0  # of the residuals at rest against those in motion, beyond which the largest friction was not always met
 FEWEST_ROWS = 5
+LEAST_REST = 0.05  # of an axis' rows: slow turns alone made 1.5 % of them look like rest, and say nothing of sticking
 
 
 @final
@@ -39,7 +40,8 @@ class Sticking:
 
 
 def fill_static_friction(equations: Equations, statistics: Statistics, prior: Prior, x: Array) -> Sticking:
-    """Least squares for τ_s of every axis with all other parameters of x held; kept where there are too few rows."""
+    """Least squares for τ_s of every axis with all other parameters of x held; left at the prior, and so not known,
+    where the axis hardly rests."""
     x, std, doubtful = x.copy(), {}, []
     axes = len(equations.robot.joints)
     for k in [k for k, effect in enumerate(equations.effects) if effect.name == "static_friction"]:
@@ -48,7 +50,8 @@ def fill_static_friction(equations: Equations, statistics: Statistics, prior: Pr
             column = int(equations.effect_columns(axis)[k])
             slope, curvature = statistics.along(resting, len(equations.blocks.columns[moving]) + k, x)
             rows = statistics.count[resting]
-            if joint.actuation == "none" or rows < FEWEST_ROWS or curvature <= 1e-6 * rows:
+            fewest = max(FEWEST_ROWS, LEAST_REST * (rows + statistics.count[moving]))
+            if joint.actuation == "none" or rows < fewest or curvature <= 1e-6 * rows:
                 x[column] = prior.seen_mean[column]
                 continue
             x[column] = max(x[column] + slope / curvature, 0.0)
