@@ -14,7 +14,7 @@ CHROMIUM := command -v chromium >/dev/null || { \
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check bench blind lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check fuzz bench blind lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -70,6 +70,11 @@ check: web  ## style, types, import layers, migrations and the quick tests, in u
 
 bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 	$(BIN)/python -m tests.bench
+
+STUDIES ?= 300
+
+fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300, others every time
+	EXOGAUGE_TEST_STUDIES=$(STUDIES) $(BIN)/python -m pytest -n 2 tests/fuzz tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
 
 CASES ?= 200
 SEED  ?= 1

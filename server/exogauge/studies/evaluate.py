@@ -38,6 +38,7 @@ from exogauge.studies.stiffness_results import stiffness_table
 from exogauge.studies.study_record import study_record
 from exogauge.studies.summary_page import summary_page
 from exogauge.studies.support_results import support_table
+from exogauge.studies.worse_than_before import refuse_what_made_it_worse
 from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
@@ -89,6 +90,7 @@ def _evaluate(
         findings = examine_logs(study.robot, recordings, worn)
         spans = _spans(bool(worn), "discrepancy" in doing)
         found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+        doubts = refuse_what_made_it_worse(first, recordings, findings)
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
         plain_now: Sequence[PlainLog] = plain
@@ -125,7 +127,7 @@ def _evaluate(
             inputs=study.bundle.inputs,
             findings=findings,
             identification=found,
-            warnings=(*study.warnings, *(each.sentence for each in failed)),
+            warnings=(*study.warnings, *doubts, *(each.sentence for each in failed)),
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),

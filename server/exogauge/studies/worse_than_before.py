@@ -1,0 +1,73 @@
+"""An identification that explains held-out logs worse than the maker's numbers is none: why, says the doctor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadLog, Fault
+from exogauge.identification.preparation import DRIVE
+from exogauge.identification.prior import joint_prior
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording
+
+Array = NDArray[np.float64]
+
+WORSE = 1.1  # times the error of the maker's numbers
+NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
+
+
+def refuse_what_made_it_worse(
+    found: Identification, recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]]
+) -> list[str]:
+    """Raises BadLog with what the doctor holds for an error, if any held-out joint is predicted worse than before.
+
+    Where the doctor has no suspect, the joints are told in a warning: the answer is there, with a doubt. Errors are
+    compared in what was measured, amperes where currents were: in N·m a smaller k_T makes any error small.
+    """
+    worse = {joint: (before, after) for joint, before, after in held_out_errors(found, recordings) if after > before}
+    if not worse:
+        return []
+    suspects = {(each["channel"], each["rule"]): each for each in findings if each["severity"] == "error"}
+    joint, (before, after) = max(worse.items(), key=lambda each: each[1][1] / each[1][0])
+    said = f"held out, {joint} is predicted worse than by the maker's numbers ({after:.3g} against {before:.3g})"
+    if suspects:
+        raise BadLog(
+            [
+                Fault(f"{each['detail']}; {said}", rule, str(each["advice"]), each["log"], column=channel)
+                for (channel, rule), each in suspects.items()
+            ]
+        )
+    names = ", ".join(worse)
+    return [
+        f"Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
+    ]
+
+
+def held_out_errors(found: Identification, recordings: Sequence[Recording]) -> Iterator[tuple[str, float, float]]:
+    """(joint, rms error of the maker's numbers, of the identified ones), pooled over held-out logs, as measured."""
+    logs = {each.log.name: each.log for each in recordings if each.held_out}
+    robot = found.model.robot
+    coupled = np.abs(robot.axes_from_joints - np.eye(len(robot.joints))).sum(axis=0) > 0.0
+    for k, joint in enumerate(robot.joints):
+        channel = f"tau.{joint.name}"
+        before, after, size = list[Array](), list[Array](), list[Array]()
+        for each in found.predictions:
+            if each.log not in logs or channel not in each.measured:
+                continue
+            measured, left = each.measured[channel], each.measured[channel] - each.predicted[channel]
+            left_before = each.measured[channel] - each.predicted_prior[channel]
+            if joint.actuation == "current" and not coupled[k]:
+                current, k_T = logs[each.log].channels[f"{DRIVE['current']}.{joint.name}"], joint_prior(joint, "k_T")
+                used = float(measured @ current) / max(float(current @ current), 1e-300)  # N·m/A in which it is told
+                left = left / max(abs(used), 1e-6 * k_T)
+                measured, left_before = current, current - each.predicted_prior[channel] / k_T
+            before.append(left_before)
+            after.append(left)
+            size.append(measured)
+        if before:
+            was, now, whole = (float(np.sqrt(np.mean(np.concatenate(e) ** 2))) for e in (before, after, size))
+            yield joint.name, WORSE * was + NOTHING * whole, now
