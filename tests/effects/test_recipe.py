@@ -44,6 +44,7 @@ def tried(copy: Path, *which: str) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
+@pytest.mark.slow
 def test_one_file_keeps_the_contract(copy: Path) -> None:
     """Step 2."""
     code, said = tried(copy, "tests/effects/test_every_shaped_effect.py", "-k", "cogging or affordable or bear")
