@@ -109,7 +109,7 @@ class IdentificationCell(BaseModel):
 
 @final
 class IdentificationRow(BaseModel):
-    """kind: base_moment, trunk_torque, joint_torque."""
+    """kind: base_moment, trunk_torque, joint_torque, joint_force."""
 
     kind: str
     unit: str

@@ -210,7 +210,7 @@ def _held_out(before: Identification, after: Identification, judges: _Judges, fr
         if floors:
             one, other = (_rmse(each, channel, axis, free) for each in (before, after))
             floor = float(np.sqrt(np.mean(np.square(floors))))
-            found.append(HeldOut(channel, unit_of(channel), one, other, floor, log))
+            found.append(HeldOut(channel, unit_of(channel, before.model.robot), one, other, floor, log))
     return max(found, key=lambda each: each.rmse_before / max(each.rmse_after, 1e-300))
 
 

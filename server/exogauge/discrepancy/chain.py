@@ -20,20 +20,22 @@ def link(found: Identification, added: Addition | None, channels: Sequence[str],
     """added: what was added last. channels: those in question, none for all joint torques. logs: that errors are told
     of."""
     step = f"+ {added[0]} at {added[1].words}" if added else "identified model"
-    joints = [f"tau.{joint.name}" for joint in found.model.robot.joints]
+    robot = found.model.robot
+    joints = [f"tau.{joint.name}" for joint in robot.joints]
     asked = list(dict.fromkeys(channels)) or joints
     each = {name: pooled([fit for fit in found.validation if fit.log in logs and fit.channel == name])
             for name in dict.fromkeys([*asked, *joints])}  # fmt: skip
     known = {name: values for name, values in each.items() if np.isfinite(values[0]) and values[1] > 0.0}
     worst = max(known, key=lambda name: known[name][0] / known[name][1], default="")
     worst_rmse, worst_floor = known.get(worst, (float("nan"), float("nan")))
-    sorts = {(unit_of(name), name.partition(".")[0]) for name in asked}
+    worst_unit = unit_of(worst, robot) if worst else ""
+    sorts = {(unit_of(name, robot), name.partition(".")[0]) for name in asked}
     if len(sorts) == 1:  # a sensor's moments would drown among joint torques
         rmse, floor = pooled([fit for fit in found.validation if fit.log in logs and fit.channel in asked])
-        return Link(step, rmse, floor, worst, worst_rmse, worst_floor, unit_of(asked[0]))
+        return Link(step, rmse, floor, worst, worst_rmse, worst_floor, unit_of(asked[0], robot), worst_unit)
     ratios = [known[name][0] / known[name][1] for name in asked if name in known]
     rmse = float(np.sqrt(np.mean(np.square(ratios)))) if ratios else float("nan")
-    return Link(step, rmse, 1.0, worst, worst_rmse, worst_floor, FLOORS)
+    return Link(step, rmse, 1.0, worst, worst_rmse, worst_floor, FLOORS, worst_unit)
 
 
 def lineage(additions: Sequence[Addition]) -> tuple[Lineage, ...]:

@@ -97,10 +97,10 @@ def _gain(model: RobotModel, best: Change) -> dict[str, Estimate]:
 
 def _stated_gain(model: RobotModel, best: Change) -> tuple[Estimate, str]:
     equations, axis, prior = model.equations, best.stated.index, model.solution.prior
-    column, actuation = gain_columns(equations)[axis], model.robot.joints[axis].actuation
-    unit = coefficient_unit("N·m/A", actuation)
+    column, joint = gain_columns(equations)[axis], model.robot.joints[axis]
+    unit = coefficient_unit("N·m/A", joint.name, model.robot)
     value = float(prior.seen_mean[column])
-    std = TORQUE_DOUBT if actuation == "torque" else float(np.sqrt(prior.seen_covariance[column, column]))
+    std = TORQUE_DOUBT if joint.actuation == "torque" else float(np.sqrt(prior.seen_covariance[column, column]))
     return Estimate(value, std, unit), unit
 
 

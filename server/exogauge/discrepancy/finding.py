@@ -124,7 +124,7 @@ def _held_out(channel: str, before: Identification, after: Identification, judge
             for each in (before, after)]  # fmt: skip
     (rmse_before, floor), (rmse_after, _) = (pooled(each) for each in fits)
     log = ", ".join(judged.logs) if judged.once else ""
-    return HeldOut(channel, unit_of(channel), rmse_before, rmse_after, floor, log)
+    return HeldOut(channel, unit_of(channel, before.model.robot), rmse_before, rmse_after, floor, log)
 
 
 def _falls(held_out: HeldOut) -> str:

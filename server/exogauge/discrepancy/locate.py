@@ -38,7 +38,7 @@ def located(equations: Equations, found: Identification, residuals: Sequence[Log
         z = _sureness(found, residuals, channel, kind, fits)
         if z > SURE:
             where = _where([each for each in residuals if each.held_out], kind, kind - equations.first_axis)
-            result.append(Excess(channel, unit_of(channel), rmse, floor, z, where))
+            result.append(Excess(channel, unit_of(channel, equations.robot), rmse, floor, z, where))
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
 
 

@@ -45,7 +45,7 @@ def put_back(found: Identification, recordings: Sequence[Recording], change: Cha
     errors = {name: [float(np.sqrt(np.mean(each))) for each in pair] for name, pair in squares.items()}
     shown = max(floors, key=lambda name: (errors[name][0] ** 2 - errors[name][1] ** 2) / max(floors[name], 1e-12) ** 2)
     before, after = errors[shown]
-    return HeldOut(shown, unit_of(shown), before, after, floors[shown])
+    return HeldOut(shown, unit_of(shown, found.model.robot), before, after, floors[shown])
 
 
 def _as_stated(model: RobotModel, change: Change) -> Parameters:
@@ -74,7 +74,7 @@ def _rescaled(found: Identification, recordings: Sequence[Recording], change: Ch
     held = [each.log.name for each in recordings if each.held_out] or [each.log.name for each in recordings]
     fits = [[fit for fit in each.validation if fit.log in held and fit.channel == channel] for each in (found, again)]
     (before, _), (after, floor) = (pooled(each) for each in fits)
-    return HeldOut(channel, unit_of(channel), before, after, floor)
+    return HeldOut(channel, unit_of(channel, found.model.robot), before, after, floor)
 
 
 def _scaled(log: Log, channel: str, factor: float) -> Log:

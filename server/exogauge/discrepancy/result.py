@@ -126,7 +126,7 @@ class Link:
 
     rmse: pooled over the channels in question (those with a finding, or above their floor; else all joint torques) in
     steady motion on held-out logs [unit]; with channels of several units in multiples of each one's noise floor (unit
-    `floors`). worst, worst_rmse, worst_floor: the channel furthest above its floor.
+    `floors`). worst, worst_rmse, worst_floor [worst_unit]: the channel furthest above its floor.
     """
 
     step: str
@@ -136,6 +136,7 @@ class Link:
     worst_rmse: float
     worst_floor: float
     unit: str = "N·m"
+    worst_unit: str = "N·m"
 
 
 @final

@@ -10,7 +10,7 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.result import Parameter
 from exogauge.identification.static_friction import Sticking
 from exogauge.robots.description import Robot
-from exogauge.robots.parameters import parameter_names, parameter_units
+from exogauge.robots.parameters import of_slide, parameter_names, parameter_units
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def describe(
     units = list(parameter_units(robot.tree))
     for joint in robot.joints:
         names += [f"{effect.coefficient.name}[{joint.name}]" for effect in effects]
-        units += [coefficient_unit(effect.coefficient.unit, joint.actuation) for effect in effects]
+        units += [coefficient_unit(effect.coefficient.unit, joint.name, robot) for effect in effects]
     for column in equations.added:
         names.append(f"{column.name}[{column.place}]")
         units.append(column.coefficient.unit)
@@ -70,9 +70,12 @@ def describe(
     return (*single, *_base_parameters(equations, prior, standard, covariance, names, units, known_scale))
 
 
-def coefficient_unit(unit: str, actuation: str) -> str:
-    """k_T of a joint whose torque is logged is a pure number."""
-    return "1" if unit == "N·m/A" and actuation != "current" else unit
+def coefficient_unit(unit: str, joint: str, robot: Robot) -> str:
+    """k_T of a joint whose torque is logged is a pure number; a joint that slides has forces and lengths."""
+    (actuation,) = (each.actuation for each in robot.joints if each.name == joint)
+    if unit == "N·m/A" and actuation != "current":
+        return "1"
+    return of_slide(unit) if joint in robot.tree.sliding else unit
 
 
 def _base_parameters(

@@ -20,6 +20,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import of_slide
 
 if TYPE_CHECKING:
     from exogauge.identification.model import RobotModel
@@ -86,7 +87,8 @@ class AxisSite:
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         sizes = (model.sizes.velocity, model.sizes.torque, model.sizes.range)
-        return in_si(unit, *(float(each[self.axis]) for each in sizes))
+        factor, own = in_si(unit, *(float(each[self.axis]) for each in sizes))
+        return factor, of_slide(own) if model.robot.joints[self.axis].name in model.robot.tree.sliding else own
 
 
 def seen_of_axis(signals: AxisSignals) -> Seen:

@@ -22,6 +22,7 @@ from exogauge.identification.predict import (
 from exogauge.identification.preparation import Prepared, wrench_channels
 from exogauge.identification.result import ChannelFit, Prediction
 from exogauge.identification.turns import RestDetection
+from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ def predict_log(
         measured=measured,
         predicted=predicted,
         predicted_prior=predicted_prior,
-        units={name: unit_of(name) for name in measured},
+        units={name: unit_of(name, equations.robot) for name in measured},
     )
 
 
@@ -167,8 +168,10 @@ def steady_samples(equations: Equations, prepared: Prepared) -> Mapping[str, NDA
     return steady
 
 
-def unit_of(channel: str) -> str:
-    """Of a base wrench, a sensor's reading or a joint torque."""
+def unit_of(channel: str, robot: Robot) -> str:
+    """Of a base wrench, a sensor's reading or a joint's torque, which of one that slides is a force."""
+    if channel.startswith("tau.") and channel.removeprefix("tau.") in robot.tree.sliding:
+        return "N"
     return "N" if not channel.startswith("tau.") and channel.rsplit(".", 1)[1].startswith("f") else "N·m"
 
 

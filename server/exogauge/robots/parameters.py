@@ -16,3 +16,8 @@ def parameter_names(tree: RigidTree) -> tuple[str, ...]:
 def parameter_units(tree: RigidTree) -> tuple[str, ...]:
     """(10N,) SI units."""
     return UNITS * len(tree.bodies)
+
+
+def of_slide(unit: str) -> str:
+    """A turning joint's unit as that of one that slides: N·m·s/rad is N·s/m, kg·m² is kg, N·m/A is N/A."""
+    return unit.replace("kg·m²", "kg").replace("N·m", "N").replace("rad", "m")

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullLocator
 
 from exogauge.discrepancy.result import Evidence, Link
-from exogauge.identification.validate import unit_of
 from exogauge.studies.discrepancy_sentences import chain_unit, channel, step_words
 from exogauge.studies.figures import COLOURS, STYLE, Array, draw_line, sheet, svg_text
 from exogauge.studies.rounding import significant
@@ -87,7 +86,7 @@ def _worst(link: Link) -> str:
         return ""
     if link.worst_rmse <= link.worst_floor:
         return "every channel at its floor or below"
-    unit = unit_of(link.worst) if link.worst.startswith("ft.") else "N·m"
+    unit = link.worst_unit
     numbers = f"{significant(link.worst_rmse)} over {significant(link.worst_floor)}"
     return f"furthest above its floor: {channel(link.worst)}, {numbers}{'' if unit == link.unit else f' {unit}'}"
 

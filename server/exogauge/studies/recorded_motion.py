@@ -18,6 +18,7 @@ from exogauge.logs.channels import Channel, parse_channel
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
+from exogauge.robots.parameters import of_slide
 from exogauge.robots.tree import RigidTree
 from exogauge.sandbox import LogRequest, parse_log
 from exogauge.studies.bundle import Bundle
@@ -99,7 +100,7 @@ def unit_of(channel: Channel, sliding: Set[str]) -> str:
     """sliding: prismatic joints, whose positions are lengths and whose efforts are forces."""
     if not channel.of_joint or channel.subject not in sliding:
         return channel.unit
-    return channel.unit.replace("rad", "m").replace("N·m", "N")
+    return of_slide(channel.unit)
 
 
 def read_motion(

@@ -22,6 +22,7 @@ _KIND_WORDS = {
     "base_moment": "Base moment",
     "trunk_torque": "Trunk torque",
     "joint_torque": "Joint torque",
+    "joint_force": "Force of sliding joints",
     "sensor_force": "Sensor force",
     "sensor_moment": "Sensor moment",
 }

@@ -67,7 +67,8 @@ class Evaluation:
 class Summary:
     """RMSE over several channels and logs, pooled over samples.
 
-    kind: `base_moment`, `trunk_torque`, `joint_torque`, `sensor_force`, `sensor_moment`.
+    kind: `base_moment`, `trunk_torque`, `joint_torque`, `joint_force` (of joints that slide), `sensor_force`,
+    `sensor_moment`.
     """
 
     kind: str
@@ -125,7 +126,11 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             "samples": found.samples,
             "cutoff_hz": found.cutoff_hz,
             "velocity_threshold": [
-                {"joint": joint, "value": float(value), "unit": "rad/s"}
+                {
+                    "joint": joint,
+                    "value": float(value),
+                    "unit": "m/s" if joint in evaluation.robot.tree.sliding else "rad/s",
+                }
                 for joint, value in zip(joints, found.velocity_threshold, strict=False)
             ],
         },
@@ -192,11 +197,15 @@ def summaries(found: Identification, joints: Sequence[str]) -> list[Summary]:
     """Base moment, trunk torque, all joint torques, and what sensors inside the robot read, on held-out logs (on fitted
     ones where none is held out)."""
     held_out = any(fit.held_out for fit in found.validation)
-    trunk = tuple(f"tau.{name}" for name in joints if any(word in name.lower() for word in TRUNK_WORDS))
+    forces = {fit.channel for fit in found.validation if fit.channel.startswith("tau.") and fit.unit == "N"}
+    efforts = [f"tau.{name}" for name in joints]
+    torques = tuple(name for name in efforts if name not in forces)
+    trunk = tuple(name for name in torques if any(word in name.lower() for word in TRUNK_WORDS))
     kinds = {
         "base_moment": BASE_MOMENT,
         "trunk_torque": trunk,
-        "joint_torque": tuple(f"tau.{name}" for name in joints),
+        "joint_torque": torques,
+        "joint_force": tuple(name for name in efforts if name in forces),
         **{
             kind: tuple(dict.fromkeys(fit.channel for fit in found.validation if _is_reading(fit.channel, letter)))
             for kind, letter in SENSORS.items()

@@ -25,6 +25,7 @@ FOOTER = (
 )
 KINDS = {
     "base_moment": "base moment", "trunk_torque": "trunk torque", "joint_torque": "joint torque",
+    "joint_force": "force of sliding joints",
     "sensor_force": "sensor force", "sensor_moment": "sensor moment",
 }  # fmt: skip
 

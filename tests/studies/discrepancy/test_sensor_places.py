@@ -43,7 +43,7 @@ def found(clean: Discrepancy) -> Discrepancy:
         chain=(
             Link("identified model", 6.4, 1.0, "ft.wrist.mz", 0.09, 0.01, "floors"),
             Link("+ ft_gain at wrist.fx", 2.1, 1.0, "tau.j1", 2.5, 1.1, "floors"),
-            Link("+ base_tilt at base", 0.99, 1.0, "ft.wrist.fx", 0.49, 0.5, "floors"),
+            Link("+ base_tilt at base", 0.99, 1.0, "ft.wrist.fx", 0.49, 0.5, "floors", "N"),
         ),
         unexplained=(Excess("ft.wrist.fy", "N", 0.9, 0.5, 5.0, "throughout"),),
     )

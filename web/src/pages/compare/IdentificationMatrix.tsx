@@ -10,6 +10,7 @@ const KINDS: Record<string, string> = {
   base_moment: "Moments of the base",
   trunk_torque: "Torque of the trunk",
   joint_torque: "Torque of all joints",
+  joint_force: "Force of sliding joints",
   sensor_force: "Forces of the sensors",
   sensor_moment: "Moments of the sensors",
 };

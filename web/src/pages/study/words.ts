@@ -20,6 +20,7 @@ export const POOLED: Record<string, string> = {
   base_moment: "Base moment",
   trunk_torque: "Torque of the trunk’s joints",
   joint_torque: "Torque of all joints",
+  joint_force: "Force of sliding joints",
   sensor_force: "Forces of the sensors",
   sensor_moment: "Moments of the sensors",
 };
