@@ -12,6 +12,7 @@ from exogauge.discrepancy.score import Score, residual_memory
 from exogauge.discrepancy.site_rows import SiteRows
 from exogauge.discrepancy.sums import KindSums
 from exogauge.identification.model import RobotModel
+from exogauge.identification.site import Effect
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,10 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
     square, memories, count = 0.0, list[float](), 0
     for each in fitted:
         left = each.after(effect, candidate.shape, found.coefficients, found.step, own)
-        slopes = [each.columns(effect, candidate.shape), *_slopes(found, each)]
+        slopes = [
+            each.columns(effect, candidate.shape),
+            *shape_slopes(effect, candidate.shape, found.coefficients, each),
+        ]
         for kind, e in left.items():
             if weights[kind] > 0.0:
                 c = np.hstack([one[kind] for one in slopes])
@@ -64,9 +68,10 @@ def _free(found: Score) -> list[str]:
     return [one.name for one in found.candidate.effect.shapes if not one.choice]
 
 
-def _slopes(found: Score, rows: SiteRows) -> list[Mapping[int, Array]]:
+def shape_slopes(
+    effect: Effect, shape: tuple[float, ...], coefficients: Array, rows: SiteRows
+) -> list[Mapping[int, Array]]:
     """Per free shape: kind -> (n, 1) change of what the effect takes off the row with it."""
-    effect, shape = found.candidate.effect, found.candidate.shape
     slopes: list[Mapping[int, Array]] = []
     for k, (value, one) in enumerate(zip(shape, effect.shapes, strict=True)):
         if one.choice:
@@ -74,7 +79,5 @@ def _slopes(found: Score, rows: SiteRows) -> list[Mapping[int, Array]]:
         step = STEP * (abs(value) or one.high - one.low)
         low, high = max(value - step, one.low), min(value + step, one.high)
         below, above = (rows.columns(effect, (*shape[:k], end, *shape[k + 1 :])) for end in (low, high))
-        slopes.append(
-            {kind: ((above[kind] - below[kind]) @ found.coefficients / (high - low))[:, None] for kind in above}
-        )
+        slopes.append({kind: ((above[kind] - below[kind]) @ coefficients / (high - low))[:, None] for kind in above})
     return slopes

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from exogauge.discrepancy.result import Finding
+from exogauge.discrepancy.shape_doubt import coefficients
 from exogauge.identification.added import AddedEffect
 from exogauge.identification.model import RobotModel
 
@@ -20,13 +21,7 @@ def with_final_numbers(finding: Finding, added: AddedEffect, model: RobotModel) 
 
 def _coefficients(added: AddedEffect, model: RobotModel) -> Mapping[str, float]:
     """Name -> value in SI units."""
-    effects = model.extension.effects if model.extension else ()
-    widths = [len(each.effect.coefficients) for each in effects]
-    which = effects.index(added)
-    start = len(model.identified.added) - sum(widths[which:])
     return {
         quantity.name: float(value) * added.site.in_si(model, quantity.unit, added.shape)[0]
-        for quantity, value in zip(
-            added.effect.coefficients, model.identified.added[start : start + widths[which]], strict=True
-        )
+        for quantity, value in zip(added.effect.coefficients, coefficients(model, added), strict=True)
     }

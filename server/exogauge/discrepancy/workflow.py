@@ -28,6 +28,7 @@ from exogauge.discrepancy.own_curves import Bend, own_curves
 from exogauge.discrepancy.remainders import remainders
 from exogauge.discrepancy.result import Discrepancy, Finding
 from exogauge.discrepancy.search import Search
+from exogauge.discrepancy.shape_doubt import with_doubt_of_shapes
 from exogauge.discrepancy.shapes_again import shapes_again
 from exogauge.discrepancy.with_motions import with_motions
 from exogauge.identification.identify import identify
@@ -90,6 +91,7 @@ def find_missing_effects(
     current, left = models[-1], search.last.residuals
     if bends:
         left = lay_ground(current.model, search.recordings, (), lambda _fraction, _phrase: None).residuals
+    current = with_doubt_of_shapes(current, [each.added for each in search.steps], search.recordings)
     before = located(equations, search.base, search.first.residuals)
     unexplained = located(equations, current, left)
     channels = [finding.held_out.channel for finding in findings] or [each.channel for each in before]

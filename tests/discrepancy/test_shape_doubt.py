@@ -1,0 +1,54 @@
+"""A joint's friction beside a named effect is known no better than the effect's shape lets it be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exogauge.discrepancy.shape_doubt import with_doubt_of_shapes
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.identification.added import AddedEffect, Extension
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.site import AxisSite
+
+SETTINGS = Settings(cutoff_hz=8.0)
+TAU_B, V_S = 1.5, 0.25  # wide: it reaches to where viscous friction is learnt
+
+
+def stribeck(motion):
+    v = motion.v[:, 1]
+    torque = np.zeros_like(motion.q)
+    torque[:, 1] = TAU_B * np.sign(v) * np.exp(-((np.abs(v) / V_S) ** 2))
+    return torque
+
+
+def test_friction_beside_an_effect_moves_with_its_shape_as_its_deviation_says(robot, record):
+    """Independent of the formula: identified once more with the shape moved, x moves by dx/dshape."""
+    recordings = [
+        Recording(record(1, stribeck, seconds=15.0), False),
+        Recording(record(9, stribeck, seconds=8.0), True),
+    ]
+    first = identify(robot, recordings, SETTINGS)
+    effect, scale = shaped_effects()["stribeck"], first.model.sizes.velocity[1]
+
+    def with_shape(v_s):
+        added = AddedEffect(effect, AxisSite(1), (v_s / scale, 2.0))
+        extension = Extension(first.model, (added,), {})
+        return identify(robot, recordings, SETTINGS, extension=extension), added
+
+    found, added = with_shape(V_S)
+    doubted = with_doubt_of_shapes(found, [added], recordings)
+    value, std, wider = ({each.name: getattr(each, what) for each in one.parameters}
+                         for one, what in ((found, "value"), (found, "std"), (doubted, "std")))  # fmt: skip
+    moved = {each.name: each.value for each in with_shape(1.05 * V_S)[0].parameters}
+    names = ["k_d[j2]", "tau_c[j2]"]
+    grown = np.array([np.sqrt(wider[name] ** 2 - std[name] ** 2) for name in names])
+    slope = np.array([moved[name] - value[name] for name in names])
+    assert np.all(grown > 0.0)
+    # both are dx/dshape times a deviation; of the two shapes v_s rules, so their ratio is about that of the slopes
+    assert grown[0] / grown[1] == pytest.approx(abs(slope[0] / slope[1]), rel=0.5)
+    for name, truth in zip(names, (0.7, 1.2), strict=True):  # of the arm in conftest
+        assert abs(value[name] - truth) < 4.0 * wider[name]
+    assert wider["k_d[j1]"] == pytest.approx(std["k_d[j1]"], rel=0.05), "another joint's friction is not in doubt"
+    assert np.all(np.diag(doubted.model.covariance) >= np.diag(found.model.covariance) - 1e-12)
