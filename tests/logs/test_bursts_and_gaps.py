@@ -125,6 +125,14 @@ def test_single_lost_samples_are_bridged_not_cut() -> None:
     assert np.max(np.abs(log.channels["q.a"] - np.sin(3.0 * even()))) < 1e-6
 
 
+def test_late_stamps_are_not_called_lost_samples() -> None:
+    time = even()
+    time[[300, 900]] += 0.8 / RATE
+    (log,) = segments(Log("walk", time, {"q.a": np.sin(3.0 * time)}))
+    assert "late at 2 places" in log.notes[0].detail
+    assert np.max(np.abs(log.channels["q.a"] - np.sin(3.0 * log.time))) < 1e-6
+
+
 def test_a_log_without_gaps_is_itself() -> None:
     log = recording()
     assert segments(log)[0] is log

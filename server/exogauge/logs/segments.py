@@ -56,9 +56,14 @@ def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
     late = step > LATE * nominal
     if not late.any():
         return log
-    lost = int(np.round(step[late] / nominal - 1.0).sum())
-    detail = f"{lost} samples are missing at {int(late.sum())} places, never more than a few together: interpolated"
-    note = Note("samples_bridged", detail, "look for what drops samples", int(np.flatnonzero(late)[0]) + 2)
+    lost = round(float(log.time[-1] - log.time[0]) / nominal) + 1 - log.samples
+    where = f"at {int(late.sum())} places"
+    detail = (
+        f"{lost} samples are missing {where}, never more than a few together: interpolated"
+        if lost > 0
+        else f"stamps are more than half a period late {where}: brought to an even clock by interpolation"
+    )
+    note = Note("samples_bridged", detail, "look for what drops or delays samples", int(np.flatnonzero(late)[0]) + 2)
     return replace(uniform(log), part_of=log.part_of, notes=(*log.notes, note))
 
 
