@@ -16,6 +16,7 @@ from scipy.signal import lfilter
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.discrepancy.band_ground import lay_ground
+from exogauge.discrepancy.band_numbers import with_effects
 from exogauge.discrepancy.band_workflow import find_band_effects
 from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.verdict import Seen
@@ -372,3 +373,19 @@ def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repea
     found = find_band_effects(trunk.model, seen, [linear], NONE_YET)
     assert found.unexplained == ()
     assert found.verdict == "none"
+
+
+def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
+    """It stood there as that of springs alone, and the better one only among what an effect changes."""
+    seen = gathered(trunk, ("left", "band_hardening"), 1)
+    linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
+    found = find_band_effects(trunk.model, seen, [linear], NONE_YET)
+    assert found.findings
+    (told,) = with_effects([linear], found.bands)
+    for before, after in zip(linear.bands, told.bands, strict=True):
+        _, now = found.before_after[f"stiffness of {before.band}, without and with the wear's effects"]
+        assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
+        low, high = after.stiffness_interval
+        assert low < now.value < high
+    other = replace(linear, approach="B")
+    assert with_effects([other], found.bands) == (other,), "the other approach did not fit the effect"

@@ -23,6 +23,7 @@ from exogauge.discrepancy.band_ground import Ground, lay_ground, weighed, whiten
 from exogauge.discrepancy.band_judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
 from exogauge.discrepancy.band_logs import BLOCK_S
 from exogauge.discrepancy.band_model import Wear, fit
+from exogauge.discrepancy.band_numbers import BandNumbers
 from exogauge.discrepancy.band_score import BandScore, Scorer, candidates
 from exogauge.discrepancy.band_shape import with_best_shape
 from exogauge.discrepancy.band_stated import contradicted
@@ -66,6 +67,7 @@ class WearFindings:
     notes: tuple[str, ...]
     seen: tuple[Seen, ...] = ()
     cannot: tuple[str, ...] = ()
+    bands: tuple[BandNumbers, ...] = ()
 
 
 def find_band_effects(
@@ -150,6 +152,7 @@ def search_wear(
         unexplained=_unexplained(ground, folds),
         seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
+        bands=_numbers(ground) if len(wears) > 1 else (),
         tried=tried,
         notes=(UNCLEAR.format(device.name),) if unclear else (),
     )
@@ -179,6 +182,7 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         before_after={**found.before_after, **said.before_after},
         seen=(*found.seen, *said.seen),
         cannot=(*found.cannot, *said.cannot),
+        bands=(*found.bands, *said.bands),
     )
 
 
@@ -297,6 +301,21 @@ def _seen(ground: Ground, folds: Folds) -> tuple[Seen, ...]:
             seconds = BLOCK_S * len(np.unique(ground.setting.logs.block[used]))
             found.append(Seen(f"{CHANNEL}{name}", rmse(e, joint) / float(ground.floor[joint]), seconds, 0.0))
     return tuple(found)
+
+
+def _numbers(ground: Ground) -> tuple[BandNumbers, ...]:
+    """Of every band, with what was named."""
+    theta, std, W = ground.fitted.wear.theta, deviations(ground, ground.fitted), len(ground.device.bands)
+    return tuple(
+        BandNumbers(
+            ground.device.name,
+            ground.approach,
+            band.name,
+            Estimate(float(theta[b]), float(std[b]), "N/m"),
+            Estimate(float(theta[W + b]), float(std[W + b]), "m"),
+        )
+        for b, band in enumerate(ground.device.bands)
+    )
 
 
 def _before_after(first: Ground, last: Ground, of: str) -> Mapping[str, tuple[Estimate, Estimate]]:

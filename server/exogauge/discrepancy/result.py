@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
+from exogauge.discrepancy.band_numbers import BandNumbers
 from exogauge.discrepancy.planned_motion import Apart, PlannedMotion
 from exogauge.discrepancy.undecided import Undecided
 from exogauge.discrepancy.verdict import Decision, Facts, Seen, Verdict, decide
@@ -170,7 +171,8 @@ class Lineage:
 class Discrepancy:
     """before_after: quantity name -> (before, after), of supporting torque and stiffness. wear_chain: as chain, of the
     supporting torque and the model of the wear; empty where nothing was added to it. seen: every channel that was
-    looked at, with all that was named. cannot: why something was not judged, in words."""
+    looked at, with all that was named. cannot: why something was not judged, in words. bands: their numbers beside the
+    effects that were named of them."""
 
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
@@ -184,6 +186,7 @@ class Discrepancy:
     wear_chain: tuple[Link, ...] = ()
     seen: tuple[Seen, ...] = ()
     cannot: tuple[str, ...] = ()
+    bands: tuple[BandNumbers, ...] = ()
 
     @property
     def verdict(self) -> Verdict:

@@ -13,6 +13,7 @@ from typing import Any
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.discrepancy.band_beyond import look_beyond
+from exogauge.discrepancy.band_numbers import with_effects
 from exogauge.discrepancy.band_workflow import find_band_effects
 from exogauge.discrepancy.importance import by_importance
 from exogauge.discrepancy.result import Discrepancy
@@ -118,6 +119,7 @@ def _evaluate(
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
+                        stiffness = with_effects(stiffness, discrepancy.bands)
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,
