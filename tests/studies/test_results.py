@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import html
 import io
 import json
 import math
@@ -23,8 +24,9 @@ from exogauge.studies import evaluate as module
 from exogauge.studies.evaluate import write
 from exogauge.studies.figures import thin_out
 from exogauge.studies.open import Study, open_study
+from exogauge.studies.report import render_report
 from exogauge.studies.report_tables import combination
-from exogauge.studies.results import Evaluation
+from exogauge.studies.results import Evaluation, results
 from exogauge.studies.rounding import significant, with_std
 
 FINDING = {
@@ -69,6 +71,18 @@ def test_results_hold_the_contract(out: Path, identification: Identification) ->
     assert {"k_T", "k_d", "tau_c", "tau_s", "tau_o"} <= said["joints"][0].keys()
     assert {each["file"] for each in found["inputs"]} >= {"study.yaml", "robot.yaml", "robot.urdf"}
     assert all((out / name).is_file() for name in found["files"].values())
+
+
+def test_what_stands_beside_what_is_told_in_the_same_words_everywhere(
+    pristine: Path, identification: Identification
+) -> None:
+    """Steady motion and all samples: two columns of one table, in results.json for the page and in the report."""
+    fits = tuple(dataclasses.replace(fit, rmse_moving=0.123, rmse_at_rest=0.456) for fit in identification.validation)
+    with open_study(pristine) as study:
+        evaluation = whole(study, dataclasses.replace(identification, validation=fits))
+    said = results(evaluation)
+    assert {fit["rmse_moving"] for fit in said["identification"]["validation"]} == {0.123}
+    assert said["reading"]["steady"] in html.unescape(render_report(evaluation))
 
 
 def test_series_are_the_predictions(out: Path, identification: Identification) -> None:

@@ -34,7 +34,7 @@ from exogauge.studies.open import Study, open_study
 from exogauge.studies.planned_motions import PLANNED, file_name, motion_table, planned_files
 from exogauge.studies.report import render_report
 from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
-from exogauge.studies.series import write_series
+from exogauge.studies.series import Moved, write_series
 from exogauge.studies.stiffness_results import stiffness_table
 from exogauge.studies.study_record import study_record
 from exogauge.studies.summary_page import summary_page
@@ -136,6 +136,7 @@ def _evaluate(
             discrepancy=discrepancy,
             record=study_record(study, [*(each.log for each in recordings), *(each.log for each in worn)], found),
             support_settings=study.support_settings,
+            logs=[*(each.log for each in recordings), *(each.log for each in worn)],
         )
         write(study, evaluation, out)
     progress(1.0, "done")
@@ -221,8 +222,11 @@ def _write_all_series(evaluation: Evaluation, folder: Path) -> dict[str, str]:
     (folder / SERIES).mkdir()
     every: list[tuple[Prediction, Trial | None]] = [(each, None) for each in evaluation.identification.predictions]
     every += [(trial.prediction, trial) for trial in (evaluation.support.trials if evaluation.support else ())]
+    logs, cutoff_hz = {log.name: log for log in evaluation.logs}, evaluation.identification.cutoff_hz
     for prediction, trial in every:
-        write_series(prediction, folder / SERIES / f"{prediction.log}.parquet", trial)
+        log = logs.get(prediction.log)
+        moved = None if log is None else Moved(evaluation.robot, log, cutoff_hz)
+        write_series(prediction, folder / SERIES / f"{prediction.log}.parquet", trial, moved)
     return {f"series.{prediction.log}": f"{SERIES}/{prediction.log}.parquet" for prediction, _ in every}
 
 

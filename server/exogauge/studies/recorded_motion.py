@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -14,16 +13,16 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.logs.bandwidth import suggest_cutoff
-from exogauge.logs.channels import Channel, parse_channel
+from exogauge.logs.channels import parse_channel
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-from exogauge.robots.parameters import of_slide
 from exogauge.robots.tree import RigidTree
 from exogauge.sandbox import LogRequest, parse_log
 from exogauge.studies.bundle import Bundle
 from exogauge.studies.contract import LogEntry, RobotFile, StudyFile
 from exogauge.studies.device_file import read_device
+from exogauge.studies.motion_columns import unit_of
 from exogauge.studies.open import log_names
 from exogauge.studies.read_log import read_entry
 from exogauge.studies.robot_file import motor_from_joint, read_robot
@@ -94,13 +93,6 @@ def read_raw(bundle: Bundle, log: str) -> tuple[Log, dict[str, str]]:
     study = _open(bundle)
     found, sliding = _read_entry(study, _entry(study, log), log), study.robot.tree.sliding
     return found, {name: unit_of(parse_channel(name), sliding) for name in found.channels}
-
-
-def unit_of(channel: Channel, sliding: Set[str]) -> str:
-    """sliding: prismatic joints, whose positions are lengths and whose efforts are forces."""
-    if not channel.of_joint or channel.subject not in sliding:
-        return channel.unit
-    return of_slide(channel.unit)
 
 
 def read_motion(

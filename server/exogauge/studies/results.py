@@ -13,12 +13,14 @@ from exogauge.discrepancy.result import Discrepancy
 from exogauge.identification.result import ChannelFit, Identification, Parameter
 from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.identification.settings import Settings
+from exogauge.logs.model import Log
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.bundle import Input
 from exogauge.studies.configuration import configuration_entry, software
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.discrepancy_results import discrepancy_entry
 from exogauge.studies.open import Step
+from exogauge.studies.reading_words import READING
 from exogauge.studies.scope import scope_entry
 from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries
 from exogauge.studies.study_record import StudyRecord, says_synthetic
@@ -39,7 +41,8 @@ class Evaluation:
 
     findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
-    discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach.
+    discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach. logs: those that
+    a series shows the joints' motion of.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Evaluation:
     discrepancy: Discrepancy | None = None
     record: StudyRecord = field(default_factory=StudyRecord)
     support_settings: SupportSettings = field(default_factory=SupportSettings)
+    logs: Sequence[Log] = ()
 
     @property
     def synthetic(self) -> bool:
@@ -138,6 +142,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "stiffness": stiffness_entries(evaluation.stiffness),
         "stiffness_details": stiffness_details(evaluation.stiffness),
         "discrepancy": discrepancy_entry(evaluation.discrepancy),
+        "reading": READING,
         "files": dict(evaluation.files),
     }
     cleaned = finite(content)

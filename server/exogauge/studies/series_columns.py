@@ -18,9 +18,10 @@ class Columns:
         self._fields: list[Any] = [pa.field("t", pa.float64(), False, {"unit": "s"})]
         self._arrays: list[Any] = [pa.array(np.asarray(time, dtype=np.float64))]
 
-    def add(self, name: str, values: ArrayLike, unit: str) -> None:
-        column = np.asarray(values, dtype=np.float64)
-        self._fields.append(pa.field(name, pa.float64(), True, {"unit": unit}))
+    def add(self, name: str, values: ArrayLike, unit: str, short: bool = False) -> None:
+        """short: in seven digits, more than any sensor has; half as large."""
+        column = np.asarray(values, dtype=np.float32 if short else np.float64)
+        self._fields.append(pa.field(name, pa.float32() if short else pa.float64(), True, {"unit": unit}))
         self._arrays.append(pa.array(column, mask=~np.isfinite(column)))
 
     def add_truth(self, name: str, values: ArrayLike) -> None:

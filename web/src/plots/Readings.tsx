@@ -66,7 +66,7 @@ function Stroke({ line }: { line: Line }) {
 function reading({ channel, std, low, high }: Line, { values }: Sample): string {
   const value = values[channel] ?? null;
   const [bottom, top] = [low ? values[low] : null, high ? values[high] : null];
-  if (typeof bottom === "number" && typeof top === "number") return `${significant(bottom)} … ${significant(top)}`;
+  if (typeof bottom === "number" && typeof top === "number") return `at rest ${significant(bottom)} … ${significant(top)}`;
   const doubt = std ? values[std] : null;
   const [shown, spread] = withStd(value, typeof doubt === "number" ? doubt : null);
   return spread === NONE ? shown : `${shown} ± ${spread}`;

@@ -4,7 +4,7 @@ Names are those of `docs/study.md`: `measured.tau.torso_pitch`, `support_a.torso
 as it was read those of its channels.
 */
 
-import { rawLine } from "./raw";
+import { ofJoint, rawLine } from "./raw";
 import type { SeriesFacts } from "./series";
 
 type Channel = SeriesFacts["channels"][number];
@@ -25,6 +25,7 @@ export type Panel = { key: string; title: string; group: string; unit: string; l
 
 const MODELS: [string, string, Look][] = [
   ["measured", "Measured", "measured"],
+  ["filtered", "Low-passed, as the fit takes it", "other0"],
   ["predicted", "Identified model", "predicted"],
   ["predicted_prior", "Maker’s values", "prior"],
 ];
@@ -88,6 +89,8 @@ export function panelsOf(series: SeriesFacts): Panel[] {
 
 function bodyPanel(name: string): Omit<Panel, "unit" | "lines"> {
   const [kind, rest] = split(name);
+  const moved = kind === "tau" ? null : ofJoint(name);
+  if (moved) return moved;
   if (kind === "tau") return { key: name, title: `Torque of ${rest}`, group: "Joint torque" };
   if (kind === "base") {
     const what = rest.startsWith("f") ? "force" : "moment";

@@ -16,12 +16,19 @@ const OF_BODY: Record<string, [title: string, group: string]> = {
 };
 const WRENCH = /^ft\.(.+)\.([fm])([xyz])$/;
 
+/** The plot of a joint's channel; null where it is none. */
+export function ofJoint(name: string): Omit<RawLine, "words"> | null {
+  const dot = name.indexOf(".");
+  const found = OF_JOINT[name.slice(0, dot)];
+  return found ? { key: name, title: `${found[0]} of ${name.slice(dot + 1)}`, group: found[1] } : null;
+}
+
 /** null: of no kind that a log has. */
 export function rawLine(name: string): RawLine | null {
   const dot = name.indexOf(".");
   const [kind, rest] = [name.slice(0, dot), name.slice(dot + 1)];
-  const joint = OF_JOINT[kind];
-  if (joint) return { key: name, title: `${joint[0]} of ${rest}`, group: joint[1], words: "As logged" };
+  const joint = ofJoint(name);
+  if (joint) return { ...joint, words: "As logged" };
   const body = OF_BODY[kind];
   if (body) return { key: kind, title: body[0], group: body[1], words: rest };
   const wrench = WRENCH.exec(name);

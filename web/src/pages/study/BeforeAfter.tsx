@@ -2,14 +2,14 @@ import { significant, isNumber } from "../../parts/digits";
 import styles from "./BeforeAfter.module.css";
 import type { Num } from "./results";
 
-/** sort: rows of one unit and sort share a scale. */
-export type ErrorRow = { name: string; before: Num; after: Num; floor: Num; unit: string; sort?: string };
+/** sort: rows of one unit and sort share a scale. steady: after, in steady motion alone. */
+export type ErrorRow = { name: string; before: Num; after: Num; steady?: Num; floor: Num; unit: string; sort?: string };
 
-/** Two bars per row with a tick where the noise is. */
+/** Two bars per row, or three, with a tick where the noise is. */
 export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) {
   const longest = new Map<string, number>();
   for (const row of rows) {
-    const values = [row.before, row.after, row.floor].filter(isNumber);
+    const values = [row.before, row.after, row.steady, row.floor].filter(isNumber);
     longest.set(scaleOf(row), Math.max(longest.get(scaleOf(row)) ?? 0, ...values));
   }
   return (
@@ -17,6 +17,11 @@ export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) 
       <p className={styles.key} aria-hidden>
         <span data-part="before" className={styles.swatch} /> before
         <span data-part="after" className={styles.swatch} /> after
+        {rows.some(({ steady }) => isNumber(steady)) && (
+          <>
+            <span data-part="steady" className={styles.swatch} /> after, in steady motion
+          </>
+        )}
         <span data-part="floor" className={styles.swatch} /> noise floor
       </p>
       <table className={styles.table}>
@@ -36,6 +41,9 @@ export function BeforeAfter({ name, rows }: { name: string; rows: ErrorRow[] }) 
               <td className={styles.cell}>
                 <Bar part="before" words="before" row={row} value={row.before} end={longest.get(scaleOf(row)) ?? 1} />
                 <Bar part="after" words="after" row={row} value={row.after} end={longest.get(scaleOf(row)) ?? 1} />
+                {isNumber(row.steady) && (
+                  <Bar part="steady" words="after, in steady motion" row={row} value={row.steady} end={longest.get(scaleOf(row)) ?? 1} />
+                )}
               </td>
             </tr>
           ))}
@@ -62,6 +70,7 @@ function Bar({ part, words, row, value, end }: BarProps) {
       <span className={styles.number}>
         <span className={styles.hidden}>{words} </span>
         {significant(value)}&nbsp;{row.unit}
+        {part === "steady" && <span className={styles.noise}> (steady)</span>}
         {part === "after" && <span className={styles.noise}> (noise {significant(row.floor)})</span>}
       </span>
     </div>

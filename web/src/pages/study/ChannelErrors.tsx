@@ -9,11 +9,11 @@ import { channelWords } from "./words";
 const FIRST = 10;
 const KINDS = { all: "All", tau: "Joint torque", base: "Base", ft: "Sensors" } as const;
 
-/** samples: how long each log is, its weight where errors are pooled. */
-type Props = { fits: Fit[]; heldOut: boolean; samples: ReadonlyMap<string, number> };
+/** samples: how long each log is, its weight where errors are pooled. steadyWords: what the error in steady motion says. */
+type Props = { fits: Fit[]; heldOut: boolean; samples: ReadonlyMap<string, number>; steadyWords: string | undefined };
 
 /** Error per channel, the furthest above its noise first. */
-export function ChannelErrors({ fits, heldOut, samples }: Props) {
+export function ChannelErrors({ fits, heldOut, samples, steadyWords }: Props) {
   const [kind, setKind] = useState<keyof typeof KINDS>("all");
   const [all, setAll] = useState(false);
   const rows = useMemo(() => pooled(fits.filter((fit) => fit.held_out === heldOut), samples), [fits, heldOut, samples]);
@@ -27,6 +27,11 @@ export function ChannelErrors({ fits, heldOut, samples }: Props) {
       <Text size="sm" c="dimmed" mb="sm">
         Root mean square over the {heldOut ? "held-out" : "fitted"} logs; the furthest above its noise floor first.
       </Text>
+      {steadyWords && rows.some(({ steady }) => isNumber(steady)) && (
+        <Text size="sm" c="dimmed" mb="sm">
+          {steadyWords}
+        </Text>
+      )}
       <Stack gap="sm" align="flex-start">
         <SegmentedControl
           size="xs"
@@ -52,7 +57,7 @@ export function ChannelErrors({ fits, heldOut, samples }: Props) {
 function pooled(fits: Fit[], samples: ReadonlyMap<string, number>): (ErrorRow & { channel: string })[] {
   const channels = new Map<string, Fit[]>();
   for (const fit of fits) channels.set(fit.channel, [...(channels.get(fit.channel) ?? []), fit]);
-  const rms = (found: Fit[], key: "rmse_prior" | "rmse_identified" | "noise_floor") => {
+  const rms = (found: Fit[], key: "rmse_prior" | "rmse_identified" | "rmse_moving" | "noise_floor") => {
     const known = found.filter((fit) => isNumber(fit[key])).map((fit) => [samples.get(fit.log) ?? 1, fit[key] as number]);
     const total = known.reduce((sum, [weight]) => sum + weight!, 0);
     return total > 0 ? Math.sqrt(known.reduce((sum, [weight, value]) => sum + weight! * value! ** 2, 0) / total) : null;
@@ -62,6 +67,7 @@ function pooled(fits: Fit[], samples: ReadonlyMap<string, number>): (ErrorRow & 
     name: channelWords(channel),
     before: rms(found, "rmse_prior"),
     after: rms(found, "rmse_identified"),
+    steady: channel.startsWith("tau.") ? rms(found, "rmse_moving") : null, // what has no friction is steady throughout
     floor: rms(found, "noise_floor"),
     unit: found[0]!.unit,
     sort: channel.startsWith("ft.") ? "sensor" : "", // its moments would drown among joint torques

@@ -6,14 +6,15 @@ import { figure, significant } from "../../parts/digits";
 import { BeforeAfter } from "./BeforeAfter";
 import { ChannelErrors } from "./ChannelErrors";
 import { ParameterTable } from "./ParameterTable";
-import type { Identification } from "./results";
+import type { Identification, Reading } from "./results";
 import type { StudyLog } from "./summary";
 import { SensorZeros } from "./SensorZeros";
+import { SteadyTable } from "./SteadyTable";
 import { Unknowns } from "./Unknowns";
 import { POOLED } from "./words";
 
 /** How well the identified robot explains its logs, its parameters, and what the logs cannot tell of them. */
-export function IdentificationSection({ found, logs }: { found: Identification; logs: StudyLog[] }) {
+export function IdentificationSection({ found, logs, reading }: { found: Identification; logs: StudyLog[]; reading: Reading | undefined }) {
   const samples = useMemo(() => new Map(logs.map((log) => [log.name, log.samples])), [logs]);
   const heldOut = found.summary.some((each) => each.held_out);
   return (
@@ -38,7 +39,8 @@ export function IdentificationSection({ found, logs }: { found: Identification; 
           }))}
         />
       </section>
-      <ChannelErrors fits={found.validation} heldOut={heldOut} samples={samples} />
+      <ChannelErrors fits={found.validation} heldOut={heldOut} samples={samples} steadyWords={reading?.steady} />
+      <SteadyTable shares={found.steady ?? []} words={reading?.steady_seconds} />
       <SensorZeros sensors={found.sensors ?? []} />
       <Unknowns found={found} />
       <ParameterTable parameters={found.parameters} />

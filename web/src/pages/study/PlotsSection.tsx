@@ -1,4 +1,4 @@
-import { Alert, Button, CopyButton, Group, Select, Stack, Switch, Title } from "@mantine/core";
+import { Alert, Button, CopyButton, Group, Select, Stack, Switch, Text, Title } from "@mantine/core";
 import { IconLink } from "@tabler/icons-react";
 import { lazy, Suspense, useMemo } from "react";
 
@@ -86,6 +86,11 @@ export default function PlotsSection({ study, job, results }: Props) {
           <Loading what="the series" />
         )}
       </div>
+      {results.reading && series?.channels.some((each) => /^support_._low\./.test(each.name)) && (
+        <Text size="sm" c="dimmed">
+          {results.reading.support_interval}
+        </Text>
+      )}
     </Stack>
   );
 }

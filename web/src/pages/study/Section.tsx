@@ -38,7 +38,7 @@ function Part({ name, study, job, results }: Props) {
     case "summary":
       return <SummarySection study={study} results={results} />;
     case "identification":
-      return <IdentificationSection found={results.identification} logs={summaryOf(study).logs ?? []} />;
+      return <IdentificationSection found={results.identification} logs={summaryOf(study).logs ?? []} reading={results.reading} />;
     case "support":
       return <SupportSection study={study} results={results} />;
     case "stiffness":

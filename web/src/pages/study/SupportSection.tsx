@@ -41,7 +41,7 @@ export function SupportSection({ study, results }: Props) {
           </List.Item>
         </List>
         <Text size="sm" c="dimmed" mt={4}>
-          RMSE is against the band model, over all samples. ± is one standard deviation.
+          RMSE is against the band model, over all samples. {results.reading?.support_table ?? "± is one standard deviation."}
         </Text>
       </div>
       <SegmentedControl

@@ -28,6 +28,17 @@ export type Fit = {
   rmse_prior: Num;
   rmse_identified: Num;
   noise_floor: Num;
+  rmse_moving?: Num;
+};
+
+/** Seconds in steady motion, of those in motion, of one joint. */
+export type SteadyShare = {
+  joint: string;
+  fitted_s: Num;
+  fitted_of_s: Num;
+  held_out_s: Num;
+  held_out_of_s: Num;
+  both_directions: boolean;
 };
 
 export type Parameter = {
@@ -47,6 +58,7 @@ export type SensorFound = { sensor: string; carries: string[]; zero: Record<stri
 export type Identification = {
   summary: Pooled[];
   validation: Fit[];
+  steady?: SteadyShare[];
   parameters: Parameter[];
   sensors?: SensorFound[];
   unidentifiable: string[];
@@ -188,7 +200,11 @@ export type Results = {
   stiffness: Stiffness[];
   stiffness_details: StiffnessDetails[];
   discrepancy: Discrepancy | null;
+  reading?: Reading;
 };
+
+/** The service's sentences on how to read numbers; results of before have none. */
+export type Reading = { steady: string; steady_seconds: string; support_table: string; support_interval: string };
 
 /** What a job found; what it made never changes. */
 export function useResults(jobId: string, ready: boolean) {
