@@ -252,3 +252,14 @@ def test_a_band_that_has_no_name_is_known_by_its_ends(tmp_path: Path, where, rig
     said = {"effect": "extra_band", "where": where}
     found = _one(tmp_path, truth, said, bands={"A_left": {}}, rigid=[["chest", "computer", "head"]])
     assert found["visible"]["top1"] == right
+
+
+def test_undecided_is_neither_a_false_alarm_nor_a_hit(tmp_path: Path) -> None:
+    out = benchmark(tmp_path, {answer["case"]: [] for answer in ANSWERS})
+    silent = score(out)
+    for path in (out / "results").iterdir():
+        record = json.loads(path.read_text(encoding="utf-8"))
+        record["discrepancy"] |= {"verdict": "undecided", "left": "open", "reason": "cannot judge: 1.2 of 5 s"}
+        path.write_text(json.dumps(record), encoding="utf-8")
+    assert score(out) == silent
+    assert silent["clean"]["false_alarms"] == silent["all"]["top1"] == 0

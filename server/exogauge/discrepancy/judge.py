@@ -156,7 +156,8 @@ def _objection(
     once: bool,
 ) -> str:
     if blocks < FEWEST_BLOCKS:
-        return "too little steady motion in logs that were not fitted to judge it"
+        there = f"{blocks * BLOCK_S:.0f} of {FEWEST_BLOCKS * BLOCK_S:.0f} s"
+        return f"too little steady motion in logs that were not fitted to judge it: {there}"
     if z_fitted < SURE_FITTED:
         return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
     if explained < LEAST:
