@@ -18,8 +18,13 @@ DRAWN_MS = 180_000  # without a graphics card, on a busy machine
 TRIES = 60
 SAME = 12  # of 255: what the rounding of a drawing may differ by
 HEAR = """window.heard = []; window.addEventListener("message", ({data}) => {
-  if (["loaded", "time"].includes(data?.type)) window.heard.push(data);
+  if (["loaded", "time", "settled"].includes(data?.type)) window.heard.push(data);
 });"""
+SETTLE = """() => {
+  window.heard = window.heard.filter(({type}) => type !== "settled");
+  document.querySelector("iframe").contentWindow.postMessage({type: "settle"}, "*");
+}"""
+SETTLED = "() => window.heard.some(({type}) => type === 'settled')"
 
 
 def listen(page: Page) -> None:
@@ -42,7 +47,12 @@ def wait_until_drawn(page: Page) -> None:
 
 
 def picture(page: Page) -> Picture:
-    """(height, width, 3) the view once it no longer changes."""
+    """(height, width, 3) the view once all that it was asked for is drawn, and it no longer changes.
+
+    That it does not change is not enough: on a busy machine it stands still before it begins, too.
+    """
+    page.evaluate(SETTLE)
+    page.wait_for_function(SETTLED, timeout=DRAWN_MS)
     before = shot(page)
     for _ in range(TRIES):
         page.wait_for_timeout(500)

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 TITLE = "Supporting torque at torso_pitch"
 SAMPLE_S = 1 / 200
+STANDS_AT = """([wanted, most]) => {
+  const told = window.heard.filter(({type}) => type === "time").at(-1);
+  return told !== undefined && Math.abs(told.time - wanted) <= most;
+}"""
 
 
 @pytest.fixture
@@ -30,7 +34,7 @@ def robot(page: Page, study: dict[str, Any]) -> Page:
 
 
 def hover(page: Page, share: float) -> float:
-    """Move the pointer over the last plot; the time [s] there, as the plot's axis has it."""
+    """Move the pointer over the last plot; the time [s] there, as the plot's axis has it, once the robot is there."""
     over = page.locator(".u-over").last
     over.scroll_into_view_if_needed()
     box = over.bounding_box()
@@ -38,7 +42,10 @@ def hover(page: Page, share: float) -> float:
     page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
     axis = time_axis(page, TITLE)
     low, high = (float(axis.get_attribute(f"aria-value{end}") or "nan") for end in ("min", "max"))
-    return low + share * (high - low)
+    wanted = low + share * (high - low)
+    if page.locator("iframe").count():
+        page.wait_for_function(STANDS_AT, arg=[wanted, 0.05])
+    return wanted
 
 
 def shown_time(page: Page) -> float:
@@ -76,6 +83,7 @@ def test_keys_in_a_plot_move_it_too(robot: Page) -> None:
     axis.press("End")
     end = float(axis.get_attribute("aria-valuemax") or "nan")
     expect(robot.get_by_role("region", name="3D view of")).to_contain_text(f"{end:.2f} / ")
+    robot.wait_for_function(STANDS_AT, arg=[end, 0.05])
     assert differing(upright, picture(robot)) > 0.0
 
 

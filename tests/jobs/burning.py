@@ -32,6 +32,7 @@ def burn(folder: Path, out: Path, progress, settings) -> None:
         progress(1.0 - left / seconds, f"{left:.1f} s left")
         time.sleep(0.02)
     mode = settings.get("mode", "ok")
+    progress(0.6, f"{mode}: about to")  # said at once after another: too often to be told, but for its end
     if mode == "bad":
         raise BadStudy(Fault("the log has no column", "missing_column", "Add it.", "logs/a.csv", column="t"))
     if mode == "differ":

@@ -27,6 +27,8 @@ def test_bad_input_fails_with_what_is_wrong_and_a_defect_with_its_trace(staffed)
     assert "logs/a.csv" in done.reason
     assert "Add it." in done.reason
     assert done.failure["class"] == "BadStudy"
+    assert (done.message, done.progress) == ("bad: about to", 0.6)
+    assert done.steps[-1]["message"] == "bad: about to"
     assert done.failure["faults"] == [
         {"detail": "the log has no column", "rule": "missing_column", "advice": "Add it.", "file": "logs/a.csv",
          "row": None, "column": "t", "value": None}

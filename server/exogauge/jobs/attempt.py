@@ -23,7 +23,7 @@ from exogauge.jobs.recipes import recipe_for
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
 from exogauge.storage.records import JobRecord
-from exogauge.storage.store import Storage
+from exogauge.storage.store import Storage, Store
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -205,15 +205,22 @@ class Runner:
 
         def write() -> None:
             with self._storage.transaction() as store:
+                self._say_the_last(store, job)
                 claims.fail(store.session, job.id, self._worker, reason, failure)
 
         until_it_works(write)
+
+    def _say_the_last(self, store: Store, job: JobRecord) -> None:
+        """At what it ended; looks are too rare to have written each step."""
+        if self._unsaid is not None:
+            claims.report(store.session, job.id, self._worker, *self._unsaid)
 
     def _cancelled(self, job: JobRecord) -> None:
         log.info("job %s cancelled", job.id)
 
         def write() -> None:
             with self._storage.transaction() as store:
+                self._say_the_last(store, job)
                 claims.end_cancelled(store.session, job.id, self._worker)
 
         until_it_works(write)

@@ -35,19 +35,29 @@ PROGRESS_INTERVAL_S = 0.1
 
 
 class Replies:
-    """Writes replies to one request; progress at most every 0.1 s, the end always."""
+    """Writes replies to one request; progress at most every 0.1 s, the last before the end and the end always."""
 
     def __init__(self, channel: socket.socket, request_id: int) -> None:
         self._channel, self._id, self._last = channel, request_id, 0.0
+        self._unsaid: tuple[float, str] | None = None
 
-    def send(self, **body: Any) -> None:
+    def end(self, **body: Any) -> None:
+        """With where it ended, before: who reads how a job failed wants to know at what."""
+        if self._unsaid is not None:
+            self._say(*self._unsaid)
+        self._send(**body)
+
+    def _send(self, **body: Any) -> None:
         self._channel.sendall(json.dumps({"id": self._id, **body}).encode() + b"\n")
 
     def progress(self, fraction: float, message: str) -> None:
-        now = time.monotonic()
-        if now - self._last >= PROGRESS_INTERVAL_S:
-            self._last = now
-            self.send(progress=min(max(float(fraction), 0.0), 1.0), message=str(message))
+        self._unsaid = (fraction, message)
+        if time.monotonic() - self._last >= PROGRESS_INTERVAL_S:
+            self._say(fraction, message)
+
+    def _say(self, fraction: float, message: str) -> None:
+        self._last, self._unsaid = time.monotonic(), None
+        self._send(progress=min(max(float(fraction), 0.0), 1.0), message=str(message))
 
 
 def resolve(name: str) -> Callable[..., None]:
@@ -63,9 +73,9 @@ def answer(request: dict[str, Any], replies: Replies) -> None:
         function = resolve(request["call"])
         function(Path(request["folder"]), Path(request["out"]), replies.progress, request["settings"])
     except Exception as error:
-        replies.send(error=described(error))
+        replies.end(error=described(error))
     else:
-        replies.send(done=True)
+        replies.end(done=True)
 
 
 def described(error: Exception) -> dict[str, Any]:

@@ -7,14 +7,15 @@
    page -> player   {type: "scene", data: ArrayBuffer}  {type: "seek", time, wish}  {type: "play", speed}  {type: "pause"}
                     {type: "camera"}
                     {type: "theme", dark}  {type: "show", layer, visible}  {type: "place", point, position}
-                    {type: "choose", point}
+                    {type: "choose", point}  {type: "settle"}
    player -> page   {type: "ready"}  {type: "loaded", about}  {type: "time", time, playing, wish}  {type: "failed", reason}
-                    {type: "moved", point, link, position, done}  {type: "chosen", point} */
+                    {type: "moved", point, link, position, done}  {type: "chosen", point}
+                    {type: "settled"}: all that was asked before `settle` is drawn, letters and arrows too */
 (() => {
   "use strict";
   const page = window.parent;
   const say = (message) => page.postMessage(message, location.origin);
-  const state = { feed: null, scene: null, frame: -1, time: 0, playing: false, speed: 1, told: 0, wish: 0, before: 0, dark: false };
+  const state = { feed: null, scene: null, frame: -1, time: 0, playing: false, speed: 1, told: 0, wish: 0, before: 0, ready: 0, dark: false };
 
   class Feed extends EventTarget {
     constructor() {
@@ -74,11 +75,23 @@
     for (const track of state.scene.tracks) track.shown = null;
     state.frame = -1;
     seek(state.time);
+    state.ready = performance.now() + NUDGES.at(-1);
     for (const pause of NUDGES) setTimeout(() => give([theme()]), pause);
   }
 
   /* [ms] The client draws only when told something; letters and arrows that were made ready later would stay unseen. */
   const NUDGES = [300, 1000, 3000, 8000];
+
+  /* The client draws a frame after it was told something, and shows it one later. */
+  const DRAWN = 4;
+  function settle(frames) {
+    if (!state.scene || performance.now() < state.ready) setTimeout(() => settle(DRAWN), 100);
+    else if (frames === 0) say({ type: "settled" });
+    else {
+      if (frames === DRAWN) give([theme()]);
+      requestAnimationFrame(() => settle(frames - 1));
+    }
+  }
 
   const theme = () => ({
     type: "ThemeConfigurationMessage", titlebar_content: null, control_layout: "floating", control_width: "small",
@@ -194,6 +207,7 @@
       state.playing = false;
       tell(performance.now());
     },
+    settle: () => settle(DRAWN),
     camera: () => { if (state.scene) give(camera()); },
     choose: ({ point }) => { if (state.scene?.points) choose(point); },
     theme: ({ dark }) => { state.dark = dark; give([theme()]); },

@@ -41,7 +41,7 @@ function placeOf({ message, progress, started_at }: Job): number {
   const step = /^(\w+): /.exec(message)?.[1] ?? "";
   const named = (ORDER as readonly string[]).indexOf(step);
   if (named >= 0) return named;
-  if (message.startsWith("writing")) return ORDER.length - 1;
+  if (message.startsWith("writing") || message === "done") return ORDER.length - 1;
   return started_at && progress <= 0.15 ? 0 : -1;
 }
 
