@@ -88,7 +88,8 @@ def test_a_failed_job_says_why_and_keeps_the_logs_in_reach(
         assert client.job(job).state == "failed"
     expect(alert).to_contain_text("Record longer movements")
     steps = page.get_by_role("list", name="Steps").get_by_role("listitem")
-    expect(steps.filter(has_text="Identification")).to_contain_text("not reached")
+    expect(steps.filter(has_text="Identification")).to_contain_text("failed here")
+    expect(steps.filter(has_text="Missing effects")).to_contain_text("not reached")
     expect(steps.filter(has_text="Bands")).to_contain_text("no log with the device worn")
     expect(page.get_by_text("Correct it, hand the study in again, and run that.")).to_be_visible()
     screenshot("review-failed")
