@@ -72,9 +72,10 @@ bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 	$(BIN)/python -m tests.bench
 
 STUDIES ?= 300
+REQUESTS ?= 100
 
-fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300, others every time
-	EXOGAUGE_TEST_STUDIES=$(STUDIES) $(BIN)/python -m pytest -n 2 tests/fuzz tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
+fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUESTS=100, others every time
+	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
 
 CASES ?= 200
 SEED  ?= 1
