@@ -19,7 +19,7 @@ from tests.fuzz.small_robots import JOINTS, K_T, LOGS, RATE, robot_yaml, simulat
 from exogauge.errors import BadInput, NotIdentifiable
 from exogauge.studies.evaluate import evaluate
 
-FEW = 12  # in `make test`
+FEW = 8  # in `make test`
 EXAMPLES = int(os.environ.get("EXOGAUGE_TEST_STUDIES", FEW))
 Columns = dict[str, np.ndarray]
 Change = Callable[[Columns], Columns]
