@@ -1,4 +1,4 @@
-"""Of recordings that are as described the doctor holds nothing for wrong; of signs turned in them it names the joint."""
+"""Of recordings that are as described the doctor says nothing; of signs turned in them it names the joint."""
 
 from __future__ import annotations
 
