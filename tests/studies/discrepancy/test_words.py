@@ -84,7 +84,7 @@ def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
         place = place_of(effect.name)
         for name in EFFECTS:
             others = [Alternative(name, place_of(name), 0.3, "explains less")]
-            text = finding._sentence(place, effect, "1 N·m near rest", finding._falls(HELD_OUT, None), others)
+            text = finding._sentence(place, effect, "1 N·m near rest", finding._falls(HELD_OUT), others)
             assert IDENTIFIER.search(text) is None, text
             assert f"The next best, {EFFECTS[name]}" in text
             assert "the base: " not in text
