@@ -258,7 +258,7 @@ def test_minimum_of_15_stays_at_the_reference_where_no_row_says_anything(truth: 
     x = weighted_least_squares(A, y, np.ones(len(y)), ref, np.eye(70))
     gradient = A.T @ (A @ x - y) + (x - ref)
     assert np.abs(gradient).max() < 1e-8 * np.abs(A.T @ y).max()
-    _, singular, V = np.linalg.svd(A)
+    _, singular, V = np.linalg.svd(A, full_matrices=False)
     unseen = V[singular < 1e-10 * singular[0]]
     assert len(unseen) == 3 * JOINTS
     np.testing.assert_allclose(unseen @ x, unseen @ ref, atol=1e-8)
