@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,3 +71,11 @@ def test_a_slide_has_metres_and_only_currents_are_currents(robot: Robot, log: Lo
     }  # fmt: skip
     assert (units["filtered.dq.turn"], units["filtered.ddq.free"], units["measured.i.turn"]) == ("rad/s", "rad/s²", "A")
     assert [name for name in units if ".i." in name] == ["measured.i.turn", "filtered.i.turn"]
+
+
+def test_a_robot_whose_drives_log_torques_alone_has_no_currents(robot: Robot, log: Log) -> None:
+    columns = Columns(log.time)
+    torques = tuple(Joint(joint.name, "torque") for joint in robot.joints)
+    add_motion(columns, replace(robot, joints=torques), log, CUTOFF_HZ)
+    kinds = {name.split(".")[1] for name in columns.table({}).column_names if name != "t"}
+    assert kinds == {"q", "dq", "ddq"}

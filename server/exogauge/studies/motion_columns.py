@@ -19,10 +19,11 @@ def add_motion(columns: Columns, robot: Robot, log: Log, cutoff_hz: float) -> No
     names = [joint.name for joint in robot.joints]
     driven = [joint.name for joint in robot.joints if joint.actuation == "current"]
     low_pass = LowPass(cutoff_hz, log.rate_hz)
-    raw = {"q": log.stack([f"q.{name}" for name in names]), "i": log.stack([f"i.{name}" for name in driven])}
+    raw = {"q": log.stack([f"q.{name}" for name in names])}
     q = low_pass.apply(raw["q"])
     filtered = {"q": q, "dq": differentiate(q, log.rate_hz), "ddq": differentiate_twice(q, log.rate_hz)}
     if driven:
+        raw["i"] = log.stack([f"i.{name}" for name in driven])
         filtered["i"] = low_pass.apply(raw["i"])
     for part, found in (("measured", raw), ("filtered", filtered)):
         for kind, values in found.items():
