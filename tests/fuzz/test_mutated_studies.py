@@ -164,6 +164,15 @@ def held_out_errors(out: Path, content: dict, logs: dict[str, Columns]):
         yield (name, *(float(np.sqrt(np.mean(each**2) / np.mean(i**2))) for each in errors))
 
 
+@pytest.mark.parametrize("floating", [False, True])
+def test_a_current_of_zeros_is_refused_by_its_name(floating: bool, tmp_path: Path) -> None:
+    logs = recorded(floating)
+    logs = logs | {"id_1": logs["id_1"] | {"i.j1": 0.0 * logs["id_1"]["i.j1"]}}
+    with pytest.raises(BadInput, match="its current never changes") as refused:
+        evaluate(write_study(tmp_path, floating, logs), tmp_path / "out", lambda _fraction, _phrase: None)
+    assert [(each.file, each.column) for each in refused.value.faults] == [("id_1.parquet", "i.j1")]
+
+
 def test_the_studies_are_whole_before_anything_is_changed() -> None:
     for floating in (False, True):
         with tempfile.TemporaryDirectory() as place:

@@ -38,7 +38,8 @@ def channel_rules(robot: Robot, expected: Expected) -> Iterator[Finding]:
         if not seen.alive[k] and moves[k] and not seen.still[k]:
             detail = "is one number throughout, yet the joint moves, which takes friction at least"
             advice = "name the column that holds it, or say `actuation: none` in robot.yaml"
-            yield Finding("error", channel, "effort_dead", detail, advice, value=0.0)
+            passive = joint.actuation == "torque"  # of a joint without a motor a torque of 0 is what it says
+            yield Finding("warning" if passive else "error", channel, "effort_dead", detail, advice, value=0.0)
         elif seen.zeros[k] > MOSTLY:
             detail = f"is exactly 0 in {100 * seen.zeros[k]:.0f} % of the samples in which the joint moves"
             advice = "the drive or its logging was off: cut the log there, or say `actuation: none` in robot.yaml"

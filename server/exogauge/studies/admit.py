@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
+
+import numpy as np
 
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Progress, Recording
 from exogauge.logs.model import Log
+from exogauge.robots.description import Robot
 from exogauge.studies.open import Study, read_recordings, read_worn
 from exogauge.support.motions import require_same_motions
 from exogauge.support.settings import PlainLog, WornLog
 
 SLOWEST_HZ = 5.0  # twice the 2.5 Hz of a slow arm's excitation; a log in ms read as s stands far below
 FASTEST_HZ = 1e5  # no drive is sampled faster; a log in s read as ms or µs stands above
+MOVED = 0.02  # [rad or m] more than noise and creeping at rest
 SHORTEST_S = 1.0  # less holds no motion of a joint and its return
 
 
@@ -46,7 +50,11 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
     every = [*(each.log for each in logs.recordings), *(each.log for each in logs.worn)]
     of_recording = {name: entry.file[0] for name, entry in zip(study.log_names, study.file.logs, strict=True)}
     files = {log.name: of_recording[log.recording] for log in every}
-    faults = [replace(fault, file=files[log.name]) for log in every for fault in impossible_clock(log)]
+    faults = [
+        replace(fault, file=files[log.name])
+        for log in every
+        for fault in (*impossible_clock(log), *dead_currents(study.robot, log))
+    ]
     if faults:
         raise BadLog(faults)
     if logs.worn:
@@ -61,6 +69,16 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
 def impossible_rate(log: Log) -> list[Fault]:
     """The unit of time is the suspect."""
     return [fault for fault in impossible_clock(log) if fault.rule == "rate_impossible"]
+
+
+def dead_currents(robot: Robot, log: Log) -> Iterator[Fault]:
+    """Of joints that move with a current that is one number throughout: friction alone takes another one each way."""
+    for joint in robot.joints:
+        q, i = log.channels[f"q.{joint.name}"], log.channels.get(f"i.{joint.name}")
+        if joint.actuation == "current" and i is not None and np.ptp(i) == 0.0 and np.ptp(q) > MOVED:
+            detail = f"joint {joint.name!r} moves by {np.ptp(q):.3g} in log {log.name!r}, its current never changes"
+            advice = "Name the column that holds the current, or say `actuation: none` in robot.yaml."
+            yield Fault(detail, "effort_dead", advice, column=f"i.{joint.name}", value=f"{i[0]:g}")
 
 
 def impossible_clock(log: Log) -> list[Fault]:
