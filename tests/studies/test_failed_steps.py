@@ -103,3 +103,11 @@ def test_a_negative_torque_constant_is_refused_where_it_stands(folder: Path, rew
     with pytest.raises(BadInput, match="turned in a mapping") as refused:
         steps.evaluate(folder, folder / "out", lambda fraction, phrase: None)
     assert refused.value.faults[0].file == "robot.yaml"
+
+
+def test_a_cut_off_that_a_log_is_too_slow_for_is_refused_before_anything_is_filtered(
+    folder: Path, tmp_path: Path
+) -> None:
+    restamped(folder, 0.1)
+    with pytest.raises(BadLog, match="too slow for the stated cut-off of 10 Hz"):
+        steps.evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)

@@ -10,6 +10,7 @@ import numpy as np
 
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Progress, Recording
+from exogauge.identification.turns import WIDEST
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.open import Study, read_recordings, read_worn
@@ -53,7 +54,11 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
     faults = [
         replace(fault, file=files[log.name])
         for log in every
-        for fault in (*impossible_clock(log), *dead_currents(study.robot, log))
+        for fault in (
+            *impossible_clock(log),
+            *dead_currents(study.robot, log),
+            *too_slow_for(study.settings.cutoff_hz, log),
+        )
     ]
     if faults:
         raise BadLog(faults)
@@ -79,6 +84,14 @@ def dead_currents(robot: Robot, log: Log) -> Iterator[Fault]:
             detail = f"joint {joint.name!r} moves by {np.ptp(q):.3g} in log {log.name!r}, its current never changes"
             advice = "Name the column that holds the current, or say `actuation: none` in robot.yaml."
             yield Fault(detail, "effort_dead", advice, column=f"i.{joint.name}", value=f"{i[0]:g}")
+
+
+def too_slow_for(cutoff_hz: float | None, log: Log) -> Iterator[Fault]:
+    """cutoff_hz: as stated; one that the logs choose suits them."""
+    if cutoff_hz is not None and log.samples > 1 and cutoff_hz > WIDEST * log.rate_hz:
+        detail = f"log {log.name!r} has {log.rate_hz:.4g} Hz, too slow for the stated cut-off of {cutoff_hz:.3g} Hz"
+        advice = f"Log at {cutoff_hz / WIDEST:.0f} Hz or more, or set a lower cutoff_hz."
+        yield Fault(detail, "rate_too_low", advice, column="t", value=f"{log.rate_hz:.3g} Hz")
 
 
 def impossible_clock(log: Log) -> list[Fault]:
