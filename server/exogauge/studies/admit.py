@@ -88,7 +88,9 @@ def dead_currents(robot: Robot, log: Log) -> Iterator[Fault]:
 
 def too_slow_for(cutoff_hz: float | None, log: Log) -> Iterator[Fault]:
     """cutoff_hz: as stated; one that the logs choose suits them."""
-    if cutoff_hz is not None and log.samples > 1 and cutoff_hz > WIDEST * log.rate_hz:
+    if cutoff_hz is None or impossible_clock(log):
+        return
+    if cutoff_hz > WIDEST * log.rate_hz:
         detail = f"log {log.name!r} has {log.rate_hz:.4g} Hz, too slow for the stated cut-off of {cutoff_hz:.3g} Hz"
         advice = f"Log at {cutoff_hz / WIDEST:.0f} Hz or more, or set a lower cutoff_hz."
         yield Fault(detail, "rate_too_low", advice, column="t", value=f"{log.rate_hz:.3g} Hz")
