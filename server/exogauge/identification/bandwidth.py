@@ -2,44 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.preparation import suggested_cutoff
+from exogauge.identification.turns import WIDEST
+from exogauge.logs.bandwidth import FASTEST
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 
 HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
 AS_GOOD = np.log(1.03)  # three per cent of the residual; a lower cut-off lets less noise into the regressor
-STOP = np.log(1.15)
+STOP = np.log(1.15)  # so much worse that no other gain makes up for it
+MOST = 0.5  # of what an axis moves in one direction: less must not be left to fit
 
 
-def choose_cutoff(robot: Robot, logs: Sequence[Log], unexplained: Callable[[Log, float], float]) -> float:
-    """[Hz] the lowest that leaves no more unexplained of the unfiltered measurements than the best does.
+class Trial(Protocol):
+    """left: mean over channels of the logarithm of the share of the unfiltered channel that is left unexplained in
+    blocks that were not fitted. kept: the smallest share of an axis' motion in one direction that gives rows."""
 
-    unexplained(log, cutoff_hz): mean over channels of the logarithm of the residual's share of the channel. Tried from
-    the cut-off that the spectra suggest downwards, in octaves, on the longest of the logs; elastic vibration and
-    current ripple often call for less bandwidth than the sensors could give. Never more than 0.2 of the sampling rate.
+    @property
+    def left(self) -> float: ...
+    @property
+    def kept(self) -> float: ...
+
+
+def choose_cutoff(
+    robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]
+) -> float:
+    """[Hz] the lowest that predicts left-out blocks as well as the best does and keeps most of every axis' motion.
+
+    Tried from the cut-off that the spectra suggest, downwards and upwards, in octaves, on the longest of the logs.
+    Downwards, because elastic vibration and current ripple often call for less bandwidth than the sensors could give.
+    Upwards, because a slow motion's positions bear little bandwidth, but what is left out around every turn lasts as
+    long as the low-pass: so slow a one may leave no row, or rows in one direction only. Where nothing that is as good
+    keeps most of the motion, what keeps it may be worse by 15 %. Never more than 0.2 of the sampling rate, or than
+    `slowest_hz`, the lowest sampling rate of any log that is to be predicted, bears.
     """
     log = max(logs, key=lambda one: one.samples)
-    cutoff_hz = suggested_cutoff(robot, logs)
-    scores = {cutoff_hz: _score(unexplained, log, cutoff_hz)}
-    for _ in range(HALVINGS):
-        cutoff_hz /= 2.0
+    highest = min(FASTEST * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
+    first = min(suggested_cutoff(robot, logs), highest)
+    tried = {first: _tried(trial, log, first)}
+    for number in range(1, HALVINGS + 1):
+        cutoff_hz = first / 2.0**number
         if cutoff_hz < LOWEST_HZ:
             break
-        scores[cutoff_hz] = _score(unexplained, log, cutoff_hz)
-        if np.isfinite(min(scores.values())) and scores[cutoff_hz] > min(scores.values()) + STOP:
+        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
+        if np.isfinite(_best(tried)) and tried[cutoff_hz][0] > _best(tried) + STOP:
             break
-    return min(hz for hz, score in scores.items() if score <= min(scores.values()) + AS_GOOD)
+    cutoff_hz = first
+    while cutoff_hz < highest:
+        left, kept = tried[cutoff_hz]
+        cutoff_hz = min(2.0 * cutoff_hz, highest)
+        tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
+        improved = not np.isfinite(left) or tried[cutoff_hz][0] < left - AS_GOOD
+        if (kept >= MOST and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
+            break
+    as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
+    keeping = [hz for hz, (left, kept) in tried.items() if left <= _best(tried) + STOP and kept >= MOST]
+    return min(set(as_good) & set(keeping) or keeping or as_good)
 
 
-def _score(unexplained: Callable[[Log, float], float], log: Log, cutoff_hz: float) -> float:
-    """inf where so low a bandwidth leaves no steady motion to identify from."""
+def _best(tried: Mapping[float, tuple[float, float]]) -> float:
+    return min(left for left, _ in tried.values())
+
+
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, float]:
+    """(left, kept); left inf where so low a bandwidth leaves no steady motion to identify from."""
     try:
-        return unexplained(log, cutoff_hz)
+        found = trial(log, cutoff_hz)
     except NotIdentifiable:
-        return np.inf
+        return np.inf, 0.0
+    return found.left, found.kept

@@ -31,7 +31,7 @@ from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.swing import inertia_and_slope
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.uncertainty import score_covariance
-from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log, rms
+from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
@@ -73,7 +73,8 @@ def identify(
     cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
     equations = Equations(robot, blocks, base, choose(settings.effects), added, cuts)
     cutoff_hz = extension.parent.cutoff_hz if extension else settings.cutoff_hz
-    cutoff_hz = cutoff_hz or choose_cutoff(robot, fitted_logs, partial(_unexplained, equations))
+    slowest_hz = min(recording.log.rate_hz for recording in recordings)
+    cutoff_hz = cutoff_hz or choose_cutoff(robot, fitted_logs, slowest_hz, partial(quick_fit, equations))
     progress(0.05, "filtering and differentiating")
     at_rest = rest_detection(robot, fitted_logs, cutoff_hz)
 
@@ -190,13 +191,6 @@ def _inertias(equations: Equations, identified: Parameters, logs: Sequence[Prepa
     phi = equations.base.regroup @ identified.phi.ravel()
     some = [log.motion.rows(log.kept[:: max(1, len(log.kept) // POSTURES)]) for log in logs]
     return np.asarray(np.mean([inertia_and_slope(equations, phi, each)[0].mean(axis=0) for each in some], axis=0))
-
-
-def _unexplained(equations: Equations, log: Log, cutoff_hz: float) -> float:
-    """Mean log share of the unfiltered channels of `log` that one quick solution leaves unexplained."""
-    (fit,) = quick_fit(equations, [log], cutoff_hz)
-    left = [rms(fit.residual[channel]) / rms(values) for channel, values in fit.measured.items()]
-    return float(np.mean(np.log(left)))
 
 
 def _validate(

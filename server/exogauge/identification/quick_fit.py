@@ -1,20 +1,22 @@
-"""One quick solution of a few logs, and what it leaves of their unfiltered channels: to compare preparations by."""
+"""A quick solution of one log, and what it leaves of blocks that it did not fit: to compare preparations by."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.equations import Equations
-from exogauge.identification.predict import measured_channels, motor_gain, predicted_channels, split
+from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
 from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
-from exogauge.identification.solution import solve
+from exogauge.identification.solution import FOLDS, solve
+from exogauge.identification.static_friction import fill_static_friction
+from exogauge.identification.steady import smallest_share
 from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 
@@ -24,27 +26,39 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class QuickFit:
-    """One log. measured, residual: channel -> (T,) unfiltered, and less what is predicted; turns and rests included."""
+    """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
+    is left unexplained in blocks that were not fitted. kept: see `steady.smallest_share`."""
 
-    measured: Mapping[str, Array]
-    residual: Mapping[str, Array]
+    left: float
+    kept: float
 
 
-def quick_fit(equations: Equations, logs: Sequence[Log], cutoff_hz: float) -> list[QuickFit]:
-    """One solution for all logs together, each explained by it.
+def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
+    """Each of `FOLDS` consecutive blocks explained by what the others say.
 
     Two passes at the prior's stated strength. equations: without added effects.
     """
     robot = equations.robot
-    at_rest = rest_detection(robot, logs, cutoff_hz)
-    prepared = [prepare(robot, log, cutoff_hz, at_rest) for log in logs]
-    seen = scales(robot, prepared)
-    prior = per_parameter(robot, equations.base, equations.effects, seen, added_std(equations, prepared, seen))
-    solution = solve(equations, prepared, prior, Settings(prior_strength=1.0), passes=2)
-    parameters = split(equations, solution.solved.prior.lift(solution.sticking.x))
-    k_T = motor_gain(equations, parameters)
-    found = []
-    for one in prepared:
-        measured, predicted = measured_channels(equations, one, k_T), predicted_channels(equations, one, parameters)
-        found.append(QuickFit(measured, {channel: values - predicted[channel] for channel, values in measured.items()}))
-    return found
+    at_rest = rest_detection(robot, [log], cutoff_hz)
+    prepared = prepare(robot, log, cutoff_hz, at_rest)
+    seen = scales(robot, [prepared])
+    prior = per_parameter(robot, equations.base, equations.effects, seen, added_std(equations, [prepared], seen))
+    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
+    folds = equations.collect(prepared, solution.x_before, FOLDS)
+    alternatives = []
+    for fold in folds:
+        others = sum((each for each in folds if each is not fold), start=fold.cleared())
+        x = PriorLeastSquares(others.square_root(solution.weights), prior, 1.0).x
+        x = fill_static_friction(equations, others, prior, x).x
+        alternatives.append(split(equations, prior.lift(x)))
+    blocks = np.array_split(np.arange(log.samples), FOLDS)
+    residuals = dict[str, list[Array]]()
+    everywhere = predictions(equations, prepared, alternatives)
+    for parameters, predicted, block in zip(alternatives, everywhere, blocks, strict=True):
+        measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
+        for channel, values in measured.items():
+            size = np.mean(values**2)
+            error = values[block] - predicted[channel][block]
+            residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
+    shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
+    return QuickFit(float(np.mean(0.5 * np.log(shares))), smallest_share(prepared))

@@ -1,0 +1,68 @@
+"""`python -m tests.plain [--seeds 1:41]`: writes, evaluates and scores plain studies, two at a time."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+import traceback
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from tests.plain.score import facts, summary
+from tests.plain.study_files import plan, write_study
+
+
+def one(seed: int, keep: str) -> dict[str, Any]:
+    """Facts of one study; `error` where it ended without results."""
+    from exogauge.cli import main
+
+    what, started = plan(seed), time.perf_counter()
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(keep or scratch) / what.name
+        if not (folder / "truth.json").exists():
+            write_study(folder, what)
+        study, out = folder, Path(keep or scratch) / f"{what.name}-result"
+        try:
+            code = main(["run", str(study / "study.yaml"), "--out", str(out)])
+            found = facts(json.loads((out / "results.json").read_bytes()), json.loads((folder / "truth.json").read_bytes()))
+            found["error"] = "" if code == 0 else f"exit code {code}"
+        except (Exception, SystemExit):
+            found = {"error": traceback.format_exc(limit=-3)}
+    return {"name": what.name, "seconds": time.perf_counter() - started, **found}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", default="1:41", help="first:stop")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--keep", default="", help="folder for studies and results")
+    parser.add_argument("--json", default="", help="file for all figures")
+    options = parser.parse_args()
+    first, stop = map(int, options.seeds.split(":"))
+    found = []
+    with ProcessPoolExecutor(options.processes, get_context("spawn")) as pool:
+        for result in pool.map(one, range(first, stop), [options.keep] * (stop - first)):
+            found.append(result)
+            print(_line(result), flush=True)
+    print(summary(found))
+    if options.json:
+        Path(options.json).write_text(json.dumps(found, indent=1))
+    return 0 if all(result.get("good") for result in found) else 1
+
+
+def _line(result: dict[str, Any]) -> str:
+    if result["error"] and "floors" not in result:
+        return f"{result['name']:44s} {result['error'].splitlines()[-1]}"
+    return (
+        f"{result['name']:44s} {result['verdict']:12s} floors {result['floors']:.3f} at {result['worst']}, "
+        f"cut-off {result['cutoff_hz']:.1f} Hz, {result['seconds']:.0f} s {' '.join(result['named'])} {result['error']}"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
