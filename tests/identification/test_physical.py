@@ -16,7 +16,7 @@ def test_every_link_is_possible_where_the_data_call_for_an_impossible_one(small,
     solved = PriorLeastSquares(statistics.square_root(np.full(len(equations.columns()), 1e4)), prior, 1.0)
     free = solved.prior.lift(solved.x)[: phi.size].reshape(phi.shape)
     assert not all(is_physical(one) for one in free)
-    standard, _ = possible_parameters(equations.robot, solved)
+    standard, _ = possible_parameters(equations.robot, solved, np.zeros(0, dtype=np.intp))
     assert all(is_physical(one) for one in standard[: phi.size].reshape(phi.shape))
     known = prior.std == 0.0
     np.testing.assert_array_equal(standard[known], prior.mean[known])

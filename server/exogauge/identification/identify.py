@@ -41,6 +41,7 @@ from exogauge.robots.row_blocks import row_blocks
 
 Array = NDArray[np.float64]
 
+NO_GAINS = np.zeros(0, dtype=np.intp)
 POSTURES = 50  # of a log, for the mean inertia about each axis
 
 SCALE_UNKNOWN = (
@@ -150,7 +151,8 @@ def _standard_parameters(
         progress(0.8, "making every link physically possible")
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         free, robot = standard, equations.robot
-        standard, notes = possible_parameters(robot, solution.solved)
+        decided = NO_GAINS if scale_is_known(robot) else solution.gains.columns
+        standard, notes = possible_parameters(robot, solution.solved, decided)
         notes = (*notes, *asked_for_negative_mass(robot, free, std))
     x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
     phi = standard[: equations.robot.tree.phi.size]
@@ -161,7 +163,7 @@ def _doubt_and_bias(
     equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution
 ) -> tuple[Array, Array]:
     """(P, P) covariance of x about the truth, and (P,) what noise in the regressor has added to x."""
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
+    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights) + solution.gains.meat
     bias = noise_bias(equations, fitted, at_rest, solution)
     return solution.unbounded.covariance(meat) + np.outer(bias, bias), bias
 

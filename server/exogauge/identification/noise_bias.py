@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared, needed_channels, prepare
@@ -41,11 +40,8 @@ def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDe
             noisy = with_noise(equations.robot, prepared, noise, sign, at_rest)
             parts[sign] += equations.collect(noisy, solution.x_before, 1)
 
-    def estimate(total: Statistics) -> Array:
-        return PriorLeastSquares(total.square_root(solution.weights), solution.prior, solution.strength).x
-
-    noisier = [estimate(sum(each[1:], each[0])) for each in parts.values()]
-    return np.asarray(np.mean(noisier, axis=0) - estimate(solution.statistics))
+    noisier = [solution.of(sum(each[1:], each[0])).x for each in parts.values()]
+    return np.asarray(np.mean(noisier, axis=0) - solution.of(solution.statistics).x)
 
 
 def draw_noise(

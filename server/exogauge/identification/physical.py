@@ -15,18 +15,26 @@ Array = NDArray[np.float64]
 SURE = 3.0  # standard deviations below zero: the data ask for a negative mass
 
 
-def possible_parameters(robot: Robot, solved: PriorLeastSquares) -> tuple[Array, tuple[str, ...]]:
+def possible_parameters(
+    robot: Robot, solved: PriorLeastSquares, gains: NDArray[np.intp]
+) -> tuple[Array, tuple[str, ...]]:
     """((S,) [φ; ξ], warnings). Links are tied to the maker's by a log-det distance, joints as in the free solution.
 
     The distance's weight 1/(2 ρ²) costs a link's mass scale as much as a relative standard deviation ρ would.
+    gains: of x, the k_T that stay as in the free solution: where nothing measured fixes the scale of all torques, that
+    was decided there (`gain_scale`), and this distance would decide it anew by its own measure.
     """
     prior, inertial = solved.prior, robot.tree.phi.size
-    own = np.flatnonzero(prior.std[inertial:] > 0.0) + inertial
+    standard = prior.mean.copy()
+    kept = gains + (len(prior.mean) - len(solved.x))
+    standard[kept] = solved.x[gains]
+    own = np.setdiff1d(np.flatnonzero(prior.std[inertial:] > 0.0) + inertial, kept)
     columns = np.concatenate([np.arange(inertial), own])
     data = solved.information @ prior.seen[prior.free][:, columns]
     belief = np.zeros((len(own), len(columns)))
     belief[:, inertial:] = np.diag(np.sqrt(solved.strength) / prior.std[own])
-    target = np.concatenate([solved.target, belief[:, inertial:] @ prior.mean[own]])
+    moved = solved.information @ prior.seen[np.ix_(prior.free, kept)] @ standard[kept]
+    target = np.concatenate([solved.target - moved, belief[:, inertial:] @ prior.mean[own]])
     rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
     found = solve_physical(
         np.vstack([data, belief]),
@@ -35,7 +43,6 @@ def possible_parameters(robot: Robot, solved: PriorLeastSquares) -> tuple[Array,
         weight=solved.strength / (2.0 * np.maximum(rho, 1e-3) ** 2),
         names=robot.tree.bodies,
     )
-    standard = prior.mean.copy()
     standard[columns] = found.x
     return standard, found.warnings
 

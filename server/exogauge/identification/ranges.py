@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
-from exogauge.estimation.statistics import Statistics
+from exogauge.estimation.statistics import SquareRoot
 from exogauge.identification.equations import Equations
 
 Array = NDArray[np.float64]
@@ -16,14 +16,14 @@ SLACK = 1e-6  # of the prior std: rounding is no reason to hold anything
 
 
 def solve_within_ranges(
-    equations: Equations, statistics: Statistics, weights: Array, prior: Prior, strength: float
+    equations: Equations, data: SquareRoot, prior: Prior, strength: float
 ) -> tuple[PriorLeastSquares, tuple[str, ...]]:
     """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again."""
     first = equations.base_size
     low, high = _ranges(equations)
     held = np.zeros(len(low), dtype=bool)
     slack = SLACK * prior.std[-len(low) :]
-    belief, data = prior, statistics.square_root(weights)
+    belief = prior
     while True:
         solved = PriorLeastSquares(data, belief, strength)
         xi = solved.x[first:]

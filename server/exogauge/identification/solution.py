@@ -15,6 +15,7 @@ from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Form, Statistics
 from exogauge.identification.equations import Equations
+from exogauge.identification.gain_scale import GainScale, gain_scale
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.prior import as_printed
 from exogauge.identification.ranges import solve_within_ranges
@@ -41,6 +42,7 @@ class Solution:
 
     held: names of joint parameters that stand at the edge of their physical range.
     x_before: (P,) parameters of the pass before, at which the statistics were collected.
+    gains: what decides a scale that the data leave open.
     """
 
     solved: PriorLeastSquares
@@ -52,11 +54,17 @@ class Solution:
     held: tuple[str, ...]
     sticking: Sticking
     x_before: Array
+    gains: GainScale
 
     @cached_property
     def unbounded(self) -> PriorLeastSquares:
         """The same data and prior solved without physical ranges: what an effect is added to may leave an edge."""
-        return PriorLeastSquares(self.statistics.square_root(self.weights), self.prior, self.strength)
+        return self.of(self.statistics)
+
+    def of(self, statistics: Statistics) -> PriorLeastSquares:
+        """Other statistics of the same equations, solved with the same weights and beliefs, without physical ranges."""
+        data = self.gains.added_to(statistics.square_root(self.weights))
+        return PriorLeastSquares(data, self.prior, self.strength)
 
 
 def solve(
@@ -91,7 +99,9 @@ def solve(
         if settings.prior_strength is None and number == passes - 1:
             strength, curve = choose_strength(folds, weights, belief, settings.prior)
             weights = weigh(total, belief, strength, weights)
-        solved, held = solve_within_ranges(equations, total, weights, belief, strength)
+        gains = gain_scale(equations, total, weights, belief, strength)
+        data = gains.added_to(total.square_root(weights))
+        solved, held = solve_within_ranges(equations, data, belief, strength)
         sticking = fill_static_friction(equations, total, prior, solved.x)
         x_before, x = x, sticking.x
-    return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before)
+    return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before, gains)
