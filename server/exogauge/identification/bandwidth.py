@@ -16,7 +16,7 @@ from exogauge.robots.description import Robot
 
 HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
-AS_GOOD = np.log(1.03)  # three per cent of the residual; a lower cut-off lets less noise into the regressor
+AS_GOOD = np.log(1.02)  # two per cent of the residual are of no use to anyone; a lower cut-off lets in less noise
 STOP = np.log(1.15)  # so much worse that no other gain makes up for it
 MOST = 0.5  # of what an axis moves in one direction: less must not be left to fit
 

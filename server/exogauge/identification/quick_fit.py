@@ -8,13 +8,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
 from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
-from exogauge.identification.solution import FOLDS, solve
+from exogauge.identification.solution import FOLDS, PASSES, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import smallest_share
 from exogauge.identification.turns import rest_detection
@@ -36,20 +35,19 @@ class QuickFit:
 def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
     """Each of `FOLDS` consecutive blocks explained by what the others say.
 
-    Two passes at the prior's stated strength. equations: without added effects.
+    One pass less than a whole solution, at the prior's stated strength. equations: without added effects.
     """
     robot = equations.robot
     at_rest = rest_detection(robot, [log], cutoff_hz)
     prepared = prepare(robot, log, cutoff_hz, at_rest)
     seen = scales(robot, [prepared])
     prior = per_parameter(robot, equations.base, equations.effects, seen, added_std(equations, [prepared], seen))
-    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=2)
+    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=PASSES - 1)
     folds = equations.collect(prepared, solution.x_before, FOLDS)
     alternatives = []
     for fold in folds:
         others = sum((each for each in folds if each is not fold), start=fold.cleared())
-        x = PriorLeastSquares(others.square_root(solution.weights), prior, 1.0).x
-        x = fill_static_friction(equations, others, prior, x).x
+        x = fill_static_friction(equations, others, prior, solution.of(others).x).x
         alternatives.append(split(equations, prior.lift(x)))
     blocks = np.array_split(np.arange(log.samples), FOLDS)
     residuals = dict[str, list[Array]]()
