@@ -14,7 +14,7 @@ CHROMIUM := command -v chromium >/dev/null || { \
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check fuzz bench blind lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check fuzz bench plain blind lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -76,6 +76,11 @@ REQUESTS ?= 100
 
 fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUESTS=100, others every time
 	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
+
+SEEDS ?= 1:41
+
+plain: $(READY)  ## studies in which nothing is missing, at every default: SEEDS=1:41 (docs/plain.md)
+	$(BIN)/python -m tests.plain --seeds $(SEEDS)
 
 CASES ?= 200
 SEED  ?= 1

@@ -29,7 +29,9 @@ def one(seed: int, keep: str) -> dict[str, Any]:
         study, out = folder, Path(keep or scratch) / f"{what.name}-result"
         try:
             code = main(["run", str(study / "study.yaml"), "--out", str(out)])
-            found = facts(json.loads((out / "results.json").read_bytes()), json.loads((folder / "truth.json").read_bytes()))
+            found = facts(
+                json.loads((out / "results.json").read_bytes()), json.loads((folder / "truth.json").read_bytes())
+            )
             found["error"] = "" if code == 0 else f"exit code {code}"
         except (Exception, SystemExit):
             found = {"error": traceback.format_exc(limit=-3)}

@@ -1,4 +1,4 @@
-"""Four ways in which laboratories move a robot to identify it, as closed forms: (T,) position, velocity, acceleration."""
+"""Four ways in which laboratories move a robot to identify it: (T,) position, velocity, acceleration in closed form."""
 
 from __future__ import annotations
 

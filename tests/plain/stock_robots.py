@@ -32,7 +32,7 @@ class StockRobot:
     def tree(self) -> ET.Element:
         """The URDF without what only shows or touches; gripper joints fixed; joints that mimic others too."""
         path = distribution("example-robot-data").locate_file(f"{FOLDER}/{self.urdf}")
-        root = ET.fromstring(path.read_bytes())  # noqa: S314  (a file of a package)
+        root = ET.fromstring(path.read_bytes())
         for link in root.iter("link"):
             for kind in ("visual", "collision"):
                 for part in link.findall(kind):
@@ -54,8 +54,11 @@ TALOS = StockRobot(
     base_link="base_link",
     feet=("left_sole_link", "right_sole_link"),
     still=("leg_", "gripper_"),
-    posture={f"leg_{side}_{joint}": angle for side in ("left", "right") for joint, angle in (
-        ("3_joint", -0.4), ("4_joint", 0.8), ("5_joint", -0.4))},
+    posture={
+        f"leg_{side}_{joint}": angle
+        for side in ("left", "right")
+        for joint, angle in (("3_joint", -0.4), ("4_joint", 0.8), ("5_joint", -0.4))
+    },
 )
 ROBOTS = (UR5, PANDA, UR5, PANDA, TALOS)
 """In the order in which seeds take them."""

@@ -16,7 +16,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
-
 from tests.plain.excitation import STYLES
 from tests.plain.stock_robots import ROBOTS, StockRobot
 
@@ -194,9 +193,7 @@ def _log(
     return columns
 
 
-def _stand(
-    model: mujoco.MjModel, data: mujoco.MjData, needed: Array, feet: list[int], t: int
-) -> tuple[Array, Array]:
+def _stand(model: mujoco.MjModel, data: mujoco.MjData, needed: Array, feet: list[int], t: int) -> tuple[Array, Array]:
     """(V,) what the motors give when the feet hold the base, and (S, 6) the wrench on each foot, in its frame.
 
     Both feet bear what the base needs by a share that sways slowly, at the same time along all six axes.

@@ -31,9 +31,7 @@ class Trial(Protocol):
     def kept(self) -> float: ...
 
 
-def choose_cutoff(
-    robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]
-) -> float:
+def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
     """[Hz] the lowest that predicts left-out blocks as well as the best does and keeps most of every axis' motion.
 
     Tried from the cut-off that the spectra suggest, downwards and upwards, in octaves, on the longest of the logs.

@@ -33,15 +33,18 @@ CONVERGED = 1e-10  # relative
 class GainScale:
     """-2 Σ D_j ln k_j about the solution, as rows of its second-order expansion: √D_j / k_j · k = 2 √D_j.
 
-    columns: (n,) of x that hold a k_T. R: (n, P). z: (n,). meat: (P, P) what the rows add to the score's covariance.
-    unconstrained: (n,) k_T without the term.
+    axes, columns: (n,) whose current is fitted, and where x holds their k_T. R: (n, P). z: (n,).
+    meat: (P, P) what the rows add to the score's covariance.
     """
 
+    axes: tuple[int, ...]
     columns: NDArray[np.intp]
     R: Array
     z: Array
     meat: Array
-    unconstrained: Array
+
+    def column_of(self, axis: int) -> int | None:
+        return int(self.columns[self.axes.index(axis)]) if axis in self.axes else None
 
     def added_to(self, data: SquareRoot) -> SquareRoot:
         return SquareRoot(np.vstack([data.R, self.R]), np.concatenate([data.z, self.z]), data.rest)
@@ -60,7 +63,7 @@ def gain_scale(
     kinds, columns = _gains(equations, weights, free)
     n, P = len(columns), len(solved.x)
     if not n:
-        return GainScale(columns, np.zeros((0, P)), np.zeros(0), np.zeros((P, P)), np.zeros(0))
+        return GainScale((), columns, np.zeros((0, P)), np.zeros(0), np.zeros((P, P)))
     believed = strength * (prior.whitening.T @ prior.whitening)
     H = solved.information.T @ solved.information + believed
     at = np.searchsorted(free, columns)
@@ -79,7 +82,8 @@ def gain_scale(
     R_all, meat = np.zeros((n, P)), np.zeros((P, P))
     R_all[np.arange(n), columns] = np.sqrt(share) / k
     meat[columns, columns] = share**2 / np.maximum(D, 1e-300) / k**2
-    return GainScale(columns, R_all, 2.0 * np.sqrt(share), meat, solved.x[columns])
+    axes = tuple(kind - equations.first_axis for kind in kinds)
+    return GainScale(axes, columns, R_all, 2.0 * np.sqrt(share), meat)
 
 
 def _gains(equations: Equations, weights: Array, free: NDArray[np.intp]) -> tuple[list[int], NDArray[np.intp]]:
@@ -104,4 +108,4 @@ def _most_likely(k_hat: Array, information: Array, D: Array) -> Array:
         k = k + step
         if np.max(np.abs(step) / k) < CONVERGED:
             break
-    return k
+    return np.asarray(k)

@@ -9,25 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.catalogue import choose
-from exogauge.errors import BadStudy, Fault
+from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.estimation.prior import Prior
 from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import AxisSizes, RobotModel
 from exogauge.identification.noise_bias import known_noise, noise_bias
-from exogauge.identification.parameters import describe, scale_is_known
+from exogauge.identification.parameters import describe, given_the_scale, scale_is_known
 from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
-from exogauge.identification.prior import added_std, per_parameter, scales
+from exogauge.identification.prior import added_std, joint_prior, per_parameter, scales
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
-from exogauge.identification.result import ChannelFit, Identification, Prediction
+from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
 from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
+from exogauge.identification.steady import steady_shares, steady_warnings
 from exogauge.identification.swing import inertia_and_slope
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.uncertainty import score_covariance
@@ -42,11 +43,13 @@ from exogauge.robots.row_blocks import row_blocks
 Array = NDArray[np.float64]
 
 NO_GAINS = np.zeros(0, dtype=np.intp)
+VANISHING = 0.02  # of the stated k_T: no doubt about a motor reaches so far
 POSTURES = 50  # of a log, for the mean inertia about each axis
 
 SCALE_UNKNOWN = (
     "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
-    "common factor, which the maker's values decide. Log a force/torque sensor, or move a known load, to fix it."
+    "common factor, which the maker's values decide. Log a force/torque sensor to fix it. What is listed as not "
+    "identifiable is so even if that factor were known; errors are told in N·m by the stated k_T."
 )
 
 
@@ -88,6 +91,7 @@ def identify(
     prior = per_parameter(robot, base, equations.effects, seen, added_std(equations, fitted, seen))
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
+    _refuse_vanishing_gains(equations, solution)
 
     progress(0.75, "estimating the uncertainty")
     doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
@@ -97,17 +101,21 @@ def identify(
     warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     known_floors = extension.noise_floors if extension else {}
-    predictions, validation = _validate(
+    predictions, validation, steady = _validate(
         equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
     )
     condition, rank = solution.solved.condition_and_rank()
-    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking)
+    known_scale = scale_is_known(robot)
+    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, known_scale)
+    gains = solution.gains.columns + (len(standard) - equations.size)
+    but_for_scale = covariance if known_scale else given_the_scale(covariance, gains, standard)
+    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, True)
     progress(1.0, "identified")
     return Identification(
         phi=identified.phi,
         joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
         parameters=parameters,
-        unidentifiable=tuple(p.name for p in parameters if not p.identifiable),
+        unidentifiable=tuple(p.name for p in decided if not p.identifiable),
         validation=validation,
         predictions=predictions,
         consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
@@ -118,7 +126,7 @@ def identify(
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
-        warnings=(*warnings, *_warnings(solution)),
+        warnings=(*warnings, *_warnings(solution), *steady_warnings(steady)),
         model=RobotModel(
             equations=equations,
             identified=identified,
@@ -134,6 +142,8 @@ def identify(
             extension=extension,
             order={recording.log.name: number for number, recording in enumerate(recordings)},
         ),
+        steady=steady,
+        per_stated={} if known_scale else _per_stated(equations, identified, before),
     )
 
 
@@ -204,19 +214,52 @@ def _validate(
     parameters: tuple[Parameters, Parameters],
     known_floors: Mapping[tuple[str, str], NoiseFloor],
     progress: Progress,
-) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...]]:
-    """Predictions and fits of every recording, those that were fitted included and marked."""
+) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...], tuple[SteadyShare, ...]]:
+    """Predictions and fits of every recording, those that were fitted included and marked; and their steady motion."""
     ready = {id(prepared.log): prepared for prepared in fitted}
     k_T = motor_gain(equations, parameters[0])
     known = known_noise(equations.robot, [each.log for each in recordings], fitted[0].low_pass.cutoff_hz)
     predictions: list[Prediction] = []
     validation: list[ChannelFit] = []
+    held_out: list[Prepared] = []
     for index, recording in enumerate(recordings):
         progress(0.85 + 0.15 * index / len(recordings), f"predicting {recording.log.name}")
         prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
+        held_out += [prepared] if recording.held_out else []
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
         predictions.append(prediction)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
         floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
         validation += fits(prediction, prepared, equations, parameters[0], floors)
-    return tuple(predictions), tuple(validation)
+    steady = steady_shares([joint.name for joint in equations.robot.joints], fitted, held_out)
+    return tuple(predictions), tuple(validation), steady
+
+
+def _per_stated(equations: Equations, identified: Parameters, stated: Parameters) -> dict[str, float]:
+    """Channel -> stated over identified k_T."""
+    pairs = zip(equations.robot.joints, motor_gain(equations, identified), motor_gain(equations, stated), strict=True)
+    return {f"tau.{joint.name}": float(then / now) for joint, now, then in pairs if joint.actuation == "current"}
+
+
+def _refuse_vanishing_gains(equations: Equations, solution: Solution) -> None:
+    """A k_T at the edge of what is possible explains nothing: the current does not belong to the motion."""
+    faults = []
+    for axis, joint in enumerate(equations.robot.joints):
+        column = solution.gains.column_of(axis)
+        if column is None:
+            continue
+        stated, found = joint_prior(joint, "k_T"), float(solution.solved.x[column])
+        if found < VANISHING * stated:
+            faults.append(
+                Fault(
+                    f"the torque constant of {joint.name} comes out as {found:.3g} N·m/A where {stated:.3g} is stated: "
+                    "its current does not go with its motion",
+                    "torque_constant_vanishes",
+                    "Look at the sign, the unit and the order of the currents and positions, and at gear_ratio; "
+                    "`exogauge doctor` compares them with the robot joint by joint.",
+                    column=f"i.{joint.name}",
+                    value=f"{found:.3g}",
+                )
+            )
+    if faults:
+        raise BadLog(faults)

@@ -28,10 +28,11 @@ def scale_is_known(robot: Robot) -> bool:
 
 
 def describe(
-    equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking
+    equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking, known_scale: bool
 ) -> tuple[Parameter, ...]:
     """Standard, joint and base parameters. standard: (S,) [φ; ξ]; covariance: (S, S) about the truth.
 
+    known_scale: without it the data identify nothing by itself.
     sticking: static friction has its std from there, and is not identifiable where it is only a lower bound.
     """
     robot, effects = equations.robot, equations.effects
@@ -47,7 +48,6 @@ def describe(
     for i, name in enumerate(names):
         std[i] = min(std[i], sticking.std.get(name, np.inf))
     doubtful = {f"tau_s[{joint}]" for joint in sticking.lower_bounds}
-    known_scale = scale_is_known(robot)
     unmeasured = {f"[{joint.name}]" for joint in robot.joints if joint.actuation == "none"}
     single = [
         Parameter(
@@ -68,6 +68,19 @@ def describe(
         for i, name in enumerate(names)
     ]
     return (*single, *_base_parameters(equations, prior, standard, covariance, names, units, known_scale))
+
+
+def given_the_scale(covariance: Array, gains: NDArray[np.intp], standard: Array) -> Array:
+    """(S, S) what is left of the covariance once the common factor of all torque constants is known.
+
+    gains: places of these constants in standard, (S,).
+    """
+    if not len(gains):
+        return covariance
+    mean = np.zeros(len(standard))
+    mean[gains] = 1.0 / (len(gains) * standard[gains])
+    along = covariance @ mean
+    return np.asarray(covariance - np.outer(along, along) / max(float(mean @ along), 1e-300))
 
 
 def coefficient_unit(unit: str, joint: str, robot: Robot) -> str:

@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 TURNING = 1.5  # times its noise: a gyro that varies by more turns
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
-RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
+RECOVERY = 1.0  # periods of the cut-off before and after that, until the axis counts as in steady motion: when a joint
+# starts is known to some hundredths of a second, and of what that does to a low-passed step 9 % are left by then
 GYRO_SHARE = (
     0.5  # of the cut-off with the least error of the gyro's derivative: noise in a regressor biases, loss hardly
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -80,13 +80,30 @@ class Prediction:
 
 @final
 @dataclass(frozen=True)
+class SteadyShare:
+    """Of one joint's actuator axis [s]: how long it moves steadily, and of that how long it moves at all, over fitted
+    and over held-out logs. both_directions: whether the fitted steady motion goes both ways, or the joint does not."""
+
+    joint: str
+    fitted_s: float
+    fitted_of_s: float
+    held_out_s: float
+    held_out_of_s: float
+    both_directions: bool
+
+
+@final
+@dataclass(frozen=True)
 class Identification:
     """The identified robot.
 
     phi: (N, 10) standard inertial parameters (layout of `RigidTree.phi`), prior where the data are silent.
     joint_values: joint parameter name (`k_T`, `k_d` …) -> (J,), on actuator axes, joint-side units.
-    parameters: every standard, base and joint parameter. unidentifiable: names that stay (nearly) at the prior.
-    model: to apply to further logs.
+    parameters: every standard, base and joint parameter. unidentifiable: names that stay (nearly) at the prior, even
+    if a common factor that nothing measured fixes were known.
+    model: to apply to further logs. steady: one entry per joint.
+    per_stated: channel -> factor that brings its torques to the scale of the stated k_T, for joints whose scale nothing
+    measured fixes: an error in newton metres must not fall because k_T does. Empty where the scale is known.
     prior_strength: chosen factor on the prior's weight; prior_curve: (factor, held-out score) for all that were tried.
     """
 
@@ -106,3 +123,36 @@ class Identification:
     velocity_threshold: Array
     warnings: tuple[str, ...]
     model: RobotModel
+    steady: tuple[SteadyShare, ...] = ()
+    per_stated: Mapping[str, float] = field(default_factory=dict)
+
+    def by_stated_constants(self) -> Identification:
+        """The same with torques and their errors as the stated k_T make them of the currents (`per_stated`)."""
+        if not self.per_stated:
+            return self
+        of = self.per_stated
+
+        def scaled(values: Mapping[str, Array]) -> dict[str, Array]:
+            return {channel: each * of.get(channel, 1.0) for channel, each in values.items()}
+
+        predictions = tuple(
+            replace(each, measured=scaled(each.measured), predicted=scaled(each.predicted)) for each in self.predictions
+        )
+        by_log = {each.log: each for each in predictions}
+
+        def fit(each: ChannelFit) -> ChannelFit:
+            if each.channel not in of:
+                return each
+            s, log = of[each.channel], by_log[each.log]
+            before = log.measured[each.channel] - log.predicted_prior[each.channel]
+            return replace(
+                each,
+                rmse_prior=float(np.sqrt(np.mean(before**2))),
+                rmse_identified=s * each.rmse_identified,
+                noise_floor=s * each.noise_floor,
+                noise_beyond_band=s * each.noise_beyond_band,
+                rmse_moving=None if each.rmse_moving is None else s * each.rmse_moving,
+                rmse_at_rest=None if each.rmse_at_rest is None else s * each.rmse_at_rest,
+            )
+
+        return replace(self, predictions=predictions, validation=tuple(fit(each) for each in self.validation))

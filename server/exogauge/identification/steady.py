@@ -3,45 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.result import SteadyShare
 
 Array = NDArray[np.float64]
 
 HARDLY = 0.01  # of a log in one direction: an axis that moves for less has no say in it
+SHORTEST_S = 1.0  # a joint that moves for less was not meant to
 ENOUGH = 0.25  # of what a joint moves, in steady motion: below, the reader is warned
 
 
-@final
-@dataclass(frozen=True)
-class SteadyMotion:
-    """One actuator axis over some logs [s]: how long it moves and how long steadily, (2,) each, in its negative and
-    its positive direction."""
-
-    joint: str
-    moving_s: Array
-    steady_s: Array
-
-    @property
-    def share(self) -> float:
-        """Of its motion that is steady; 1 of an axis that never moves."""
-        return float(self.steady_s.sum() / self.moving_s.sum()) if self.moving_s.sum() > 0.0 else 1.0
-
-    @property
-    def one_way(self) -> bool:
-        """It moves in both directions, steadily in one only: Coulomb friction and offset look alike."""
-        return bool((self.moving_s > 0.0).all() and (self.steady_s > 0.0).sum() == 1)
+def steady_shares(
+    joints: Sequence[str], fitted: Sequence[Prepared], held_out: Sequence[Prepared]
+) -> tuple[SteadyShare, ...]:
+    """One entry per joint."""
+    own, others = _seconds(fitted, len(joints)), _seconds(held_out, len(joints))
+    return tuple(
+        SteadyShare(
+            joint,
+            fitted_s=float(own[1, :, a].sum()),
+            fitted_of_s=float(own[0, :, a].sum()),
+            held_out_s=float(others[1, :, a].sum()),
+            held_out_of_s=float(others[0, :, a].sum()),
+            both_directions=bool((own[1, :, a] > 0.0).all() or (own[0, :, a] == 0.0).any()),
+        )
+        for a, joint in enumerate(joints)
+    )
 
 
-def steady_motion(joints: Sequence[str], logs: Sequence[Prepared]) -> tuple[SteadyMotion, ...]:
-    """Of every axis over all logs together."""
-    seconds = np.sum([_counts(log) / log.log.rate_hz for log in logs], axis=0) if logs else np.zeros((2, 2, len(joints)))
-    return tuple(SteadyMotion(joint, seconds[0, :, a], seconds[1, :, a]) for a, joint in enumerate(joints))
+def steady_warnings(shares: Sequence[SteadyShare]) -> list[str]:
+    """Joints of which little motion is left to fit, and those that are left one direction."""
+    moved = [each for each in shares if each.fitted_of_s >= SHORTEST_S]
+    little = [each for each in moved if each.fitted_s < ENOUGH * each.fitted_of_s]
+    warnings = []
+    if little:
+        said = ", ".join(f"{each.joint} ({each.fitted_s:.1f} of {each.fitted_of_s:.1f} s)" for each in little)
+        warnings.append(
+            f"Of what these joints move, less than a quarter is steady motion, which alone is fitted: {said}. Record "
+            "longer moves in one direction, or raise cutoff_hz: less is left out around every turn then."
+        )
+    one_way = [each.joint for each in moved if not each.both_directions]
+    if one_way:
+        warnings.append(
+            f"Steady in one direction only: {', '.join(one_way)}. Coulomb friction and offset look alike there."
+        )
+    return warnings
 
 
 def smallest_share(log: Prepared) -> float:
@@ -49,6 +59,11 @@ def smallest_share(log: Prepared) -> float:
     moving, steady = _counts(log)
     counted = moving > HARDLY * log.log.samples
     return float(np.min(steady[counted] / moving[counted])) if counted.any() else 1.0
+
+
+def _seconds(logs: Sequence[Prepared], axes: int) -> Array:
+    """(2, 2, A) over all logs together."""
+    return np.asarray(np.sum([np.zeros((2, 2, axes)), *(_counts(log) / log.log.rate_hz for log in logs)], axis=0))
 
 
 def _counts(log: Prepared) -> Array:

@@ -128,7 +128,7 @@ def _evaluate(
             steps=told(steps, failed),
             inputs=study.bundle.inputs,
             findings=findings,
-            identification=found,
+            identification=found.by_stated_constants(),
             warnings=(*study.warnings, *doubts, *(each.sentence for each in failed)),
             files={},
             support=support,

@@ -129,6 +129,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             "condition": found.condition,
             "samples": found.samples,
             "cutoff_hz": found.cutoff_hz,
+            "steady": [asdict(each) for each in found.steady],
             "velocity_threshold": [
                 {
                     "joint": joint,
