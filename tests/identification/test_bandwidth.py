@@ -1,33 +1,79 @@
-"""The cut-off that explains most, and the lowest of those that explain alike."""
+"""The cut-off explains most of what was left out, is the lowest of those alike, and never takes most of a motion."""
+
+from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
+from exogauge.errors import NotIdentifiable
 from exogauge.identification.bandwidth import LOWEST_HZ, choose_cutoff
+from exogauge.identification.identify import identify
 from exogauge.identification.preparation import suggested_cutoff
+from exogauge.identification.settings import Recording, Settings
 
 
-def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(make_truth, make_log):
+@dataclass
+class Tried:
+    left: float
+    kept: float = 1.0
+
+
+@pytest.fixture
+def robot_and_log(make_truth, make_log):
     truth = make_truth(False)
-    log = make_log(truth, seed=1, seconds=10.0)
-    first = suggested_cutoff(truth.robot, [log])
+    log = make_log(truth, seed=1, seconds=10.0, noise=0.05)
+    return truth.robot, log, suggested_cutoff(truth.robot, [log])
+
+
+def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log):
+    robot, log, first = robot_and_log
     tried = []
 
-    def unexplained(_, cutoff_hz):
+    def trial(_, cutoff_hz):
         tried.append(cutoff_hz)
-        return 0.0 if cutoff_hz > 0.2 * first else 1.0
+        return Tried(0.0 if cutoff_hz > 0.2 * first else 1.0)
 
-    assert choose_cutoff(truth.robot, [log], unexplained) == first / 4
-    assert tried == [first, first / 2, first / 4, first / 8]  # and none after that made it worse
-
-
-def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(make_truth, make_log):
-    truth = make_truth(False)
-    log = make_log(truth, seed=1, seconds=10.0)
-    first = suggested_cutoff(truth.robot, [log])
-    assert choose_cutoff(truth.robot, [log], lambda _, hz: float(np.log(first / hz))) == first
+    assert choose_cutoff(robot, [log], log.rate_hz, trial) == first / 4
+    assert tried[:4] == [first, first / 2, first / 4, first / 8]  # and no lower one, once that made it worse
+    assert len(tried) == 5  # one step up, which gained nothing
 
 
-def test_the_search_for_a_cutoff_ends_above_what_bodies_move_at(make_truth, make_log):
-    truth = make_truth(False)
-    log = make_log(truth, seed=1, seconds=10.0)
-    assert choose_cutoff(truth.robot, [log], lambda _, hz: 0.0) >= LOWEST_HZ
+def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(robot_and_log):
+    robot, log, first = robot_and_log
+    best = 2.0 * first
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(float(abs(np.log(best / hz)))))
+    assert found == pytest.approx(min(best, 0.2 * log.rate_hz))
+
+
+def test_a_cutoff_at_which_turns_take_most_of_a_motion_is_not_taken(robot_and_log):
+    robot, log, first = robot_and_log
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, 0.6 if hz > 1.5 * first else 0.1))
+    assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
+
+
+def test_where_no_row_is_left_a_higher_cutoff_is_sought(robot_and_log):
+    robot, log, first = robot_and_log
+
+    def trial(_, hz):
+        if hz < 1.5 * first:
+            raise NotIdentifiable("nothing moves steadily")
+        return Tried(0.0)
+
+    assert choose_cutoff(robot, [log], log.rate_hz, trial) == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
+
+
+def test_the_search_for_a_cutoff_ends_between_what_bodies_move_at_and_what_the_slowest_log_bears(robot_and_log):
+    robot, log, _ = robot_and_log
+    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0)) >= LOWEST_HZ
+    assert choose_cutoff(robot, [log], 20.0, lambda _, hz: Tried(-hz)) <= 8.0
+
+
+def test_a_slow_periodic_motion_keeps_most_of_it_for_the_fit(make_truth, make_log):
+    """Positions of 0.1 Hz bear 2 Hz of bandwidth, behind which turns leave next to nothing."""
+    truth = make_truth(False, actuation="torque")
+    logs = [make_log(truth, seed=seed, seconds=24.0, fastest=0.25) for seed in (1, 2)]
+    found = identify(truth.robot, [Recording(logs[0], False), Recording(logs[1], True)], Settings())
+    for each in found.steady:
+        assert each.fitted_s > 0.5 * each.fitted_of_s
+        assert each.both_directions
+    assert not [each for each in found.warnings if "steady" in each]

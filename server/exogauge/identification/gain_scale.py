@@ -1,12 +1,14 @@
 """The scale of what currents tell: k_T, and with it every torque, mass and friction, where no torque fixes it.
 
 Least squares in amperes knows a joint's parameters only as θ / k_T: with all of them, k_T included, times any factor
-the currents stay the same. Only the prior tells the factor, and the point where it is largest is not where the factor
-is likely: the more parameters deviate from what was stated, each by what its doubt allows, the nearer to zero a common
-factor brings them to the stated values. What is asked for is the factor whatever the other parameters are, so these
-are integrated out. Given k_T, the information on them grows as 1/k_T²; the integral adds D_j ln k_j to the logarithm
-of the posterior, D_j being the number of parameters that the rows of joint j decide. Where outside forces or torques
-fix the scale the term moves k_T by a small share of its standard deviation.
+the currents stay the same. Only what was stated tells the factor. The nearest point to it, which least squares with a
+prior finds, is too small: among s θ it is at s = (θᵀ W m) / (θᵀ W θ), where every way in which the true θ deviates
+from the stated m makes the denominator larger. The factor at which the stated values are right on average has
+(s θ - m)ᵀ W m = 0: then s θ = m + δ, E δ = 0 gives s = 1, however large δ is. To the slope of the squared distance
+along ln s, (s θ - m)ᵀ W (s θ), that is the distance (s θ - m)ᵀ W (s θ - m) too little. So the ln k_j together get the
+distance as a slope, each by the number of parameters that its rows decide. What is known of the scale is what the
+stated values tell, not how far the identified ones lie from them: the distance is taken off the information too. Where
+outside forces or torques fix the scale the term moves k_T by a small share of its standard deviation.
 """
 
 from __future__ import annotations
@@ -24,66 +26,95 @@ from exogauge.identification.equations import Equations
 
 Array = NDArray[np.float64]
 
-ITERATIONS = 60  # of Newton's method on a convex function; some ten are needed
-CONVERGED = 1e-10  # relative
+ITERATIONS = 100  # the distance and the factors in turn; some twenty are needed
+NEWTON = 60  # steps, on a convex function
+CONVERGED = 1e-6  # relative
+MOST = 0.9  # of what is known of a factor can be taken off: its standard deviation at most 3.2 times as large
 
 
 @final
 @dataclass(frozen=True)
 class GainScale:
-    """-2 Σ D_j ln k_j about the solution, as rows of its second-order expansion: √D_j / k_j · k = 2 √D_j.
+    """axes, columns: (n,) whose current is fitted, and where x holds their k_T.
 
-    axes, columns: (n,) whose current is fitted, and where x holds their k_T. R: (n, P). z: (n,).
-    meat: (P, P) what the rows add to the score's covariance.
+    step: (P,) from the nearest point to the one that is right on average. doubt: (P, P) what is added to the covariance
+    of x: how far the deviations tell the scale is known no better than they are.
     """
 
     axes: tuple[int, ...]
     columns: NDArray[np.intp]
-    R: Array
-    z: Array
-    meat: Array
+    step: Array
+    doubt: Array
 
     def column_of(self, axis: int) -> int | None:
         return int(self.columns[self.axes.index(axis)]) if axis in self.axes else None
 
-    def added_to(self, data: SquareRoot) -> SquareRoot:
-        return SquareRoot(np.vstack([data.R, self.R]), np.concatenate([data.z, self.z]), data.rest)
-
 
 def gain_scale(
-    equations: Equations, statistics: Statistics, weights: Array, prior: Prior, strength: float
+    equations: Equations, statistics: Statistics, data: SquareRoot, weights: Array, prior: Prior, strength: float
 ) -> GainScale:
-    """The term where it belongs: at min ‖data‖² + strength ‖prior‖² - 2 Σ D_j ln k_j, a convex problem in k.
-
-    Along a factor that the prior alone decides, its `strength` weighs the term too: the factor is what was stated,
-    with the doubt that was stated.
-    """
-    solved = PriorLeastSquares(statistics.square_root(weights), prior, strength)
-    free = prior.free
+    """data: the square root of the statistics with the weights. Along a factor that the prior alone decides its
+    `strength`, which data have chosen, is of no account: it weighs the term too."""
+    solved, free = PriorLeastSquares(data, prior, strength), prior.free
     kinds, columns = _gains(equations, weights, free)
     n, P = len(columns), len(solved.x)
     if not n:
-        return GainScale((), columns, np.zeros((0, P)), np.zeros(0), np.zeros((P, P)))
-    believed = strength * (prior.whitening.T @ prior.whitening)
-    H = solved.information.T @ solved.information + believed
+        return GainScale((), columns, np.zeros(P), np.zeros((P, P)))
+    W, G = prior.whitening.T @ prior.whitening, solved.information.T @ solved.information
+    H = G + strength * W
     at = np.searchsorted(free, columns)
     others = np.setdiff1d(np.arange(len(free)), at)
-    own = np.linalg.inv(H[np.ix_(others, others)])
-    D, unit = np.empty(n), np.zeros((len(free), n))
-    for j, kind in enumerate(kinds):
-        R = statistics.square_root(np.where(np.arange(len(weights)) == kind, weights, 0.0)).R[:, free[others]]
-        D[j] = np.sum((R @ own) * R)
-    unit[at, np.arange(n)] = 1.0
-    response = np.linalg.solve(H, unit)  # how x moves with each k, (F, n)
-    V = response[at]
-    by_prior = np.einsum("fn,fg,gn->n", response, believed, response) / np.diag(V)
-    share = D * (1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0))
-    k = _most_likely(solved.x[columns], np.linalg.inv(V), share)
-    R_all, meat = np.zeros((n, P)), np.zeros((P, P))
-    R_all[np.arange(n), columns] = np.sqrt(share) / k
-    meat[columns, columns] = share**2 / np.maximum(D, 1e-300) / k**2
-    axes = tuple(kind - equations.first_axis for kind in kinds)
-    return GainScale(axes, columns, R_all, 2.0 * np.sqrt(share), meat)
+    H_inverse = np.linalg.inv(H)
+    V = H_inverse[np.ix_(at, at)]
+    response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
+    decided_by = np.stack([_information(statistics, weights, kind, free[others]) for kind in kinds])
+    decided_by = np.linalg.solve(H[np.ix_(others, others)], decided_by)  # (n, O, O)
+    number = 1.0 + np.einsum("noo->n", decided_by)
+    by_prior = strength * np.einsum("fn,fg,gn->n", response, W, response) * np.diag(V)
+    weight = 1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0)
+    x_hat, m = solved.x[free], prior.seen_mean[free]
+    information, k_hat = np.linalg.inv(V), x_hat[at]
+    k = np.maximum(k_hat, 0.2 * np.abs(k_hat).max())
+    for _ in range(ITERATIONS):
+        off = x_hat + response @ (k - k_hat) - m
+        distance = number * min(1.0, float(off @ W @ off) / float(number.sum()))
+        before, k = k, most_likely(k_hat, information, weight * np.maximum(distance, 0.0), k)
+        if np.max(np.abs(k - before) / k) < CONVERGED:
+            break
+    step, doubt = np.zeros(P), np.zeros((P, P))
+    step[free] = response @ (k - k_hat)
+    known = H_inverse @ (G + strength**2 * W) @ H_inverse
+    added = _less_known(known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2)
+    doubt[np.ix_(free, free)] = response @ added @ response.T
+    return GainScale(tuple(kind - equations.first_axis for kind in kinds), columns, step, doubt)
+
+
+def most_likely(k_hat: Array, information: Array, slope: Array, start: Array) -> Array:
+    """(n,) argmin over k > 0 of (k - k_hat)ᵀ information (k - k_hat) - 2 Σ slope ln k, by damped Newton steps."""
+    k = start
+    for _ in range(NEWTON):
+        step = np.linalg.solve(information + np.diag(slope / k**2), slope / k - information @ (k - k_hat))
+        while np.any(k + step <= 0.1 * k):
+            step *= 0.5
+        k = k + step
+        if np.max(np.abs(step) / k) < 1e-3 * CONVERGED:
+            break
+    return np.asarray(k)
+
+
+def _less_known(V: Array, less: Array) -> Array:
+    """(n, n) (V⁻¹ - diag(less))⁻¹ - V. less: (n,)."""
+    root = np.linalg.cholesky(V)
+    share, turned = np.linalg.eigh(root.T @ (less[:, None] * root))
+    share = np.clip(share, 0.0, MOST)
+    half = root @ turned
+    return np.asarray((half * (share / (1.0 - share))) @ half.T)
+
+
+def _information(statistics: Statistics, weights: Array, kind: int, columns: NDArray[np.intp]) -> Array:
+    """(O, O) of one kind's rows on these parameters."""
+    alone = np.where(np.arange(len(weights)) == kind, weights, 0.0)
+    return np.asarray(statistics.normal(alone)[0][np.ix_(columns, columns)])
 
 
 def _gains(equations: Equations, weights: Array, free: NDArray[np.intp]) -> tuple[list[int], NDArray[np.intp]]:
@@ -96,16 +127,3 @@ def _gains(equations: Equations, weights: Array, free: NDArray[np.intp]) -> tupl
             kinds.append(equations.first_axis + axis)
             columns.append(column)
     return kinds, np.array(columns, dtype=np.intp)
-
-
-def _most_likely(k_hat: Array, information: Array, D: Array) -> Array:
-    """(n,) argmin over k > 0 of (k - k_hat)^T information (k - k_hat) - 2 Σ D ln k, by damped Newton steps."""
-    k = np.maximum(k_hat, 0.2 * np.abs(k_hat).max())
-    for _ in range(ITERATIONS):
-        step = np.linalg.solve(information + np.diag(D / k**2), D / k - information @ (k - k_hat))
-        while np.any(k + step <= 0.1 * k):
-            step *= 0.5
-        k = k + step
-        if np.max(np.abs(step) / k) < CONVERGED:
-            break
-    return np.asarray(k)

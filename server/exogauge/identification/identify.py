@@ -43,7 +43,7 @@ from exogauge.robots.row_blocks import row_blocks
 Array = NDArray[np.float64]
 
 NO_GAINS = np.zeros(0, dtype=np.intp)
-VANISHING = 0.02  # of the stated k_T: no doubt about a motor reaches so far
+POSSIBLE = (0.02, 10.0)  # times the stated k_T: no doubt about a motor reaches further
 POSTURES = 50  # of a log, for the mean inertia about each axis
 
 SCALE_UNKNOWN = (
@@ -91,7 +91,7 @@ def identify(
     prior = per_parameter(robot, base, equations.effects, seen, added_std(equations, fitted, seen))
     warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
-    _refuse_vanishing_gains(equations, solution)
+    _refuse_impossible_gains(equations, solution)
 
     progress(0.75, "estimating the uncertainty")
     doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
@@ -173,9 +173,9 @@ def _doubt_and_bias(
     equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution
 ) -> tuple[Array, Array]:
     """(P, P) covariance of x about the truth, and (P,) what noise in the regressor has added to x."""
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights) + solution.gains.meat
+    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
     bias = noise_bias(equations, fitted, at_rest, solution)
-    return solution.unbounded.covariance(meat) + np.outer(bias, bias), bias
+    return solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias), bias
 
 
 def _warnings(solution: Solution) -> list[str]:
@@ -241,20 +241,20 @@ def _per_stated(equations: Equations, identified: Parameters, stated: Parameters
     return {f"tau.{joint.name}": float(then / now) for joint, now, then in pairs if joint.actuation == "current"}
 
 
-def _refuse_vanishing_gains(equations: Equations, solution: Solution) -> None:
-    """A k_T at the edge of what is possible explains nothing: the current does not belong to the motion."""
+def _refuse_impossible_gains(equations: Equations, solution: Solution) -> None:
+    """A k_T that vanishes or has no end explains nothing: the current does not belong to the motion."""
     faults = []
     for axis, joint in enumerate(equations.robot.joints):
         column = solution.gains.column_of(axis)
         if column is None:
             continue
         stated, found = joint_prior(joint, "k_T"), float(solution.solved.x[column])
-        if found < VANISHING * stated:
+        if not POSSIBLE[0] * stated <= found <= POSSIBLE[1] * stated:
             faults.append(
                 Fault(
                     f"the torque constant of {joint.name} comes out as {found:.3g} N·m/A where {stated:.3g} is stated: "
                     "its current does not go with its motion",
-                    "torque_constant_vanishes",
+                    "torque_constant_impossible",
                     "Look at the sign, the unit and the order of the currents and positions, and at gear_ratio; "
                     "`exogauge doctor` compares them with the robot joint by joint.",
                     column=f"i.{joint.name}",

@@ -16,9 +16,12 @@ SLACK = 1e-6  # of the prior std: rounding is no reason to hold anything
 
 
 def solve_within_ranges(
-    equations: Equations, data: SquareRoot, prior: Prior, strength: float
+    equations: Equations, data: SquareRoot, prior: Prior, strength: float, step: Array
 ) -> tuple[PriorLeastSquares, tuple[str, ...]]:
-    """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again."""
+    """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again.
+
+    step: (P,) from least squares to the solution (`gain_scale`).
+    """
     first = equations.base_size
     low, high = _ranges(equations)
     held = np.zeros(len(low), dtype=bool)
@@ -26,6 +29,7 @@ def solve_within_ranges(
     belief = prior
     while True:
         solved = PriorLeastSquares(data, belief, strength)
+        solved.shift(step)
         xi = solved.x[first:]
         outside = ((xi < low - slack) | (xi > high + slack)) & ~held & (prior.std[-len(low) :] > 0.0)
         if not outside.any():

@@ -63,8 +63,9 @@ class Solution:
 
     def of(self, statistics: Statistics) -> PriorLeastSquares:
         """Other statistics of the same equations, solved with the same weights and beliefs, without physical ranges."""
-        data = self.gains.added_to(statistics.square_root(self.weights))
-        return PriorLeastSquares(data, self.prior, self.strength)
+        solved = PriorLeastSquares(statistics.square_root(self.weights), self.prior, self.strength)
+        solved.shift(self.gains.step)
+        return solved
 
 
 def solve(
@@ -99,9 +100,9 @@ def solve(
         if settings.prior_strength is None and number == passes - 1:
             strength, curve = choose_strength(folds, weights, belief, settings.prior)
             weights = weigh(total, belief, strength, weights)
-        gains = gain_scale(equations, total, weights, belief, strength)
-        data = gains.added_to(total.square_root(weights))
-        solved, held = solve_within_ranges(equations, data, belief, strength)
+        data = total.square_root(weights)
+        gains = gain_scale(equations, total, data, weights, belief, strength)
+        solved, held = solve_within_ranges(equations, data, belief, strength, gains.step)
         sticking = fill_static_friction(equations, total, prior, solved.x)
         x_before, x = x, sticking.x
     return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before, gains)
