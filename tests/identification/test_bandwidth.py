@@ -31,11 +31,11 @@ def test_of_cutoffs_that_explain_alike_the_lowest_is_taken(robot_and_log):
 
     def trial(_, cutoff_hz):
         tried.append(cutoff_hz)
-        return Tried(0.0 if cutoff_hz > 0.2 * first else 1.0)
+        return Tried(0.0 if cutoff_hz > 0.4 * first else 1.0)
 
-    assert choose_cutoff(robot, [log], log.rate_hz, trial) == first / 4
-    assert tried[:4] == [first, first / 2, first / 4, first / 8]  # and no lower one, once that made it worse
-    assert len(tried) == 5  # one step up, which gained nothing
+    assert choose_cutoff(robot, [log], log.rate_hz, trial) == first / 2
+    assert tried[:3] == [first, first / 2, first / 4]  # and no lower one, once that made it worse
+    assert len(tried) == 4  # one step up, which gained nothing
 
 
 def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(robot_and_log):

@@ -33,7 +33,7 @@ IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
 NONE = np.zeros(0, dtype=np.intp)
-AT_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
+AT_REST = 0.995  # of the low-passed rest signal: above, an axis is at rest and hardly anything rings from its stop
 CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever the log's length
 
 

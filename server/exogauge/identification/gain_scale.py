@@ -67,14 +67,14 @@ def gain_scale(
     H_inverse = np.linalg.inv(H)
     V = H_inverse[np.ix_(at, at)]
     response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
-    decided_by = np.stack([_information(statistics, weights, kind, free[others]) for kind in kinds])
-    decided_by = np.linalg.solve(H[np.ix_(others, others)], decided_by)  # (n, O, O)
-    number = 1.0 + np.einsum("noo->n", decided_by)
+    decided_by = np.array([_information(statistics, weights, kind, free[others]) for kind in kinds])
+    decided_by = np.asarray(np.linalg.solve(H[np.ix_(others, others)], decided_by))  # (n, O, O)
+    number = np.asarray(1.0 + np.einsum("noo->n", decided_by))
     by_prior = strength * np.einsum("fn,fg,gn->n", response, W, response) * np.diag(V)
-    weight = 1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0)
+    weight = np.asarray(1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0))
     x_hat, m = solved.x[free], prior.seen_mean[free]
     information, k_hat = np.linalg.inv(V), x_hat[at]
-    k = np.maximum(k_hat, 0.2 * np.abs(k_hat).max())
+    k = np.asarray(np.maximum(k_hat, 0.2 * np.abs(k_hat).max()))
     for _ in range(ITERATIONS):
         off = x_hat + response @ (k - k_hat) - m
         distance = number * min(1.0, float(off @ W @ off) / float(number.sum()))

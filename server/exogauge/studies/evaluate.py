@@ -20,7 +20,7 @@ from exogauge.discrepancy.result import Discrepancy
 from exogauge.discrepancy.workflow import find_missing_effects
 from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import missing_effects
-from exogauge.errors import BadInput, PhysicallyImpossible
+from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress
@@ -39,7 +39,7 @@ from exogauge.studies.stiffness_results import stiffness_table
 from exogauge.studies.study_record import study_record
 from exogauge.studies.summary_page import summary_page
 from exogauge.studies.support_results import support_table
-from exogauge.studies.worse_than_before import refuse_what_made_it_worse
+from exogauge.studies.worse_than_before import refuse_what_made_it_worse, suspects
 from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
@@ -90,7 +90,10 @@ def _evaluate(
         progress(0.10, "examining the logs")
         findings = examine_logs(study.robot, recordings, worn)
         spans = _spans(bool(worn), "discrepancy" in doing)
-        found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+        try:
+            found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+        except BadLog as error:  # what the doctor suspects comes first: it knows the cause
+            raise BadLog([*suspects(findings), *error.faults]) from error
         doubts = refuse_what_made_it_worse(first, recordings, findings)
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None

@@ -31,19 +31,22 @@ def refuse_what_made_it_worse(
     worse = {joint: (before, after) for joint, before, after in held_out_errors(found, recordings) if after > before}
     if not worse:
         return []
-    suspects = {(each["channel"], each["rule"]): each for each in findings if each["severity"] == "error"}
     joint, (before, after) = max(worse.items(), key=lambda each: each[1][1] / each[1][0])
     said = f"held out, {joint} is predicted worse than by the maker's numbers ({after:.3g} against {before:.3g})"
-    if suspects:
-        raise BadLog(
-            [
-                Fault(f"{each['detail']}; {said}", rule, str(each["advice"]), each["log"], column=channel)
-                for (channel, rule), each in suspects.items()
-            ]
-        )
+    if faults := suspects(findings, f"; {said}"):
+        raise BadLog(faults)
     names = ", ".join(worse)
     return [
         f"Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
+    ]
+
+
+def suspects(findings: Sequence[Mapping[str, Any]], said: str = "") -> list[Fault]:
+    """What the doctor holds for an error, each once. said: what it led to."""
+    each_once = {(each["channel"], each["rule"]): each for each in findings if each["severity"] == "error"}
+    return [
+        Fault(f"{each['detail']}{said}", rule, str(each["advice"]), each["log"], column=channel)
+        for (channel, rule), each in each_once.items()
     ]
 
 
