@@ -23,6 +23,7 @@ UNMODELLED = (
 )  # of an effort's rms: friction that is no straight line, ripple, what nobody described
 OFFSET = 0.3  # of an effort's rms: std of what is constant in it
 GAINS = 10.0 ** (np.arange(-DECADES * PER_DECADE, DECADES * PER_DECADE + 1) / PER_DECADE)
+ALL_GAINS = np.ones(len(GAINS), dtype=bool)
 AS_DESCRIBED = (GAINS >= 1.0 / PLAUSIBLE) & (GAINS <= PLAUSIBLE)
 FEWEST = 20  # moments in motion: at rest friction holds a joint, and its effort says nothing of the load
 INDEPENDENT = 0.25  # of these: what is left unmodelled is alike at neighbours
@@ -87,16 +88,20 @@ class AxisFit:
         """Whether the axis moves in enough of the moments."""
         return len(self._L) >= FEWEST
 
-    def likelihood(self, effort: Array, backwards: bool = False) -> Likelihood:
-        """effort: (N,) [N·m]. backwards: as if the axis moved the other way, as far as friction can tell."""
+    def likelihood(self, effort: Array, backwards: bool = False, among: NDArray[np.bool_] = ALL_GAINS) -> Likelihood:
+        """effort: (N,) [N·m]. backwards: as if the axis moved the other way, as far as friction can tell.
+
+        among: (GAINS,) the factors that are tried; the others have no likelihood.
+        """
+        gains = GAINS[among]
         y = effort[self.moving]
         rms = float(np.sqrt(np.mean(y**2))) + 1e-9
         y, Z = self._U.T @ y, self._Z * np.where(backwards, [-1.0, -1.0, -1.0, 1.0], 1.0)
         products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
-        logs, lefts = np.full(len(GAINS), -np.inf), np.zeros((len(GAINS), len(y)))
+        logs, lefts = np.full(len(gains), -np.inf), np.zeros((len(gains), len(y)))
         for share in UNMODELLED:
-            w = 1.0 / (GAINS[:, None] ** 2 * self._lambda + (share * rms) ** 2)  # (G, N)
-            r = y - GAINS[:, None] * self._L
+            w = 1.0 / (gains[:, None] ** 2 * self._lambda + (share * rms) ** 2)  # (G, N)
+            r = y - gains[:, None] * self._L
             M = (w @ products).reshape(-1, 4, 4)
             M[:, 3, 3] += 1.0 / (OFFSET * rms) ** 2
             explained, coefficients = _explained(M, (w * r) @ Z)
@@ -105,9 +110,12 @@ class AxisFit:
             logs[better] = found[better]
             left = (r - coefficients @ Z.T) * np.sqrt(w) * share * rms  # what a change of the load leaves too
             lefts[better] = left[better]
-        near = int(np.flatnonzero(AS_DESCRIBED)[np.argmax(logs[AS_DESCRIBED])])
+        described = AS_DESCRIBED[among]
+        near = int(np.flatnonzero(described)[np.argmax(logs[described])])
         misfit = float(np.sqrt(np.mean(lefts[near] ** 2))) / rms
-        return Likelihood(INDEPENDENT * logs, misfit)
+        all_logs = np.full(len(GAINS), -np.inf)
+        all_logs[among] = INDEPENDENT * logs
+        return Likelihood(all_logs, misfit)
 
 
 def _explained(M: Array, b: Array) -> tuple[Array, Array]:

@@ -10,9 +10,11 @@ from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
 from exogauge.plausibility.channel_rules import channel_rules
+from exogauge.plausibility.delay import Delay, find_delays
+from exogauge.plausibility.imu_frame import directions, imu_rules
 from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.search import Slip, find_slips
-from exogauge.plausibility.snapshot import take
+from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.robots.description import Robot
 
 MOST_LOGS = 6  # a slip of a mapping is in all of them
@@ -44,6 +46,10 @@ def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[s
     """
     chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, MOST_LOGS).astype(int))] if logs else []
     seen = [each for each in (take(robot, log) for log in chosen) if each is not None]
+    turned = imu_findings(robot, seen)
+    for name in [log.name for log in logs] if len(turned) == len(seen) else turned:
+        yield name, turned.get(name) or next(iter(turned.values()))
+    seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
     if not any(joint.actuation != "none" for joint in robot.joints):
         return
     slips, expected = find_slips(robot, seen)
@@ -54,10 +60,34 @@ def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[s
             finding = as_finding(robot, slip)
             told.add((name, finding.channel))
             yield name, finding
+    for delay in find_delays(expected) if expected and not slips else ():  # what is wrong otherwise may look late
+        for log in logs:
+            yield log.name, as_delayed(robot, delay)
     for each in expected:
         for finding in channel_rules(robot, each):
             if (each.seen.log, finding.channel) not in told:
                 yield each.seen.log, finding
+
+
+def imu_findings(robot: Robot, seen: Sequence[Snapshot]) -> dict[str, Finding]:
+    """log -> what its accelerometer contradicts."""
+    found = {each.log: directions(robot, each) for each in seen}
+    return {log: finding for log, each in found.items() if each is not None for finding in imu_rules(robot, each)}
+
+
+def as_delayed(robot: Robot, delay: Delay) -> Finding:
+    """On the first joint; the others that are late alike are told with it."""
+    names = [f"{DRIVE[robot.joints[a].actuation]}.{robot.joints[a].name}" for a in delay.axes]
+    late = "late" if delay.seconds > 0.0 else "early"
+    also = f", and alike {', '.join(names[1:])}" if len(names) > 1 else ""
+    detail = (
+        f"comes {1000.0 * abs(delay.seconds):.0f} ms {late} against the positions{also} (left unexplained are "
+        f"{100 * delay.before:.0f} % as it is and {100 * delay.after:.0f} % so)"
+    )
+    advice = "shift the column where logs are made, or name `torque_delay` among the effects"
+    if delay.seconds < 0.0:
+        advice += "; is it the commanded torque, not the measured one?"
+    return Finding("warning", names[0], "effort_delay", detail, advice, value=delay.seconds)
 
 
 def as_finding(robot: Robot, slip: Slip) -> Finding:

@@ -190,11 +190,12 @@ class _State:
 
 
 def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
-    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort.
+    """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort."""
+    return together([one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)])
 
-    What a description lacks it lacks in every log: ten of them count as `AS_GOOD_AS`.
-    """
-    each = [one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)]
+
+def together(each: Sequence[Likelihood]) -> Likelihood:
+    """One factor for all logs. What a description lacks it lacks in every log: ten of them count as `AS_GOOD_AS`."""
     logs = reduce(np.add, (one.logs for one in each), np.zeros(len(GAINS)))
     share = min(1.0, AS_GOOD_AS / max(1, len(each)))
     return Likelihood(share * logs, max((one.misfit for one in each), default=0.0))

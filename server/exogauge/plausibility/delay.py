@@ -1,0 +1,98 @@
+"""Whether efforts were stored later, or earlier, than the positions they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.plausibility.axis_fit import AS_DESCRIBED
+from exogauge.plausibility.expectation import Expected, on_axes
+from exogauge.plausibility.search import together
+
+Array = NDArray[np.float64]
+
+SURELY = 20.0  # log likelihood over no delay; of recordings without one a joint gained 11 at most (UR10, wrist_2)
+AGREES = 3.0  # of a joint that is alike late; chance gives 2
+FALLS = 0.9  # of what is left unexplained, once the delay is undone
+SAMPLES = 3.0  # of the log: a drive, a bus and a filter are late by as many, and nobody minds
+LEAST_S = 0.015
+
+
+@final
+@dataclass(frozen=True)
+class Delay:
+    """seconds: > 0 late. axes: alike so. before, after: of the first one, share of its effort that is left."""
+
+    seconds: float
+    axes: tuple[int, ...]
+    before: float
+    after: float
+
+
+def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
+    """One delay that the axes share, where all of them together gain surely by it; then axes with one of their own.
+
+    A delay beyond the shifts that a snapshot holds is not told: there a wrong model gains as well as a right one.
+    """
+    axes = [a for a in range(len(expected[0].robot.joints)) if any(each.tells(a) for each in expected)]
+    if not axes or any(not np.array_equal(each.seen.lags, expected[0].seen.lags) for each in expected):
+        return  # logs of other rates were shifted otherwise
+    lags, rate_hz = expected[0].seen.lags, expected[0].seen.rate_hz
+    efforts = [on_axes(each.robot, each.seen.late) for each in expected]
+    profiles = [_Profile(expected, efforts, a) for a in axes]
+    shared = _sure(lags, profiles, rate_hz)
+    if shared is not None:
+        yield shared
+    for each in profiles:
+        alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz)
+        if alone is not None:
+            yield alone
+
+
+@final
+class _Profile:
+    """gain: (LAGS,) log likelihood over no delay. misfit: (LAGS,) share of the effort that is left.
+
+    Of an axis that loses by both of the shortest shifts longer ones are not tried, and stand as these: who is late by
+    more gains by less already, since a shift of 20 ms is a small part of what an 8 Hz low-pass lets through.
+    """
+
+    def __init__(self, expected: Sequence[Expected], efforts: Sequence[Array], axis: int) -> None:
+        self.axis = axis
+        lags = expected[0].seen.lags
+        telling = [
+            (each.fit(axis), late[:, :, axis]) for each, late in zip(expected, efforts, strict=True) if each.tells(axis)
+        ]
+        at_once = int(np.argmin(np.abs(lags)))
+        tried = [k for k in (at_once - 1, at_once, at_once + 1) if 0 <= k < len(lags)]
+        found = {k: together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling]) for k in tried}
+        if max(each.described for each in found.values()) > found[at_once].described:
+            for k in set(range(len(lags))) - set(tried):
+                found[k] = together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling])
+        each = [found[int(np.clip(k, min(found), max(found)))] for k in range(len(lags))]
+        self.gain = np.array([one.described for one in each]) - found[at_once].described
+        self.misfit = np.array([one.misfit for one in each])
+
+
+def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float) -> Delay | None:
+    total = np.sum([each.gain for each in profiles], axis=0)
+    k, at_once = int(np.argmax(total)), int(np.argmin(np.abs(lags)))
+    if total[k] < SURELY or k in (0, len(lags) - 1):
+        return None
+    alike = sorted((each for each in profiles if each.gain[k] > AGREES), key=lambda each: -each.gain[k])
+    left = [each.misfit[k] / each.misfit[at_once] for each in alike]
+    seconds = _summit(lags[k - 1 : k + 2], total[k - 1 : k + 2])
+    if not alike or np.median(left) > FALLS or abs(seconds) < max(LEAST_S, SAMPLES / rate_hz):
+        return None
+    worst = alike[0]
+    return Delay(seconds, tuple(each.axis for each in alike), float(worst.misfit[at_once]), float(worst.misfit[k]))
+
+
+def _summit(x: Array, y: Array) -> float:
+    """Of the parabola through three points, the middle one the highest."""
+    a, b, _ = np.polyfit(x - x[1], y, 2)
+    return float(x[1] - (0.5 * b / a if a < 0.0 else 0.0))

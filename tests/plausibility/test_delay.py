@@ -1,0 +1,81 @@
+"""Currents that were stored late or early are told, with how much; those that were not are left in peace."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.fuzz.small_robots import JOINTS, simulated_logs, write_study
+from tests.plausibility.test_examine import as_log
+
+from exogauge.logs.findings import Finding
+from exogauge.plausibility.examine import examine_against_robot
+from exogauge.robots.description import Robot
+from exogauge.studies.robot_file import load_robot
+
+Logs = list[dict[str, np.ndarray]]
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["arm", "floating"])
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Logs]:
+    folder = tmp_path_factory.mktemp("robot")
+    write_study(folder, request.param, {})
+    return load_robot(folder), list(simulated_logs(request.param).values())
+
+
+def late(columns: dict[str, np.ndarray], seconds: float, joints: tuple[str, ...] = JOINTS) -> dict[str, np.ndarray]:
+    t = columns["t"]
+    return columns | {f"i.{name}": np.interp(t - seconds, t, columns[f"i.{name}"]) for name in joints}
+
+
+def said(robot: Robot, logs: Logs) -> list[Finding]:
+    """Of the first log; that all logs are told the same is checked."""
+    found = list(examine_against_robot(robot, [as_log(k, each) for k, each in enumerate(logs)]))
+    first = [finding for log, finding in found if log == "log_0"]
+    assert len(found) == len(first) * len(logs)
+    return first
+
+
+@pytest.mark.parametrize("seconds", [0.04, 0.06, -0.05])
+def test_a_delay_that_all_joints_share_is_one_warning_with_its_milliseconds(
+    made: tuple[Robot, Logs], seconds: float
+) -> None:
+    robot, logs = made
+    (finding,) = said(robot, [late(each, seconds) for each in logs])
+    assert (finding.severity, finding.rule) == ("warning", "effort_delay")
+    assert finding.value == pytest.approx(seconds, abs=0.01)
+    assert all(f"i.{name}" in finding.channel + finding.detail for name in JOINTS)
+    assert ("late" in finding.detail) == (seconds > 0.0)
+
+
+def test_of_one_late_joint_no_other_is_told(made: tuple[Robot, Logs]) -> None:
+    """What a joint gains alone has to be as sure as what all gain together: that takes a longer delay."""
+    robot, logs = made
+    (finding,) = said(robot, [late(each, 0.1, ("j1",)) for each in logs])
+    assert (finding.channel, finding.rule) == ("i.j1", "effort_delay")
+    assert finding.value == pytest.approx(0.1, abs=0.015)
+    assert "alike" not in finding.detail
+
+
+def test_two_samples_are_not_told(made: tuple[Robot, Logs]) -> None:
+    robot, logs = made
+    assert said(robot, [late(each, 0.02) for each in logs]) == []
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_coloured_noise_is_no_delay(made: tuple[Robot, Logs], seed: int) -> None:
+    """A slow wander of a tenth of the current: what is left is alike at neighbours, and some shift always fits it."""
+    robot, logs = made
+    rng = np.random.default_rng(seed)
+
+    def wander(values: np.ndarray) -> np.ndarray:
+        slow = np.convolve(rng.standard_normal(len(values) + 99), np.ones(100), "valid")
+        return values + 0.1 * np.std(values) * slow / np.std(slow)
+
+    noisy = [each | {f"i.{name}": wander(each[f"i.{name}"]) for name in JOINTS} for each in logs]
+    assert said(robot, noisy) == []
+
+
+def test_one_late_log_among_others_of_another_rate_raises_no_exception(made: tuple[Robot, Logs]) -> None:
+    robot, logs = made
+    half = {name: values[::3] for name, values in logs[0].items()}
+    assert said(robot, [half, *logs[1:]]) == []
