@@ -20,7 +20,6 @@ EXPECTED = Expectation(
     contacts={"l_foot": 1.0, "r_foot": 1.0},
     actuation={"hip": "current", "knee": "current", "ankle": "torque", "finger": "current"},
     noise={"q": 6e-5, "i": 0.05, "tau": 0.05, "acc": 0.05, "gyro": 0.005, "force": 1.0, "moment": 0.1},
-    up_in_imu=(0.0, 0.0, 1.0),
 )
 CLOCK = Expectation(rate_hz=RATE)
 Channels = dict[str, np.ndarray]
@@ -172,11 +171,8 @@ def remove_gravity(channels: Channels) -> None:
         )
 
 
-def upside_down(channels: Channels) -> None:
-    channels["acc.z"] *= -1.0
-    channels["acc.y"] *= -1.0
-    channels["gyro.z"] *= -1.0
-    channels["gyro.y"] *= -1.0
+def exchange_gyro(channels: Channels) -> None:
+    channels["gyro.x"], channels["gyro.y"] = -channels["gyro.y"], channels["gyro.x"]
 
 
 def couple_first(channels: Channels) -> None:
@@ -212,10 +208,10 @@ CASES = [
     ("acceleration_unit", "acc", scale("acc", 1 / 9.81)),
     ("acceleration_scale", "acc", scale("acc", 1.2)),
     ("gravity_missing", "acc", remove_gravity),
-    ("acceleration_sign", "acc", upside_down),
     ("gyro_in_degrees", "gyro", scale("gyro", 57.3)),
     ("gyro_sign", "gyro", scale("gyro", -1.0)),
     ("gyro_scale", "gyro", scale("gyro", 2.0)),
+    ("gyro_frame", "gyro", exchange_gyro),
     ("wrench_sign", "ft.*", scale("ft", -1.0)),
     ("wrench_sign", "ft.*", scale("ft.r_foot", -1.0)),
     ("force_unit", "ft.*", scale("ft", 1 / 9.81)),

@@ -11,7 +11,8 @@ import pytest
 from tests.fuzz.small_robots import simulated_logs, write_study
 from tests.plausibility.test_examine import as_log
 
-from exogauge.logs.findings import Finding
+from exogauge.logs.body_rules import gyro_against_tilt
+from exogauge.logs.findings import Expectation, Finding
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
 from exogauge.studies.robot_file import load_robot
@@ -78,6 +79,17 @@ def test_exchanged_axes_are_told_once_in_each_log_and_the_advice_mends_them(
         mended = mapped(finding.advice, each)
         for name in ("acc.x", "acc.y", "acc.z", "gyro.x", "gyro.y", "gyro.z"):
             assert np.array_equal(mended[name], clean[name])
+
+
+@pytest.mark.parametrize("P", [YAW, CYCLE, CYCLE.T])
+def test_a_gyro_turned_against_its_accelerometer_is_told_and_mended(logs: Logs, P: np.ndarray) -> None:
+    for k, clean in enumerate(logs[:2]):
+        wrong = turned(clean, P, ("gyro",))
+        (finding,) = gyro_against_tilt(as_log(k, wrong), Expectation())
+        assert (finding.severity, finding.rule) == ("error", "gyro_frame")
+        mended = mapped(finding.advice, wrong)
+        assert all(np.array_equal(mended[f"gyro.{axis}"], clean[f"gyro.{axis}"]) for axis in "xyz")
+        assert list(gyro_against_tilt(as_log(k, clean), Expectation())) == []
 
 
 def test_a_skew_mounting_is_told_with_its_angles(robot: Robot, logs: Logs) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 100
 TILT_HZ = 1.0  # below that an accelerometer sees the direction of gravity
 STEADY = 0.2  # relative variation of |acc| below TILT_HZ up to which its direction is that of gravity
 TILT_RATE = 0.02  # [rad/s] rms: slower tilting says nothing about the gyro
+UNLIKE, ALIKE = 0.5, 0.9  # likeness of the gyro with gravity's motion below which its axes are in doubt, above not
+MORE_ALIKE = 0.5  # of what the second best of 48 exchanges of axes misses of full likeness
 WEIGHT_TOLERANCE = 0.1
 SIGN_TOLERANCE = 0.25
 
@@ -49,17 +52,6 @@ def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
         yield Finding("warning", "acc", "acceleration_scale", detail, advice, value=size)
 
 
-def acceleration_points_down(log: Log, expected: Expectation) -> Iterator[Finding]:
-    acc = _vector(log, ACC)
-    if acc is None or expected.up_in_imu is None:
-        return
-    mean = np.mean(acc, axis=0)
-    cosine = float(mean @ np.asarray(expected.up_in_imu) / np.linalg.norm(mean))
-    if cosine < -0.5:
-        detail = "points down while the robot stands: an accelerometer at rest measures +9.81 upwards"
-        yield Finding("error", "acc", "acceleration_sign", detail, "reverse its sign in the mapping", value=cosine)
-
-
 def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
     """The gyro must explain how gravity's direction n moves in the IMU: n x dn/dt = -(w - n (n.w))."""
     acc, gyro = _vector(log, ACC), _vector(log, GYRO)
@@ -74,13 +66,12 @@ def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
         return  # no gravity in it, or too much else: another rule's business
     up = slow / size[:, None]
     seen = -np.cross(up, differentiate(up, log.rate_hz))
-    omega = low_pass.apply(gyro)
-    omega = omega - up * np.sum(up * omega, axis=1)[:, None]
     inner = slice(low_pass.settle_samples, -low_pass.settle_samples)
-    seen, omega = seen[inner], omega[inner]
+    whole, up, seen = low_pass.apply(gyro)[inner], up[inner], seen[inner]
+    omega = _across(up, whole)
     if np.sqrt(np.mean(seen**2)) < TILT_RATE or not omega.any():
         return
-    likeness = float(np.sum(seen * omega) / (np.linalg.norm(seen) * np.linalg.norm(omega)))
+    likeness = _likeness(seen, omega)
     gain = float(np.linalg.norm(omega) / np.linalg.norm(seen)) * float(np.sign(likeness))
     if likeness > 0.8 and 40.0 < gain < 80.0:
         detail = f"turns {gain:.3g} times faster than gravity's direction in the accelerometer"
@@ -94,6 +85,42 @@ def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
     elif likeness > 0.8 and not 0.7 < gain < 1.4:
         detail = f"turns {gain:.3g} times as fast as gravity's direction in the accelerometer"
         yield Finding("warning", "gyro", "gyro_scale", detail, "check its unit and scale", value=gain)
+    elif likeness < UNLIKE and (axes := _gyro_axes(up, seen, whole)) is not None:
+        detail = f"does not turn as gravity's direction in the accelerometer does (likeness {likeness:.2f})"
+        advice = f"in a mapping, take for gyro {axes}, or exchange those of acc"
+        yield Finding("error", "gyro", "gyro_frame", detail, advice, value=likeness)
+
+
+def _gyro_axes(up: Array, seen: Array, gyro: Array) -> str | None:
+    """The exchange of its axes with which the gyro explains what is seen, where one does and no other nearly as well.
+
+    All 48 are tried: of three axes one may have its sign reversed. Of a body that stays upright the vertical axis says
+    nothing; then of two that differ in one sign the right-handed one is taken.
+    """
+    found = [
+        (_likeness(seen, _across(up, gyro[:, order] * signs)), order, signs)
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]
+    best = max(likeness for likeness, *_ in found)
+    near, doubt = [each for each in found if MORE_ALIKE * (1.0 - each[0]) <= 1.0 - best], ""
+    if len(near) == 2:
+        doubt = " (one sign, which these logs cannot tell, by the right hand)"
+        near = [each for each in near if np.linalg.det(np.eye(3)[list(each[1])]) * np.prod(each[2]) > 0.0]
+    if best < ALIKE or len(near) != 1:
+        return None
+    _, order, signs = near[0]
+    source = [f"{'-' if sign < 0.0 else ''}{'xyz'[k]}" for k, sign in zip(order, signs, strict=True)]
+    return ", ".join(f"{axis} := {each}" for axis, each in zip("xyz", source, strict=True)) + doubt
+
+
+def _across(up: Array, omega: Array) -> Array:
+    """What of an angular velocity moves gravity's direction."""
+    return np.asarray(omega - up * np.sum(up * omega, axis=1)[:, None])
+
+
+def _likeness(seen: Array, omega: Array) -> float:
+    return float(np.sum(seen * omega) / (np.linalg.norm(seen) * np.linalg.norm(omega) + 1e-12))
 
 
 def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:

@@ -26,7 +26,6 @@ RULES: tuple[Rule, ...] = (
     joint_rules.current_in_milliamperes,
     joint_rules.velocity_is_another,
     body_rules.gravity_at_rest,
-    body_rules.acceleration_points_down,
     body_rules.gyro_against_tilt,
     body_rules.feet_carry_the_weight,
 )

@@ -50,7 +50,7 @@ class Expectation:
 
     rate_hz: as declared. joints: by name. weight_n: total mass x g [N]. contacts: sign of each contact sensor that
     carries the standing robot (+1: world on robot). actuation: `current`, `torque` or `none` by joint. noise: std
-    by channel kind, as in robot.yaml. up_in_imu: (3,) the upward direction in the IMU frame while the robot stands.
+    by channel kind, as in robot.yaml.
     """
 
     rate_hz: float | None = None
@@ -59,7 +59,6 @@ class Expectation:
     contacts: Mapping[str, float] = field(default_factory=dict)
     actuation: Mapping[str, str] = field(default_factory=dict)
     noise: Mapping[str, float] = field(default_factory=dict)
-    up_in_imu: tuple[float, float, float] | None = None
 
 
 Rule = Callable[[Log, Expectation], Iterator[Finding]]
