@@ -15,7 +15,7 @@ from exogauge.identification.settings import Recording, Settings
 @dataclass
 class Tried:
     left: float
-    kept: float = 1.0
+    keeps_most: bool = True
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_a_cutoff_that_explains_more_is_not_given_up_for_a_lower_one(robot_and_l
 
 def test_a_cutoff_at_which_turns_take_most_of_a_motion_is_not_taken(robot_and_log):
     robot, log, first = robot_and_log
-    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, 0.6 if hz > 1.5 * first else 0.1))
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 1.5 * first))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
 
 

@@ -18,17 +18,16 @@ HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
 AS_GOOD = np.log(1.02)  # two per cent of the residual are of no use to anyone; a lower cut-off lets in less noise
 STOP = np.log(1.15)  # so much worse that no other gain makes up for it
-MOST = 0.5  # of what an axis moves in one direction: less must not be left to fit
 
 
 class Trial(Protocol):
     """left: mean over channels of the logarithm of the share of the unfiltered channel that is left unexplained in
-    blocks that were not fitted. kept: the smallest share of an axis' motion in one direction that gives rows."""
+    blocks that were not fitted. keeps_most: of the motion, and of both directions of every axis."""
 
     @property
     def left(self) -> float: ...
     @property
-    def kept(self) -> float: ...
+    def keeps_most(self) -> bool: ...
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
@@ -54,25 +53,25 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
             break
     cutoff_hz = first
     while cutoff_hz < highest:
-        left, kept = tried[cutoff_hz]
+        left, keeps = tried[cutoff_hz]
         cutoff_hz = min(2.0 * cutoff_hz, highest)
         tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
         improved = not np.isfinite(left) or tried[cutoff_hz][0] < left - AS_GOOD
-        if (kept >= MOST and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
+        if (keeps and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
             break
     as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
-    keeping = [hz for hz, (left, kept) in tried.items() if left <= _best(tried) + STOP and kept >= MOST]
+    keeping = [hz for hz, (left, keeps) in tried.items() if left <= _best(tried) + STOP and keeps]
     return min(set(as_good) & set(keeping) or keeping or as_good)
 
 
-def _best(tried: Mapping[float, tuple[float, float]]) -> float:
+def _best(tried: Mapping[float, tuple[float, bool]]) -> float:
     return min(left for left, _ in tried.values())
 
 
-def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, float]:
-    """(left, kept); left inf where so low a bandwidth leaves no steady motion to identify from."""
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, bool]:
+    """(left, keeps most); left inf where so low a bandwidth leaves no steady motion to identify from."""
     try:
         found = trial(log, cutoff_hz)
     except NotIdentifiable:
-        return np.inf, 0.0
-    return found.left, found.kept
+        return np.inf, False
+    return found.left, found.keeps_most

@@ -15,7 +15,7 @@ from exogauge.identification.prior import added_std, per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import FOLDS, PASSES, solve
 from exogauge.identification.static_friction import fill_static_friction
-from exogauge.identification.steady import smallest_share
+from exogauge.identification.steady import keeps_most
 from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 
@@ -26,10 +26,10 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class QuickFit:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
-    is left unexplained in blocks that were not fitted. kept: see `steady.smallest_share`."""
+    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`."""
 
     left: float
-    kept: float
+    keeps_most: bool
 
 
 def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
@@ -59,4 +59,4 @@ def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
             error = values[block] - predicted[channel][block]
             residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
     shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
-    return QuickFit(float(np.mean(0.5 * np.log(shares))), smallest_share(prepared))
+    return QuickFit(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared))

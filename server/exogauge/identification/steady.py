@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 HARDLY = 0.01  # of a log in one direction: an axis that moves for less has no say in it
 SHORTEST_S = 1.0  # a joint that moves for less was not meant to
+MOST = 0.5  # of all axes' motion together
+LEAST = 0.2  # of an axis' motion in one direction
 ENOUGH = 0.25  # of what a joint moves, in steady motion: below, the reader is warned
 
 
@@ -54,11 +56,14 @@ def steady_warnings(shares: Sequence[SteadyShare]) -> list[str]:
     return warnings
 
 
-def smallest_share(log: Prepared) -> float:
-    """Of an axis' motion in one direction, what is steady: the least over all that move; 1 where nothing moves."""
+def keeps_most(log: Prepared) -> bool:
+    """Whether what is left out around turns takes neither most of the axes' motion nor one direction of any axis."""
     moving, steady = _counts(log)
     counted = moving > HARDLY * log.log.samples
-    return float(np.min(steady[counted] / moving[counted])) if counted.any() else 1.0
+    if not counted.any():
+        return True
+    pooled = float(steady[counted].sum() / moving[counted].sum())
+    return pooled >= MOST and bool(np.all(steady[counted] >= LEAST * moving[counted]))
 
 
 def _seconds(logs: Sequence[Prepared], axes: int) -> Array:
