@@ -49,7 +49,7 @@ class Plan:
 
 
 def plan(seed: int) -> Plan:
-    """Styles by turns, then robots; rates and actuation by another count, so that all meet all."""
+    """Styles by turns, then robots, twenty seeds a round; rates and actuation by other counts, so that all meet all."""
     styles = tuple(STYLES)
     robot = ROBOTS[(seed // len(styles)) % len(ROBOTS)]
     return Plan(
@@ -57,7 +57,7 @@ def plan(seed: int) -> Plan:
         robot,
         styles[seed % len(styles)],
         200.0 if robot.base_link else RATES_HZ[(seed + seed // 4) % 3],
-        "current" if (seed // 2) % 2 else "torque",
+        "current" if (seed // 2 + seed // 20) % 2 else "torque",
         SOFT if seed % 8 in (3, 4) else 0.0,
     )
 
