@@ -28,8 +28,9 @@ Array = NDArray[np.float64]
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 TURNING = 1.5  # times its noise: a gyro that varies by more turns
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
-RECOVERY = 1.0  # periods of the cut-off before and after that, until the axis counts as in steady motion: when a joint
-# starts is known to some hundredths of a second, and of what that does to a low-passed step 9 % are left by then
+RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
+STARTING = 1.3  # periods of the cut-off before and after a rest: when a joint starts is known to some hundredths of a
+# second only, and of what that does to a low-passed step less than a tenth is left by then
 GYRO_SHARE = (
     0.5  # of the cut-off with the least error of the gyro's derivative: noise in a regressor biases, loss hardly
 )
@@ -174,6 +175,8 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     settle = min(_settle_samples(log, low_pass), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
     turning = binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool))
+    starting = round(STARTING * log.rate_hz / cutoff_hz)
+    turning |= binary_dilation(turns.direction == 0.0, np.ones((2 * starting + 1, 1), dtype=bool))
     motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
     return Prepared(
         log=log,
