@@ -45,7 +45,7 @@ def _sizes(finding: Finding) -> dict[str, tuple[float, float]]:
     found = finding.parameters
     if "mass" in found:
         return {"mass": _pair(found["mass"])}
-    if "ratio" in found:
+    if "ratio" in found and finding.effect != "coupling":  # there it is a shape: of the speeds of two joints
         return {"ratio - 1": (found["ratio"].value - 1.0, found["ratio"].std)}
     effects = [each for each in missing_effects() if each.name == finding.effect]
     straight = [each for each in effects if all(one.choice or one.name in (LOG, SINCE) for one in each.shapes)]

@@ -139,7 +139,8 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
     claims: dict[str, list[str]] = {}
     for name, each in found.items():
         if isinstance(each, Suggestion):
-            own_clock = each.channel == "t" and name.endswith(".stamp")  # of a bag, where each topic has its own
+            topic = name.removesuffix("stamp")  # of a bag, where each has a clock of its own
+            own_clock = each.channel == "t" and topic != name and sum(other.startswith(topic) for other in found) > 1
             claims.setdefault(name if own_clock else each.channel, []).append(name)
     doubled = {name: names for names in claims.values() if len(names) > 1 for name in names}
 
