@@ -1,4 +1,4 @@
-"""`python -m tests.plain [--seeds 1:41]`: writes, evaluates and scores plain studies, two at a time."""
+"""`python -m tests.plain [--seeds 0:40]`: writes, evaluates and scores plain studies, two at a time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.plain.score import summary
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", default="1:41", help="first:stop")
+    parser.add_argument("--seeds", default="0:40", help="first:stop")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--keep", default="", help="folder for studies and results")
     parser.add_argument("--json", default="", help="file for all figures")
