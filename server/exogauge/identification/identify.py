@@ -89,7 +89,8 @@ def identify(
     fitted = [ready(log) for log in fitted_logs]
     seen = scales(robot, fitted)
     prior = per_parameter(robot, base, equations.effects, seen, added_std(equations, fitted, seen))
-    warnings = [] if scale_is_known(robot) else [SCALE_UNKNOWN]
+    known_scale = scale_is_known(robot)
+    warnings = [] if known_scale else [SCALE_UNKNOWN]
     solution = solve(equations, fitted, prior, settings, progress)
     _refuse_impossible_gains(equations, solution)
 
@@ -105,7 +106,6 @@ def identify(
         equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
     )
     condition, rank = solution.solved.condition_and_rank()
-    known_scale = scale_is_known(robot)
     parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, known_scale)
     gains = solution.gains.columns + (len(standard) - equations.size)
     but_for_scale = covariance if known_scale else given_the_scale(covariance, gains, standard)
