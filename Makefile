@@ -11,10 +11,12 @@ CHROMIUM := command -v chromium >/dev/null || { \
 	echo "installing Chromium with apt-get …"; \
 	apt-get update -qq && apt-get install -y -qq chromium >/dev/null || { \
 	echo "install the package chromium and try again"; exit 1; }; }
+# A file's tests stay in one process: a study that they share is evaluated in one of the two, not in both.
+TESTS := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check fuzz bench plain blind lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz bench tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -44,8 +46,8 @@ web-dev: $(READY)  ## the web app as its source is, reloaded on every change; `m
 openapi: $(READY)  ## write web/openapi.json, which the web app's types are made of
 	$(BIN)/python -m exogauge.api.openapi_file web/openapi.json
 
-test: web  ## all tests but those that drive a browser, which `make e2e` runs
-	$(BIN)/python -m pytest -n 2 -m "not e2e"
+test: check  ## what `make check` does and the slow tests: all but those that drive a browser, which `make e2e` runs
+	$(TESTS) -m "slow and not e2e"
 
 e2e: web  ## drive the web app in Chromium; as root on Debian it installs Chromium if it is missing
 	@$(CHROMIUM)
@@ -56,12 +58,21 @@ screenshots: web  ## the same, keeping a picture of every page in the folder SCR
 	EXOGAUGE_TEST_SCREENSHOTS=$(abspath $(SCREENSHOTS)) $(BIN)/python -m pytest tests/e2e
 
 check: web  ## style, types, import layers, migrations and the quick tests, in under three minutes
+	@$(MAKE) --no-print-directory -j 2 types style layers page
+	$(TESTS) -m "not slow"
+
+types:
+	$(BIN)/mypy
+
+style:
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy
+
+layers:
 	$(BIN)/lint-imports
+
+page:
 	$(BIN)/python web/build_page.py check
-	$(BIN)/python -m pytest -m "not slow" -n 2
 
 .venv-bench/.ready: tests/bench/requirements.lock  # figaroh, the rival, in an environment of its own
 	$(PYTHON) -m venv .venv-bench
@@ -75,7 +86,10 @@ STUDIES ?= 300
 REQUESTS ?= 100
 
 fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUESTS=100, others every time
-	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
+	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/plausibility/test_share.py tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
+
+tables: $(READY)  ## the tables of docs/effects.md, made of the catalogue of effects
+	$(BIN)/python -m tests.effects.tables
 
 SEEDS ?= 0:40
 
@@ -91,11 +105,19 @@ blind: $(READY)  ## how often a hidden effect is named: CASES=200 SEED=1, in the
 	$(BIN)/exogauge blind run $(BLIND) || test $$? = 1  # 1: a case failed, and counts as silent
 	$(BIN)/exogauge blind score $(BLIND) --json $(BLIND)/score.json
 
+BASE ?= main
+ONLY ?= sample,real,blind
+RTOL ?= 1e-9
+KEPT ?= exogauge-data/gate
+
+same: $(READY)  ## do two trees give the same numbers? BASE=REVISION, ONLY=sample,blind:0:10,real, RTOL=1e-9
+	$(BIN)/python -m tests.gate $(BASE) --only $(ONLY) --rtol $(RTOL) --kept $(KEPT)
+
 lock:  ## resolve pyproject.toml anew into requirements.lock (hashes, no addresses)
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet uv
-	$(COMPILE) --extra build --extra test --extra check --extra fast --extra sample pyproject.toml -o requirements.lock
-	$(COMPILE) --extra build --extra fast --constraint requirements.lock pyproject.toml -o docker/requirements.lock
+	$(COMPILE) --extra build --extra test --extra check --extra sample pyproject.toml -o requirements.lock
+	$(COMPILE) --extra build --constraint requirements.lock pyproject.toml -o docker/requirements.lock
 
 clean:  ## remove the environment and caches
 	rm -rf .venv .venv-* web/node_modules web/dist .cache .pytest_cache .mypy_cache .ruff_cache

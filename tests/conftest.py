@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.settings import Settings
     from exogauge.storage.store import Storage
 
+KINDS = ("sqlite", "postgresql")
 BINARIES = ("/usr/lib/postgresql/*/bin", "/usr/local/pgsql/bin", "/opt/homebrew/bin")
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")
@@ -90,14 +91,14 @@ def can_create_databases(url: str) -> bool:
 
 
 @pytest.fixture(scope="session")
-def throw_away_database(postgres_server: str) -> Callable[[], AbstractContextManager[str]]:
-    """A context whose value is the address of a new, empty PostgreSQL database."""
+def throw_away_database(postgres_server: str) -> Callable[..., AbstractContextManager[str]]:
+    """(name of a database to copy) -> a context with the address of a new PostgreSQL database, empty without a name."""
 
     @contextmanager
-    def create() -> Iterator[str]:
+    def create(copied: str = "template1") -> Iterator[str]:
         name = f"exogauge_test_{uuid4().hex[:12]}"
         with psycopg.connect(postgres_server, autocommit=True) as connection:
-            connection.execute(f'CREATE DATABASE "{name}"')
+            connection.execute(f'CREATE DATABASE "{name}" TEMPLATE "{copied}"')
         yield postgres_server.rsplit("/", 1)[0] + f"/{name}"
         with psycopg.connect(postgres_server, autocommit=True) as connection:
             connection.execute(f'DROP DATABASE "{name}" WITH (FORCE)')
@@ -106,18 +107,62 @@ def throw_away_database(postgres_server: str) -> Callable[[], AbstractContextMan
 
 
 @pytest.fixture
-def postgres_url(throw_away_database: Callable[[], AbstractContextManager[str]]) -> Iterator[str]:
+def postgres_url(throw_away_database: Callable[..., AbstractContextManager[str]]) -> Iterator[str]:
     with throw_away_database() as url:
         yield url
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
-def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+@pytest.fixture(params=KINDS)
+def empty_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     """The address of a new, empty database, on each kind in turn."""
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'test.sqlite'}"
     url: str = request.getfixturevalue("postgres_url")
     return url
+
+
+@pytest.fixture(params=KINDS)
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The address of a new database with every table and no row, on each kind in turn: a copy of one that was migrated
+    once."""
+    if request.param == "sqlite":
+        shutil.copy(request.getfixturevalue("migrated_sqlite"), tmp_path / "test.sqlite")
+        return f"sqlite:///{tmp_path / 'test.sqlite'}"
+    url: str = request.getfixturevalue("migrated_postgres_url")
+    return url
+
+
+@pytest.fixture(scope="session")
+def migrated_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("migrated") / "test.sqlite"
+    migrate_all(f"sqlite:///{path}")
+    assert [each.name for each in path.parent.iterdir()] == ["test.sqlite"]  # nothing is left in a log beside it
+    return path
+
+
+@pytest.fixture(scope="session")
+def migrated_postgres(throw_away_database: Callable[..., AbstractContextManager[str]]) -> Iterator[str]:
+    """The name of a database to copy, which nobody else may be connected to."""
+    with throw_away_database() as url:
+        migrate_all(url)
+        yield url.rsplit("/", 1)[1]
+
+
+@pytest.fixture
+def migrated_postgres_url(
+    throw_away_database: Callable[..., AbstractContextManager[str]], migrated_postgres: str
+) -> Iterator[str]:
+    with throw_away_database(migrated_postgres) as url:
+        yield url
+
+
+def migrate_all(url: str) -> None:
+    """Our tables and the queue's."""
+    from exogauge.jobs.engine import migrate_engine
+    from exogauge.storage.migrate import upgrade
+
+    upgrade(url)
+    migrate_engine(url)
 
 
 @pytest.fixture
@@ -130,10 +175,8 @@ def settings(database_url: str, tmp_path: Path) -> Settings:
 @pytest.fixture
 def storage(settings: Settings) -> Iterator[Storage]:
     """A migrated database and an empty blob store."""
-    from exogauge.storage.migrate import upgrade
     from exogauge.storage.store import open_storage
 
-    upgrade(settings.database_url)
     opened = open_storage(settings)
     yield opened
     opened.close()

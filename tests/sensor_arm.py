@@ -16,7 +16,7 @@ import yaml
 
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.intake.robot_file import load_robot
 
 RATE = 100.0  # [Hz]
 JOINTS = ("j1", "j2", "j3", "j4")

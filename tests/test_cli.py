@@ -15,7 +15,7 @@ from exogauge.errors import BadLog
 from exogauge.logs.mapping import read_mapped
 from exogauge.settings import Settings
 from exogauge.storage import migrate
-from exogauge.studies.mapping_file import load_mapping
+from exogauge.studies.intake.mapping_file import load_mapping
 from exogauge.terminal import text_table
 
 
@@ -73,8 +73,8 @@ def test_a_mapping_is_drafted_and_reads_the_files_once_what_is_open_is_said(tmp_
     np.testing.assert_allclose(log.channels["q.elbow"], np.radians(57.3) * np.sin(log.time * 2), atol=1e-9)
 
 
-def test_migrate_makes_our_tables_and_the_queues_and_may_be_repeated(database_url, tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", database_url)
+def test_migrate_makes_our_tables_and_the_queues_and_may_be_repeated(empty_database_url, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", empty_database_url)
     monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(tmp_path))
     for _ in range(2):
         assert main(["migrate"]) == 0

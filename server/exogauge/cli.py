@@ -193,10 +193,10 @@ def run_study(options: argparse.Namespace) -> int:
 
 def examine_logs(options: argparse.Namespace) -> int:
     """1 when a log has an error."""
-    from exogauge.studies.admit import admit
-    from exogauge.studies.examine_logs import examine_logs as examined
-    from exogauge.studies.notices import by_sort, named
-    from exogauge.studies.open import open_study
+    from exogauge.studies.intake.admit import admit
+    from exogauge.studies.intake.open import open_study
+    from exogauge.studies.results.examine_logs import examine_logs as examined
+    from exogauge.studies.words.notices import by_sort, named
     from exogauge.terminal import text_table
 
     with open_study(options.study) as study:
@@ -222,8 +222,8 @@ def examine_logs(options: argparse.Namespace) -> int:
 
 
 def draft_mapping(options: argparse.Namespace) -> int:
-    from exogauge.studies.device_on_robot import read_wearer
-    from exogauge.studies.mapping_draft import draft
+    from exogauge.studies.import_log.mapping_draft import draft
+    from exogauge.studies.intake.device_on_robot import read_wearer
 
     robot = None if options.robot is None else read_wearer(options.robot, None)
     text = draft(options.files, robot)
@@ -236,10 +236,10 @@ def draft_mapping(options: argparse.Namespace) -> int:
 
 
 def check_device(options: argparse.Namespace) -> int:
-    from exogauge.studies.device_on_robot import check_device_file, read_wearer
-    from exogauge.studies.device_picture import draw_device
-    from exogauge.studies.device_text import device_text
-    from exogauge.studies.link_table import link_table, via_point_at
+    from exogauge.studies.device_pages.device_picture import draw_device
+    from exogauge.studies.device_pages.device_text import device_text
+    from exogauge.studies.device_pages.link_table import link_table, via_point_at
+    from exogauge.studies.intake.device_on_robot import check_device_file, read_wearer
 
     if options.device is None:
         robot, device = read_wearer(options.robot, options.study), None
@@ -256,7 +256,7 @@ def check_device(options: argparse.Namespace) -> int:
 
 
 def ask_what_if(options: argparse.Namespace) -> int:
-    from exogauge.studies import what_if
+    from exogauge.studies.device_pages import what_if
 
     asked = what_if.ask(options.study, options.log, options.device, options.changes, options.main)
     print(what_if.to_json(asked.answer()).decode() if options.json else asked.text(), end="" if options.json else "\n")

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.discrepancy_sentences import (
+from exogauge.studies.words.discrepancy_sentences import (
     at,
     chain_unit,
     chain_words,
@@ -16,11 +16,10 @@ from exogauge.studies.discrepancy_sentences import (
     left_sentence,
     looked_at,
     moves,
-    step_words,
     verdict_sentence,
 )
-from exogauge.studies.effect_words import capital, listed
-from exogauge.studies.rounding import with_std
+from exogauge.studies.words.effect_words import capital, listed
+from exogauge.studies.words.rounding import with_std
 from exogauge.terminal import text_table
 
 WIDTH = 100
@@ -54,9 +53,7 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
 
 def chain(links: Sequence[Mapping[str, Any]]) -> str:
     """RMSE of each model, and the channel furthest above its floor."""
-    rows = [
-        [step_words(each["step"]), figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links
-    ]
+    rows = [[each["step"], figure(each["rmse"]), figure(each["noise_floor"]), *furthest(each)] for each in links]
     unit = links[-1]["unit"]
     columns = ("model", f"RMSE {chain_unit(unit)}", "noise floor", "furthest above its floor", "RMSE", "floor")
     table = text_table(columns, rows, widest=60)

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from exogauge.discrepancy_text import discrepancy_text, lead_text
-from exogauge.studies.notices import notice, repeats
-from exogauge.studies.rounding import significant, with_std
+from exogauge.studies.words.notices import notice, repeats
+from exogauge.studies.words.rounding import significant, with_std
 from exogauge.support_text import stiffness_text, support_text
 from exogauge.terminal import text_table
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.rounding import between, rounded, significant, with_std
+from exogauge.studies.words.rounding import between, rounded, significant, with_std
 from exogauge.terminal import text_table
 
 APPROACHES = ("A", "B", "prior")

@@ -56,6 +56,7 @@ def hand_in(client: TestClient, robot: str, as_form: Callable[..., Any]) -> Call
     return post
 
 
+@pytest.mark.slow  # reads in child processes
 def test_a_device_is_checked_against_its_robot_kept_and_handed_back(
     client: TestClient, robot: str, hand_in: Callable[..., Any], pack: Callable[..., bytes]
 ) -> None:
@@ -193,6 +194,7 @@ def logs(client: TestClient, study_files: dict[str, bytes], monkeypatch: pytest.
     return ids
 
 
+@pytest.mark.slow  # reads in child processes
 def test_a_study_from_parts_names_what_was_worn(
     client: TestClient, robot: str, hand_in: Callable[..., Any], logs: list[str]
 ) -> None:

@@ -10,7 +10,6 @@ import pytest
 import sqlalchemy as sa
 
 from exogauge.jobs import claims, recipes
-from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.leases import Lease
 from exogauge.storage.files import PinnedFile
 
@@ -18,9 +17,8 @@ BURN = recipes.Recipe("burn", "nowhere:burn", timeout_s=60.0)
 
 
 @pytest.fixture
-def study(app, settings, monkeypatch):
+def study(app, monkeypatch):
     """The id of a study in the store."""
-    migrate_engine(settings.database_url)
     monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
     storage = app.state.storage
     blob = storage.blobs.put(b"version: 1\n")

@@ -88,6 +88,7 @@ def test_unknown_parts_of_a_study_are_not_found(client: TestClient) -> None:
     problem(client.post(f"{V1}/studies", json=body), 404)
 
 
+@pytest.mark.slow  # reads in child processes
 @pytest.mark.parametrize(
     ("file", "old", "new", "status", "expected"),
     [
@@ -123,6 +124,7 @@ def test_a_broken_study_is_refused_at_its_place(
     assert client.get(f"{V1}/studies").json()["items"] == []
 
 
+@pytest.mark.slow  # reads in child processes
 def test_what_is_wrong_with_any_log_is_told_at_once(
     client: TestClient, study_files: dict[str, bytes], as_form: Callable[..., Any]
 ) -> None:

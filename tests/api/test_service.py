@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -96,6 +97,12 @@ def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
         names += [study["name"] for study in page["items"]]
         cursor = page["next_cursor"]
     assert names == [f"study {k}" for k in (4, 3, 2, 1, 0)]
+
+
+def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_url: str, tmp_path: Path) -> None:
+    with TestClient(create_app(Settings(data_dir=tmp_path, database_url=empty_database_url, workers=0))) as client:
+        assert client.get("/healthz").json()["database"] == "ok"
+        assert client.get(f"{V1}/studies").json()["items"] == []
 
 
 def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:

@@ -12,6 +12,7 @@ from fastapi.testclient import TestClient
 V1 = "/api/v1"
 
 
+@pytest.mark.slow  # reads in child processes
 def test_a_study_is_handed_in_pinned_and_listed(
     client: TestClient, study_files: dict[str, bytes], pack: Callable[..., bytes]
 ) -> None:
@@ -35,6 +36,7 @@ def test_a_study_is_handed_in_pinned_and_listed(
     assert again.json()["id"] == study["id"]
 
 
+@pytest.mark.slow  # reads in child processes
 @pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 def test_a_study_can_be_put_together_from_a_robot_and_logs(
     client: TestClient, study_files: dict[str, bytes], robot_files: dict[str, bytes], as_form: Callable[..., Any]

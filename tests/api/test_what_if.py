@@ -23,11 +23,11 @@ from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.leases import Lease
 from exogauge.robots.plain_tree import to_plain
 from exogauge.settings import Settings
-from exogauge.studies.bundle import Bundle
-from exogauge.studies.change_entries import ChangesFile
-from exogauge.studies.device_content import device_content
-from exogauge.studies.entry_changes import changes_of
-from exogauge.studies.recorded_motion import read_motion
+from exogauge.studies.device_pages.change_entries import ChangesFile
+from exogauge.studies.device_pages.device_content import device_content
+from exogauge.studies.device_pages.entry_changes import changes_of
+from exogauge.studies.intake.bundle import Bundle
+from exogauge.studies.series.recorded_motion import read_motion
 
 pytestmark = pytest.mark.slow
 

@@ -1,5 +1,5 @@
 """Lengths and Jacobians of bands on Talos against a loop over samples in pinocchio. Memory in a process of its own:
-`python -m tests.bench.bands T numba|numpy`."""
+`python -m tests.bench.bands T`."""
 
 from __future__ import annotations
 
@@ -40,16 +40,14 @@ def measure(samples: int, short: int, repeats: int) -> BandSpeeds:
     """short: samples for pinocchio. Ours walk through a log of one chunk until they have seen `samples`."""
     problem = make("Talos", CHUNK)
     q = problem.motion.q
-    ways = {"numpy": Routing(problem.tree, suit(), fast=False), "numba": Routing(problem.tree, suit(), fast=True)}
+    routing = Routing(problem.tree, suit())
     brief = q[:: max(1, CHUNK // short)][:short]
     rivals = {"pin loop": seconds_of(lambda: pinocchio_loop(problem, brief))}
-    rivals |= {name: seconds_of(lambda way=way: walk(way, q, samples)) for name, way in ways.items()}
+    rivals["ours"] = seconds_of(lambda: walk(routing, q, samples))
     length, jacobian = pinocchio_loop(problem, brief)
-    difference = {}
-    for name, way in ways.items():
-        ours = way.geometry(brief)
-        pairs = ((ours.length, length), (ours.jacobian, jacobian[:, :, way.columns]))
-        difference[name] = max(float(np.abs(mine - theirs).max()) for mine, theirs in pairs)
+    ours = routing.geometry(brief)
+    pairs = ((ours.length, length), (ours.jacobian, jacobian[:, :, routing.columns]))
+    difference = {"ours": max(float(np.abs(mine - theirs).max()) for mine, theirs in pairs)}
     seconds = in_turns(rivals, repeats)
     return BandSpeeds(
         {name: (len(brief) if name == "pin loop" else samples) / s for name, s in seconds.items()}, difference
@@ -119,9 +117,9 @@ def pinocchio_loop(problem: Problem, q: Array) -> tuple[Array, Array]:
     return length, jacobian
 
 
-def memory(samples: int, way: str) -> float:
+def memory(samples: int) -> float:
     """[MB] that `samples` samples add at their peak, in a child that gives freed arrays back at once."""
-    command = [sys.executable, "-m", "tests.bench.bands", str(samples), way]
+    command = [sys.executable, "-m", "tests.bench.bands", str(samples)]
     environment = {**os.environ, "MALLOC_MMAP_THRESHOLD_": "32768"}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)
@@ -129,7 +127,7 @@ def memory(samples: int, way: str) -> float:
 
 def main() -> None:
     problem = make("Talos", CHUNK)
-    routing = Routing(problem.tree, suit(), fast=sys.argv[2] == "numba")
+    routing = Routing(problem.tree, suit())
     walk(routing, problem.motion.q, 10)  # imports, compilation
     print(added(lambda: walk(routing, problem.motion.q, int(sys.argv[1]))))
 

@@ -9,11 +9,11 @@ from typing import final
 from tests.bench.problems import make
 from tests.bench.study import CUTOFF_HZ, log_of, robot_of
 
-from exogauge.discrepancy.ground import lay_ground
-from exogauge.discrepancy.score import score_all
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
+from exogauge.search.baseline import lay_ground
+from exogauge.search.score import score_all
 
 
 @final

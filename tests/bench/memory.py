@@ -1,4 +1,4 @@
-"""How much memory a pass over T samples adds. In a process of its own: `python -m tests.bench.memory T numba|numpy`.
+"""How much memory a pass over T samples adds. In a process of its own: `python -m tests.bench.memory T`.
 
 The log is 1000 samples long and walked through again and again, so that it does not count itself.
 """
@@ -19,16 +19,16 @@ ROOT = Path(__file__).parents[2]
 LOOP = 1000  # samples
 
 
-def measure(samples: int, way: str) -> float:
+def measure(samples: int) -> float:
     """[MB] peak of resident memory during `Equations.collect` on Talos above what was resident before, in a child."""
-    command = [sys.executable, "-m", "tests.bench.memory", str(samples), way]
+    command = [sys.executable, "-m", "tests.bench.memory", str(samples)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     return float(done.stdout)
 
 
-def extra_megabytes(samples: int, way: str) -> float:
+def extra_megabytes(samples: int) -> float:
     """The same in this process."""
-    equations, prepared = equations_of(make("Talos", LOOP + 500), compiled=way == "numba")
+    equations, prepared = equations_of(make("Talos", LOOP + 500))
     x = np.zeros(equations.size)
     equations.collect(replace(prepared, kept=np.arange(2)), x, folds=1)  # imports, compilation
     looped = replace(prepared, kept=np.resize(np.arange(200, 200 + LOOP), samples))
@@ -49,4 +49,4 @@ def _status(name: str) -> float:
 
 
 if __name__ == "__main__":
-    print(extra_megabytes(int(sys.argv[1]), sys.argv[2]))
+    print(extra_megabytes(int(sys.argv[1])))

@@ -8,30 +8,30 @@ from numpy.typing import NDArray
 from tests.bench.problems import Problem, parts
 
 from exogauge.estimation.statistics import Statistics
-from exogauge.robots.row_blocks import Rows, row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 Array = NDArray[np.float64]
 
 BATCH = 400_000  # numbers per batch, 3 MB: 200 samples of Talos, 1000 of an arm
 
 
-def rows_of(problem: Problem, *, compiled: bool) -> Rows:
-    return row_blocks(problem.tree, problem.base, np.eye(len(problem.tree.joints)), fast=compiled)
+def rows_of(problem: Problem) -> RowBlocks:
+    return RowBlocks(problem.tree, problem.base, np.eye(len(problem.tree.joints)))
 
 
-def chunk(rows: Rows) -> int:
+def chunk(rows: RowBlocks) -> int:
     """Samples per batch."""
     return int(np.clip(BATCH // sum(len(columns) + 1 for columns in rows.columns), 100, 1000))
 
 
-def fill_only(problem: Problem, rows: Rows) -> None:
+def fill_only(problem: Problem, rows: RowBlocks) -> None:
     """The blocks alone, thrown away."""
     blocks = None
     for part in parts(problem.samples, chunk(rows)):
         blocks = rows.fill(problem.motion.rows(part), 1, blocks)
 
 
-def gather(problem: Problem, rows: Rows) -> Statistics:
+def gather(problem: Problem, rows: RowBlocks) -> Statistics:
     """One pass over the log."""
     statistics = Statistics.empty(len(problem.base.columns), rows.columns)
     blocks = None
@@ -50,6 +50,6 @@ def solve(statistics: Statistics) -> Array:
     return np.asarray(sl.solve_triangular(upper, Q.T @ root.z))
 
 
-def identify(problem: Problem, rows: Rows) -> Array:
+def identify(problem: Problem, rows: RowBlocks) -> Array:
     """(B,) from the log to the estimate."""
     return solve(gather(problem, rows))

@@ -30,8 +30,8 @@ from exogauge import Client
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import open_storage
-from exogauge.studies.series_file import SeriesFile
-from exogauge.studies.tiles import make_blocks, tiles
+from exogauge.studies.series.file import SeriesFile
+from exogauge.studies.series.tiles import make_blocks, tiles
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

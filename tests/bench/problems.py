@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exogauge.robots.base_parameters import BaseParameters, find_base_parameters
 from exogauge.robots.motion import Motion
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 
@@ -100,7 +100,7 @@ def make(name: str, samples: int, seed: int = 0) -> Problem:
     base = find_base_parameters(tree)
     motion = smooth_motion(tree, np.arange(samples) / RATE_HZ, np.random.default_rng(seed))
     rng = np.random.default_rng(seed + 1)
-    rows = row_blocks(tree, base, np.eye(len(joints)))
+    rows = RowBlocks(tree, base, np.eye(len(joints)))
     phi_base = base.regroup @ (tree.phi.ravel() * (1.0 + 0.1 * rng.normal(size=tree.phi.size)))
     forces = np.concatenate([rows.predict(motion.rows(part), phi_base) for part in parts(samples, STEP)])
     forces += NOISE * rng.normal(size=forces.shape)

@@ -32,26 +32,24 @@ ITERATIONS = 5  # of re-weighting, to the estimate
 @final
 @dataclass
 class Product:
-    """parameters: unknowns. rate: samples per CPU second of the pass, by way. iteration_ms: one IRLS iteration."""
+    """parameters: unknowns. rate: samples per CPU second of the pass. iteration_ms: one IRLS iteration."""
 
     parameters: int
-    rate: dict[str, float]
+    rate: float
     iteration_ms: float
 
 
 def measure(problem: Problem, repeats: int) -> Product:
-    rivals: dict[str, Callable[[], float]] = {}
-    for way in ("numpy", "numba"):
-        equations, prepared = equations_of(problem, compiled=way == "numba")
-        prepared = replace(prepared, kept=np.arange(problem.samples))
-        x = np.zeros(equations.size)
-        rivals[way] = seconds_of(lambda e=equations, p=prepared, x=x: e.collect(p, x, folds=1))
+    equations, prepared = equations_of(problem)
+    prepared = replace(prepared, kept=np.arange(problem.samples))
+    x = np.zeros(equations.size)
     statistics = equations.collect(prepared, x, folds=1)[0]
-    rivals["iteration"] = seconds_of(_iteration(equations, prepared, statistics))
+    rivals = {
+        "pass": seconds_of(lambda: equations.collect(prepared, x, folds=1)),
+        "iteration": seconds_of(_iteration(equations, prepared, statistics)),
+    }
     seconds = in_turns(rivals, repeats)
-    iteration = seconds.pop("iteration")
-    rate = {way: problem.samples / spent for way, spent in seconds.items()}
-    return Product(equations.size, rate, 1e3 * iteration)
+    return Product(equations.size, problem.samples / seconds["pass"], 1e3 * seconds["iteration"])
 
 
 def _iteration(equations: Equations, prepared: Prepared, statistics: Statistics) -> Callable[[], Array]:
@@ -80,7 +78,7 @@ def from_csv(problem: Problem, width: int, folder: Path) -> dict[str, float]:
     spare = [f"{kind}.{name}" for kind in ("dq", "temp") for name in problem.tree.joints]
     columns |= {name: problem.motion.dq[:, k % problem.motion.dq.shape[1]] for k, name in enumerate(spare)}
     pyarrow.csv.write_csv(pa.table(dict(list(columns.items())[:width])), file)
-    equations, _ = equations_of(problem.first(1000), compiled=True)
+    equations, _ = equations_of(problem.first(1000))
     x, robot, seconds, clock = np.zeros(equations.size), equations.robot, dict[str, float](), time.process_time
     start = clock()
     read = read_log(file, "log")

@@ -36,25 +36,22 @@ class Speeds:
 def measure(problem: Problem, short: int, repeats: int, folder: Path) -> Speeds:
     """short: samples for the usual ways, whose time is in proportion to the samples; ours take the whole log."""
     brief = problem.first(short)
-    plain, compiled = (ours.rows_of(problem, compiled=flag) for flag in (False, True))
+    rows = ours.rows_of(problem)
     rivals = {
         "pin regressor alone": seconds_of(lambda: usual.regressor_loop(brief)),
         "pin + stack + lstsq": seconds_of(lambda: usual.stack_and_lstsq(brief)),
         "pin + normal equations": seconds_of(lambda: usual.normal_equations(brief)),
-        "numpy rows alone": seconds_of(lambda: ours.fill_only(problem, plain)),
-        "numpy": seconds_of(lambda: ours.identify(problem, plain)),
-        "numba rows alone": seconds_of(lambda: ours.fill_only(problem, compiled)),
-        "numba": seconds_of(lambda: ours.identify(problem, compiled)),
+        "ours, rows alone": seconds_of(lambda: ours.fill_only(problem, rows)),
+        "ours": seconds_of(lambda: ours.identify(problem, rows)),
         "dgemm": seconds_of(_multiply),
         "gram": seconds_of(lambda: _gram(blocks)),
     }
-    blocks = compiled.fill(problem.motion.rows(slice(0, ours.chunk(compiled))), 1)
-    whole = {name for name in rivals if name.startswith("num")}
+    blocks = rows.fill(problem.motion.rows(slice(0, ours.chunk(rows))), 1)
+    whole = {name for name in rivals if name.startswith("ours")}
     reference = usual.stack_and_lstsq(brief)
     answers = {
         "pin + normal equations": usual.normal_equations(brief),
-        "numpy": ours.identify(brief, plain),
-        "numba": ours.identify(brief, compiled),
+        "ours": ours.identify(brief, rows),
     }
     difference = {name: _relative(answer, reference) for name, answer in answers.items()}
     if problem.tree.floating or not PYTHON.exists():

@@ -13,7 +13,7 @@ from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 Array = NDArray[np.float64]
 
@@ -52,10 +52,10 @@ def log_of(problem: Problem) -> Log:
     return Log(problem.name, np.arange(problem.samples) / RATE_HZ, channels)
 
 
-def equations_of(problem: Problem, *, compiled: bool) -> tuple[Equations, Prepared]:
+def equations_of(problem: Problem) -> tuple[Equations, Prepared]:
     """The equations with five effects per joint, and the log filtered at 10 Hz; all samples kept."""
     robot, log = robot_of(problem), log_of(problem)
-    blocks = row_blocks(problem.tree, problem.base, robot.axes_from_joints, fast=compiled)
+    blocks = RowBlocks(problem.tree, problem.base, robot.axes_from_joints)
     equations = Equations(robot, blocks, problem.base, choose(EFFECTS))
     prepared = prepare(robot, log, CUTOFF_HZ, rest_detection(robot, [log], CUTOFF_HZ))
     return equations, prepared

@@ -147,6 +147,7 @@ def test_what_is_hidden_in_a_joint_is_as_large_as_the_answer_says(arm6, name: st
         assert np.all(more[j] == 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*ELSEWHERE, IN_LOGS])
 def test_what_is_hidden_elsewhere_shows_where_the_answer_says(torso8, name: str) -> None:
     """What is put into the logs leaves the ratio of the answer on the channel of the answer."""

@@ -32,3 +32,12 @@ def test_the_truth_is_inside_at_least_as_often_as_is_said(share: float) -> None:
 def test_every_count_of_cases_gets_its_interval_under_its_own_keys() -> None:
     found = {"cases": 5, "clean": {"n": 2, "false_alarms": 0, "with_clutter": {"n": 0, "false_alarms": 0}}}
     assert intervals(found) == {"clean": {"false_alarms": [0.0, pytest.approx(1.0 - 0.05**0.5, abs=1e-4)]}}
+
+
+@pytest.mark.parametrize(("count", "n"), [(8, 9), (1, 47), (1, 3000), (999, 1000), (0, 50), (9, 9), (3, 4)])
+def test_an_interval_in_words_is_the_interval_and_holds_no_power_of_ten(count: int, n: int) -> None:
+    words = in_words(count, n)
+    assert "e" not in words.replace("below", "").replace("above", "")
+    told = [float(word) for word in words.partition(",")[2].split() if word[0].isdigit()]
+    meant = [100.0 * bound for bound in interval_95(count, n) if 0.0 < bound < 1.0]
+    assert told == pytest.approx(meant, abs=0.51, rel=0.06)

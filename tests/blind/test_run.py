@@ -15,7 +15,7 @@ from exogauge.blind.run import RESULTS, run
 from exogauge.errors import BadInput
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
-from exogauge.studies.open import open_study, read_recordings
+from exogauge.studies.intake.open import open_study, read_recordings
 
 CLEAN_SEED = next(seed for seed in range(100) if not plan_case(seed, 1).kinds and not plan_case(seed, 1).clutter)
 

@@ -165,6 +165,7 @@ def test_connections_that_ask_nothing_give_way_and_those_at_work_do_not(door, up
         time.sleep(0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("host", "open_to_all", "refused"),
     [("0.0.0.0", "", True), ("::", "", True), ("0.0.0.0", "1", False), ("localhost", "", False)],

@@ -14,8 +14,6 @@ from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadInput
 
-both = pytest.mark.parametrize("fast", [False, True], ids=["numpy", "numba"])
-
 
 def postures(tree, samples=23, seed=0):
     return np.random.default_rng(seed).uniform(-1.2, 1.2, (samples, len(tree.joints)))
@@ -58,12 +56,11 @@ def spread(routing, jacobian):
     return full
 
 
-@both
-def test_lengths_and_jacobians_are_those_of_mujocos_tendons_at_any_base_pose(pair, bands, fast):
+def test_lengths_and_jacobians_are_those_of_mujocos_tendons_at_any_base_pose(pair, bands):
     q = postures(pair.tree)
     chosen = bands if pair.tree.floating else (*bands, ground_band())
     length, jacobian, base = tendons(pair, chosen, q)
-    routing = Routing(pair.tree, chosen, fast)
+    routing = Routing(pair.tree, chosen)
     measured = routing.geometry(q)
     assert np.abs(measured.length - length).max() < 1e-10
     assert np.abs(spread(routing, measured.jacobian) - jacobian).max() < 1e-8
@@ -71,9 +68,8 @@ def test_lengths_and_jacobians_are_those_of_mujocos_tendons_at_any_base_pose(pai
     np.testing.assert_array_equal(routing.lengths(q), measured.length)
 
 
-@both
-def test_jacobian_is_the_slope_of_the_length(pair, bands, fast):
-    routing, q, step = Routing(pair.tree, bands, fast), postures(pair.tree), 1e-6
+def test_jacobian_is_the_slope_of_the_length(pair, bands):
+    routing, q, step = Routing(pair.tree, bands), postures(pair.tree), 1e-6
     jacobian = routing.geometry(q).jacobian
     for d, column in enumerate(routing.columns):
         ahead, behind = q.copy(), q.copy()
@@ -83,23 +79,21 @@ def test_jacobian_is_the_slope_of_the_length(pair, bands, fast):
         assert np.abs(jacobian[:, :, d] - slope).max() < 1e-8
 
 
-@both
 @pytest.mark.parametrize("base", ["rail", "finger", "shin", "tip"])
-def test_the_link_that_carries_the_imu_changes_nothing(odd_tree, bands, base, fast):
+def test_the_link_that_carries_the_imu_changes_nothing(odd_tree, bands, base):
     q = postures(odd_tree("trunk"))
-    here, there = (Routing(odd_tree(link), bands, fast) for link in ("trunk", base))
+    here, there = (Routing(odd_tree(link), bands) for link in ("trunk", base))
     assert here.joints == there.joints
     one, other = here.geometry(q), there.geometry(q)
     assert np.abs(one.length - other.length).max() < 1e-12
     assert np.abs(one.jacobian - other.jacobian).max() < 1e-12
 
 
-@both
-def test_turning_and_shifting_the_whole_robot_changes_no_length(floating_pair, bands, fast):
+def test_turning_and_shifting_the_whole_robot_changes_no_length(floating_pair, bands):
     """Points by pinocchio, the free-flyer anywhere in the world, and the slope along the base's six directions."""
     model, tree = floating_pair.model, floating_pair.tree
     data, rng, q = model.createData(), np.random.default_rng(2), postures(tree, 5)
-    expected = Routing(tree, bands, fast).lengths(q)
+    expected = Routing(tree, bands).lengths(q)
     for row, length in zip(q, expected, strict=True):
         full = pin.neutral(model)
         full[:7] = np.r_[rng.normal(size=3) * 10, Rotation.random(random_state=3).as_quat()]
@@ -136,33 +130,30 @@ def test_only_joints_between_neighbouring_via_points_count(talos, suit, pair, ba
     assert [pair.tree.joints[c] for c in routing.columns] == list(routing.joints)
 
 
-@both
-def test_other_joints_may_be_anywhere(talos, suit, fast):
-    routing, q = Routing(talos, suit, fast), postures(talos)
+def test_other_joints_may_be_anywhere(talos, suit):
+    routing, q = Routing(talos, suit), postures(talos)
     elsewhere = postures(talos, seed=5)
     elsewhere[:, routing.columns] = q[:, routing.columns]
     np.testing.assert_array_equal(routing.geometry(q).jacobian, routing.geometry(elsewhere).jacobian)
 
 
-@both
-def test_a_band_on_one_body_has_one_length_and_acts_on_no_joint(pair, bands, fast):
+def test_a_band_on_one_body_has_one_length_and_acts_on_no_joint(pair, bands):
     still = Band(
         "still", "s", (ViaPoint("arm", (0, 0, 0)), ViaPoint("arm", (0.3, 0, 0)), ViaPoint("arm", (0.3, 0.4, 0)))
     )
-    alone = Routing(pair.tree, [still], fast).geometry(postures(pair.tree, 4))
+    alone = Routing(pair.tree, [still]).geometry(postures(pair.tree, 4))
     np.testing.assert_allclose(alone.length, 0.7, atol=1e-15)
     assert alone.jacobian.shape == (4, 1, 0)
-    beside = Routing(pair.tree, [still, *bands], fast).geometry(postures(pair.tree, 4))
+    beside = Routing(pair.tree, [still, *bands]).geometry(postures(pair.tree, 4))
     np.testing.assert_allclose(beside.length[:, 0], 0.7, atol=1e-15)
     assert not beside.jacobian[:, 0].any()
 
 
-@both
-def test_a_segment_without_length_has_no_direction_and_no_nan(floating_pair, fast):
+def test_a_segment_without_length_has_no_direction_and_no_nan(floating_pair):
     """Via points of trunk and leg both on the hip's axis, at its origin: one place in every posture."""
     way = (("trunk", (-0.2, 0.0, -0.3)), ("leg", (0.0, 0.0, 0.0)), ("shin", (0.0, 0.0, 0.0)))
     met = Band("met", "m", tuple(ViaPoint(link, xyz) for link, xyz in way))
-    routing, q = Routing(floating_pair.tree, [met], fast), postures(floating_pair.tree)
+    routing, q = Routing(floating_pair.tree, [met]), postures(floating_pair.tree)
     measured, whole = routing.geometry(q), Routing(floating_pair.tree, [replace(met, via_points=met.via_points[1:])])
     assert np.isfinite(measured.jacobian).all()
     assert np.abs(measured.length - whole.lengths(q)).max() < 1e-12
@@ -173,17 +164,18 @@ def test_a_segment_without_length_has_no_direction_and_no_nan(floating_pair, fas
     assert np.isfinite(segments.wrap).all()
 
 
-def test_numpy_and_compiled_agree_over_chunks_and_tiles(talos, suit):
-    q = postures(talos, 8300)
-    one, other = (Routing(talos, suit, fast).geometry(q) for fast in (False, True))
-    assert np.abs(one.length - other.length).max() < 1e-12
-    assert np.abs(one.jacobian - other.jacobian).max() < 1e-12
+def test_whole_bands_are_their_segments_over_chunks_and_tiles(talos, suit):
+    routing, q = Routing(talos, suit), postures(talos, 8300)
+    whole = routing.geometry(q)
+    for w in range(len(suit)):
+        segments = routing.segments(q, w)
+        assert np.abs(segments.length.sum(axis=1) - whole.length[:, w]).max() < 1e-12
+        assert np.abs(segments.jacobian.sum(axis=1) - whole.jacobian[:, w]).max() < 1e-12
 
 
-@both
 @pytest.mark.parametrize("samples", [0, 1, 70])
-def test_each_sample_stands_alone(talos, suit, samples, fast):
-    routing, q = Routing(talos, suit, fast), postures(talos, 70)
+def test_each_sample_stands_alone(talos, suit, samples):
+    routing, q = Routing(talos, suit), postures(talos, 70)
     whole, part = routing.geometry(q), routing.geometry(q[:samples])
     assert part.length.shape == (samples, 4)
     assert part.jacobian.shape == (samples, 4, 8)

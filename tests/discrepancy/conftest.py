@@ -9,8 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.discrepancy.search import Search
-from exogauge.discrepancy.workflow import Found, find_missing_effects
+from exogauge.detect.pipeline import Found, find_missing_effects
 from exogauge.effects.catalogue import missing_effects, shaped_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
@@ -18,6 +17,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.urdf import load_tree
+from exogauge.search.search import Search
 
 RATE = 200.0
 JOINTS = ("j1", "j2", "j3")

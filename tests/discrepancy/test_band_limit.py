@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
+from exogauge.detect.pipeline import find_missing_effects
+from exogauge.detect.stored_filter.limit import band_limits
+from exogauge.detect.stored_filter.worn_alike import filtered_alike
 from exogauge.devices.device import Band, Device, ViaPoint
-from exogauge.discrepancy.band_limit import band_limits
-from exogauge.discrepancy.workflow import find_missing_effects
-from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.identify import identify

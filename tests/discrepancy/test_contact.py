@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.discrepancy.contact import contacts
-from exogauge.discrepancy.contact_rows import force_columns, log_rows, middles
-from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.detect.contact.contact import contacts
+from exogauge.detect.contact.rows import force_columns, log_rows, middles
+from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.preparation import prepare

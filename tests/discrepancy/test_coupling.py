@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.workflow import Found, find_missing_effects
+from exogauge.detect.pipeline import Found, find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.pair_site import PairSite, neighbours
 from exogauge.identification.settings import Settings

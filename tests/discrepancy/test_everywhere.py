@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from exogauge.discrepancy.everywhere import merged
-from exogauge.discrepancy.result import Evidence, Finding, HeldOut, Place
+from exogauge.findings.common_cause import merged
+from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 
 NOTHING = Evidence("", "", *([np.zeros(0)] * 5))
 

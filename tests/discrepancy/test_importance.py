@@ -3,8 +3,8 @@
 import numpy as np
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.importance import by_importance
-from exogauge.discrepancy.result import Evidence, Finding, HeldOut, Place
+from exogauge.findings.importance import by_importance
+from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 
 NOTHING = Evidence("", "", *([np.zeros(0)] * 5))
 

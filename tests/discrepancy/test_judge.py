@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.stats import wilcoxon
 
-from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.judge import apart, judge
-from exogauge.discrepancy.score import Score
-from exogauge.discrepancy.site_rows import collect_rows
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.site import AxisSite
+from exogauge.search.candidates import Candidate
+from exogauge.search.judge import apart, judge
+from exogauge.search.score import Score
+from exogauge.search.site_rows import collect_rows
 
 AXIS = 1
 SITE = AxisSite(AXIS)

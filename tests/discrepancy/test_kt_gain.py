@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.contradicted import contradicted
-from exogauge.discrepancy.contradiction_finding import name_contradiction
-from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.detect.nominal.contradicted import contradicted
+from exogauge.detect.nominal.finding import name_contradiction
+from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings

@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.discrepancy.contradicted import contradicted
-from exogauge.discrepancy.contradiction_finding import name_contradiction
+from exogauge.detect.nominal.contradicted import contradicted
+from exogauge.detect.nominal.finding import name_contradiction
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
 from exogauge.robots.ends import carries_nothing

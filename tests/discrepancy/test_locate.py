@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.ground import lay_ground
-from exogauge.discrepancy.locate import located, pooled
+from exogauge.search.baseline import lay_ground
+from exogauge.search.locate import located, pooled
 
 
 @pytest.fixture

@@ -8,14 +8,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.as_drawn import as_drawn
-from exogauge.discrepancy.may_be_named import refused, told
-from exogauge.discrepancy.result import Evidence, Finding, HeldOut, Place
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
+from exogauge.search.may_be_named import refused, told
 
 
 def finding(effect: str, before: float, after: float, **parameters: tuple[float, float]) -> Finding:

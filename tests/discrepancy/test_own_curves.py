@@ -42,8 +42,8 @@ def test_the_effect_keeps_its_name_and_the_error_falls_to_what_it_is_with_the_fo
 def test_the_bend_is_told_and_stands_in_the_chain_and_the_lineage(bent):
     (finding,) = bent.discrepancy.findings
     assert "Its curve is not quite that of the formula" in finding.sentence
-    assert [each.step for each in bent.discrepancy.chain][1:] == [
-        "+ load_coulomb at j2", "+ own curve of load_coulomb at j2",
+    assert [each.step.identifier for each in bent.discrepancy.chain][1:] == [
+        "load_coulomb@j2", "own curve of load_coulomb@j2",
     ]  # fmt: skip
     assert [each.rmse for each in bent.discrepancy.chain] == sorted(
         (each.rmse for each in bent.discrepancy.chain), reverse=True

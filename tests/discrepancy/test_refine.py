@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.candidates import Candidate, grid
-from exogauge.discrepancy.doubt import parameters
-from exogauge.discrepancy.refine import refined
-from exogauge.discrepancy.score import residual_memory, score
-from exogauge.discrepancy.site_rows import collect_rows, sums_of
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording
 from exogauge.identification.site import AxisSite
+from exogauge.search.candidates import Candidate, grid
+from exogauge.search.doubt import parameters
+from exogauge.search.refine import refined
+from exogauge.search.score import residual_memory, score
+from exogauge.search.site_rows import collect_rows, sums_of
 
 AXIS = 1
 SITE = AxisSite(AXIS)

@@ -27,7 +27,7 @@ def test_only_what_is_large_gets_a_name(found):
 def test_the_rest_is_in_the_model_and_told(found):
     (finding,) = found.findings
     assert "What is left beside it looks like" in finding.sentence
-    assert found.chain[-1].step == "+ remainder of load_coulomb at j2"
+    assert found.chain[-1].step.identifier == "remainder of load_coulomb@j2"
     assert finding.held_out.rmse_after < 1.2 * finding.held_out.noise_floor
     assert found.chain[-1].rmse < 0.8 * found.chain[-2].rmse
     assert found.unexplained == ()
@@ -35,5 +35,5 @@ def test_the_rest_is_in_the_model_and_told(found):
 
 def test_where_nothing_is_left_nothing_is_added(search, study, on_joint):
     alone = search(study(on_joint(1, much))).discrepancy
-    assert [each.step for each in alone.chain] == ["identified model", "+ load_coulomb at j2"]
+    assert [(each.step.what, each.step.effect) for each in alone.chain] == [("robot", ""), ("effect", "load_coulomb")]
     assert "What is left beside it" not in alone.findings[0].sentence

@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.candidates import Candidate, columns_of, grid
-from exogauge.discrepancy.score import residual_memory, score
-from exogauge.discrepancy.sums import KindSums, Sums
-from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.catalogue import missing_effects, shaped_effects
 from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.identification.pair_site import PairSite
+from exogauge.identification.seen import seen_by
 from exogauge.identification.site import AxisSite
+from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
+from exogauge.search.score import residual_memory, score
+from exogauge.search.sums import KindSums, Sums
 
 MEMORY = dict.fromkeys(range(20), 5.0)
 
@@ -145,3 +147,34 @@ def test_the_grid_holds_every_combination_of_the_shapes():
     stribeck = shaped_effects()["stribeck"]
     assert len(set(grid(stribeck))) == len(stribeck.shapes[0].grid) * len(stribeck.shapes[1].grid)
     assert list(grid(shaped_effects()["asym_viscous"])) == [()]
+
+
+def test_what_all_sites_see_together_is_what_each_sees(case):
+    model, logs, _ = case
+    places = sites(model)
+    assert any(isinstance(site, PairSite) for site in places)
+    together, alone = seen_by(model, logs[0], places), {site: site.see(model, logs[0]) for site in places}
+    assert together.keys() == alone.keys()
+    for site, seen in together.items():
+        for effect in missing_effects():
+            if effect.place == place_kind(site):
+                shape = next(grid(effect))
+                own = alone[site].columns(effect, shape)
+                np.testing.assert_allclose(
+                    seen.columns(effect, shape), own, rtol=0.0, atol=1e-11 * max(np.abs(own).max(), 1e-300)
+                )
+
+
+def test_columns_of_all_candidates_are_each_filtered_by_itself(case):
+    model, logs, _ = case
+    site, prepared = AxisSite(1), logs[1]
+    seen = site.see(model, prepared)
+    every = [Candidate(effect, site, shape) for effect in shaped_effects().values() for shape in grid(effect)]
+    together = columns_of(every, seen, prepared, 1)[:, :, 0]
+    start = 0
+    for each in every:
+        own = prepared.low_pass.apply(np.ascontiguousarray(each.effect.columns(seen.signals, each.shape)))
+        own, of_all = own[prepared.kept], together[:, start : start + each.width]
+        np.testing.assert_allclose(of_all, own, rtol=0.0, atol=1e-12 * max(np.abs(own).max(), 1e-300))
+        start += each.width
+    assert start == together.shape[1]

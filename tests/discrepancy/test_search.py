@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.result import Place
-from exogauge.discrepancy.search import Step
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.result import Place
 from exogauge.identification.added import AddedEffect
 from exogauge.identification.site import AxisSite
+from exogauge.search.search import Step
 
 pytestmark = pytest.mark.slow
 

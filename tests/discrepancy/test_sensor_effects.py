@@ -15,14 +15,13 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 from tests.sensor_arm import GRAVITY, Reading, describe, record, wrist
 
-from exogauge.discrepancy.workflow import Found, find_missing_effects
+from exogauge.detect.pipeline import Found, find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree
-from exogauge.studies.effect_words import EFFECTS
 
 pytestmark = pytest.mark.slow
 
@@ -272,7 +271,3 @@ def test_logs_that_were_low_passed_are_seen_with_a_sensor_inside_the_robot_too(t
     found = searched(robot, logs)
     assert named(found)[0] == ("band_limited_log", "log", "all", "")
     assert all(each.log.stored for each in found.recordings)
-
-
-def test_all_that_can_be_named_here_has_words() -> None:
-    assert {effect.name for effect in missing_effects()} <= EFFECTS.keys()

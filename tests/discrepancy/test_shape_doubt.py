@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.shape_doubt import with_doubt_of_shapes
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.site import AxisSite
+from exogauge.search.shape_doubt import with_doubt_of_shapes
 
 SETTINGS = Settings(cutoff_hz=8.0)
 TAU_B, V_S = 1.5, 0.25  # wide: it reaches to where viscous friction is learnt

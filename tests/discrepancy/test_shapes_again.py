@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.own_curves import held_out_rmse
-from exogauge.discrepancy.search import Search
-from exogauge.discrepancy.shapes_again import SOUGHT_AGAIN, shapes_again
+from exogauge.search.residual_correction import held_out_rmse
+from exogauge.search.search import Search
+from exogauge.search.shapes_again import SOUGHT_AGAIN, shapes_again
 
 pytestmark = pytest.mark.slow
 
@@ -67,7 +67,7 @@ def test_a_try_that_failed_leaves_nothing_behind(named, monkeypatch):
     (step,) = named.steps
     far = replace(step.finding, held_out=replace(step.finding.held_out, channel="tau.j1"))
     named.steps = [replace(step, finding=far)]  # no shape of j2's friction lowers the error of j1
-    monkeypatch.setattr("exogauge.discrepancy.shapes_again.ABOVE", 0.0)
+    monkeypatch.setattr("exogauge.search.shapes_again.ABOVE", 0.0)
     before = list(named.steps)
     shapes_again(named)
     assert named.steps == before

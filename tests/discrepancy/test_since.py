@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.order import begins_among, since_log
 from exogauge.identification.identify import identify

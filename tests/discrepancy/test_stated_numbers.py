@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exogauge.discrepancy.stated_numbers import as_stated
+from exogauge.detect.nominal.nominal_values import as_stated
 
 RHO = 0.25  # of a maker who says nothing
 

@@ -9,28 +9,29 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests.discrepancy.conftest import FRICTION, JOINTS, RATE, SETTINGS, inverse_dynamics
 
-from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.ground import lay_ground
-from exogauge.discrepancy.motion_choices import choices
-from exogauge.discrepancy.planned_motion import SURE
-from exogauge.discrepancy.planned_rows import as_log, new_rows, with_next_log
-from exogauge.discrepancy.refine import refined
-from exogauge.discrepancy.result import Alternative, Evidence, Finding, HeldOut, Place
-from exogauge.discrepancy.room import carrying, room
-from exogauge.discrepancy.score import Score, score
-from exogauge.discrepancy.site_rows import collect_rows, sums_of
-from exogauge.discrepancy.tell_apart import _Known, tell_apart
-from exogauge.discrepancy.undecided import Undecided, undecided
-from exogauge.discrepancy.with_motions import with_motions
-from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
+from exogauge.experiment.design import _Known, tell_apart
+from exogauge.experiment.motion_choices import choices
+from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
+from exogauge.experiment.with_motions import with_motions
+from exogauge.experiment.workspace_limits import carrying, room
+from exogauge.findings.planned_motion import SURE
+from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.identification.identify import identify
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Recording
 from exogauge.identification.site import AxisSite
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree
+from exogauge.search.ambiguity import Undecided, undecided
+from exogauge.search.baseline import lay_ground
+from exogauge.search.candidates import Candidate
+from exogauge.search.refine import refined
+from exogauge.search.score import Score, score
+from exogauge.search.site_rows import collect_rows, sums_of
 
 SWEPT = AxisSite(1)
 FASTER_THAN = 0.8  # [rad/s] whatever the logs hold
@@ -255,7 +256,7 @@ def narrow(robot: Robot, speed: float) -> Robot:
 def test_no_choice_leaves_the_limits(robot, fast_only, speed):
     tight = narrow(robot, speed)
     model = fast_only.found.model
-    model = replace(model, equations=replace(model.equations, robot=tight), computed={})
+    model = replace(model, equations=replace(model.equations, robot=tight), computed=PerLog())
     here = room(model, fast_only.logs)
     every = choices(model, here, [SWEPT], slow_change=True)
     assert {each.sweep.kind for each in every} == {"speeds", "sine", "small"}
@@ -273,7 +274,7 @@ def test_a_motor_is_not_asked_for_more_than_it_has(robot, fast_only, doubt):
     choice = choices(model, here, [SWEPT], slow_change=False)[0]
     assert new_rows(doubt, model, here, choice, known.kept) is not None
     weak = replace(robot, tree=replace(robot.tree, effort_limit=np.full(3, 0.5)))  # [N·m]; the arm weighs 9 kg
-    too_weak = replace(model, equations=replace(model.equations, robot=weak), computed={})
+    too_weak = replace(model, equations=replace(model.equations, robot=weak), computed=PerLog())
     assert new_rows(doubt, too_weak, here, choice, known.kept) is None
 
 

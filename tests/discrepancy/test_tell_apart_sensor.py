@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from tests.sensor_arm import JOINTS, describe, record, wrist
 
-from exogauge.discrepancy.candidates import Candidate
-from exogauge.discrepancy.score import Score
-from exogauge.discrepancy.site_rows import collect_rows
-from exogauge.discrepancy.tell_apart import tell_apart
-from exogauge.discrepancy.undecided import undecided
 from exogauge.effects.catalogue import sensor_effects
 from exogauge.effects.effect import Quantity
+from exogauge.experiment.design import tell_apart
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.site import Seen, SensorSite
+from exogauge.search.ambiguity import undecided
+from exogauge.search.candidates import Candidate
+from exogauge.search.score import Score
+from exogauge.search.site_rows import collect_rows
 
 
 class Whole:

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
-from exogauge.discrepancy.verdict import ABOVE, NEEDED_S, Facts, Seen, decide
 from exogauge.discrepancy_text import discrepancy_text, lead_text
-from exogauge.studies.comparison import verdict
-from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.discrepancy_section import discrepancy_view
-from exogauge.studies.results import finite
+from exogauge.findings.result import ChainStep, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
+from exogauge.findings.verdict import ABOVE, NEEDED_S, Facts, Seen, decide
+from exogauge.studies.report.discrepancy_section import discrepancy_view
+from exogauge.studies.results.comparison import verdict
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
 
 NOTHING = ("No effect is missing", "Nothing is left above the noise", "stand at their noise floors")
 JOINTS = [f"tau.j{number}" for number in range(4)] + ["base.fz", "ft.wrist.fx", "support.j1"]
@@ -41,7 +41,7 @@ def discrepancies(draw: st.DrawFn) -> Discrepancy:
     sure = draw(st.lists(st.sampled_from(far), unique=True)) if far else []
     above = tuple(Excess(each.channel, "N·m", each.ratio, 1.0, 4.0, "throughout") for each in sure)
     worst = draw(st.floats(0.5, 30.0))
-    end = Link("identified model", worst, 1.0, "tau.j0", worst, 1.0)
+    end = Link(ChainStep("robot"), worst, 1.0, "tau.j0", worst, 1.0)
     named = tuple(finding(rank) for rank in range(1, 1 + draw(st.integers(0, 2))))
     cannot = draw(st.sampled_from([(), ("cannot judge the bands: no log has steady motion",)]))
     links = (end,) if draw(st.booleans()) else ()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.workflow import find_missing_effects
+from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.site import AxisSite

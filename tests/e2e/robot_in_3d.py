@@ -25,6 +25,7 @@ SETTLE = """() => {
   document.querySelector("iframe").contentWindow.postMessage({type: "settle"}, "*");
 }"""
 SETTLED = "() => window.heard.some(({type}) => type === 'settled')"
+STOPPED = "() => window.heard.filter(({type}) => type === 'time').at(-1)?.playing === false"
 
 
 def listen(page: Page) -> None:
@@ -35,6 +36,12 @@ def listen(page: Page) -> None:
 def said(page: Page, kind: str) -> Any:
     """The last message of that kind."""
     return page.evaluate("(kind) => window.heard.filter(({type}) => type === kind).at(-1)", kind)
+
+
+def stopped_at(page: Page) -> float:
+    """[s] where the robot stands, once it says that it no longer plays."""
+    page.wait_for_function(STOPPED)
+    return float(said(page, "time")["time"])
 
 
 def frame(page: Page) -> Locator:

@@ -20,7 +20,8 @@ INERTIA = 0.8  # [kg·m²]
 NOISE = 0.3  # [N·m] of each sample of the drive
 SAMPLES_THAT_COUNT_AS_ONE = 8  # after the low-pass
 BORDER = 0.98  # of the low-passed direction: below, the joint turns or rests
-DOCS = Path(__file__).parents[2] / "docs" / "effects.md"
+DOCS = Path(__file__).parents[2] / "docs"
+SAID = (DOCS / "effects.md", DOCS / "measured" / "effects-on-one-joint.md")
 
 
 def rms(values):
@@ -57,10 +58,11 @@ def folder_of_effects(tmp_path, monkeypatch):
 
 @pytest.fixture
 def docs_section():
-    """heading -> the lines below it in docs/effects.md, up to the next of its rank."""
+    """heading -> the lines below it in either document on effects, up to the next of its rank."""
 
     def read(heading):
-        return DOCS.read_text(encoding="utf-8").split(f"## {heading}\n", 1)[1].split("\n## ", 1)[0].splitlines()
+        text = "\n".join(each.read_text(encoding="utf-8") for each in SAID)
+        return text.split(f"## {heading}\n", 1)[1].split("\n## ", 1)[0].splitlines()
 
     return read
 
@@ -153,15 +155,16 @@ def ranking():
     """signals -> effects in order of evidence, each with its evidence, shape and coefficients.
 
     Each is fitted within its ranges, at every point of its grid, to what the plain model leaves. Evidence: gain in BIC.
+    among: names; all of the catalogue where none are given.
     """
 
-    def made(signals):
+    def made(signals, among=()):
         left = beyond_the_plain(signals)
         gap, _ = left(signals.load - signals.drive)
         n = len(gap) / SAMPLES_THAT_COUNT_AS_ONE
         best = {}
         for effect in shaped_effects().values():
-            if not effect.applies(signals):
+            if (among and effect.name not in among) or not effect.applies(signals):
                 continue
             for shape in grid(effect):
                 columns, _ = left(effect.columns(signals, shape))
@@ -183,9 +186,10 @@ def ranking():
 def likeness():
     """signals -> (least share of each effect that the plain model takes, share of one that another one leaves)."""
 
-    def made(signals):
+    def made(signals, among):
         left = beyond_the_plain(signals)
-        effects = {name: effect for name, effect in shaped_effects().items() if effect.applies(signals)}
+        effects = {name: effect for name, effect in shaped_effects().items() if name in among}
+        effects = {name: effect for name, effect in effects.items() if effect.applies(signals)}
         both = {name: [left(each.columns(signals, shape)) for shape in grid(each)] for name, each in effects.items()}
         taken = {
             name: min(1.0 - (np.linalg.norm(rest) / np.linalg.norm(whole)) ** 2 for rest, whole in parts)

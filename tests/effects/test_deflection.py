@@ -23,6 +23,12 @@ def slope(time):
     return 60.0 * np.cos(1.1 * time)
 
 
+def one_spring(load, inertia, damping, stiffness, harder, power, slope, step):
+    numbers = (np.array([each]) for each in (damping, stiffness, harder, power))
+    r, r_ddot = deflection(load, inertia, *numbers, slope[:, None], step)
+    return r[:, 0], r_ddot[:, 0]
+
+
 def integrated(k: float, d: float, cubic: float) -> tuple[np.ndarray, np.ndarray]:
     """r and its second derivative, by steps that SciPy chooses."""
 
@@ -38,17 +44,26 @@ def integrated(k: float, d: float, cubic: float) -> tuple[np.ndarray, np.ndarray
 @pytest.mark.parametrize("cubic", [0.0, 3000.0])
 def test_the_link_swings_on_its_spring_as_a_finer_integration_says(cubic: float):
     r, r_ddot = integrated(900.0, 4.0, cubic)
-    found = deflection(load(T), inertia(T), 4.0, 900.0, cubic, 2.0, slope(T), 0.005)
+    found = one_spring(load(T), inertia(T), 4.0, 900.0, cubic, 2.0, slope(T), 0.005)
     stiffer = cubic * float(np.max(r**2))
     assert cubic == 0.0 or stiffer > 0.2, "the spring hardly stiffens: this shows nothing"
     assert np.abs(found[0] - r).max() < 0.01 * np.abs(r).max()
     assert np.abs(found[1] - r_ddot)[20:].max() < 0.03 * np.abs(r_ddot).max()
 
 
+def test_springs_side_by_side_give_way_as_each_would_alone():
+    stiffness, harder, damping = np.array([500.0, 900.0, 4000.0]), np.array([0.0, 3000.0, 800.0]), np.array([1.0, 4, 9])
+    slopes = slope(T)[:, None] * np.array([1.0, 0.0, 2.0])
+    together = deflection(load(T), inertia(T), damping, stiffness, harder, np.full(3, 2.0), slopes, 0.005)
+    for k in range(3):
+        alone = one_spring(load(T), inertia(T), damping[k], stiffness[k], harder[k], 2.0, slopes[:, k], 0.005)
+        np.testing.assert_array_equal([one[:, k] for one in together], alone)
+
+
 @pytest.mark.parametrize("cubic", [0.0, 2000.0])
 def test_under_a_constant_load_it_stays_where_the_spring_holds_it(cubic: float):
     steady = np.ones(50)
-    r, r_ddot = deflection(5.0 * steady, steady, 2.0, 400.0, cubic, 2.0, 0.0 * steady, 0.01)
+    r, r_ddot = one_spring(5.0 * steady, steady, 2.0, 400.0, cubic, 2.0, 0.0 * steady, 0.01)
     np.testing.assert_allclose(400.0 * r * (1.0 + cubic * r**2), -5.0, rtol=1e-9)
     np.testing.assert_allclose(r_ddot, 0.0, atol=1e-9)
 

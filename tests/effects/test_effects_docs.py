@@ -1,44 +1,30 @@
 """docs/effects.md says what the code says, and its example is one that works."""
 
+import re
+
 import numpy as np
 import pytest
+from tests.effects.tables import DOCUMENT, tables, with_tables
 
-from exogauge.effects.catalogue import all_effects, base_effects, pair_effects, sensor_effects, shaped_effects
+from exogauge.effects.catalogue import missing_effects, shaped_effects
 
-
-def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
-    _, rows = docs_table("What a model may miss")
-    documented = {row[0]: row[1:] for row in rows}
-    assert documented.keys() == shaped_effects().keys()
-    for name, effect in shaped_effects().items():
-        sentence, needs, confused = documented[name]
-        assert sentence == effect.sentence
-        assert needs == effect.needs
-        assert all(f"`{other}`" in confused for other in effect.confounds)
+MOST_WORDS = 1500  # beside the tables: what is read in ten minutes
 
 
-@pytest.mark.parametrize(
-    ("heading", "effects"),
-    [
-        ("What two joints may do together", pair_effects()),
-        ("What a sensor inside the robot may do", sensor_effects()),
-        ("What the base and its IMU may do", base_effects()),
-    ],
-)
-def test_every_effect_of_pairs_sensors_and_the_base_is_in_the_docs_with_its_own_words(docs_table, heading, effects):
-    _, rows = docs_table(heading)
-    documented = {row[0]: row[1:] for row in rows}
-    assert documented.keys() == effects.keys()
-    for name, effect in effects.items():
-        sentence, needs, confused = documented[name]
-        assert sentence == effect.sentence
-        assert needs == effect.needs
-        assert [each.strip().strip("`") for each in confused.split(",")] == list(effect.confounds)
+def test_the_tables_of_the_document_are_those_of_the_catalogue():
+    written = DOCUMENT.read_text(encoding="utf-8")
+    assert written == with_tables(written), "make tables"
 
 
-def test_every_effect_that_a_model_has_is_in_the_docs(docs_table):
-    _, rows = docs_table("What every model has")
-    assert {row[0]: row[1] for row in rows} == {name: effect.sentence for name, effect in all_effects().items()}
+def test_every_place_has_its_table():
+    marked = set(re.findall(r"<!-- table: (\w+) -->", DOCUMENT.read_text(encoding="utf-8")))
+    assert marked == tables().keys()
+    assert {each.place for each in missing_effects()} | {"model", "band"} == marked
+
+
+def test_the_document_stays_short():
+    text = re.sub(r"<!-- table.*?<!-- end -->", "", DOCUMENT.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(text.split()) <= MOST_WORDS
 
 
 @pytest.fixture

@@ -246,14 +246,3 @@ def test_a_slip_lasts_to_the_end_of_its_log_or_beyond_it():
     before = 0.5 * whole.start / whole.span
     assert not effect.added_tension(whole, (before, 0.0, 0.4)).any()
     assert effect.added_tension(whole, (before, 1.0, 0.4)).all()
-
-
-def test_every_effect_is_in_the_docs_with_its_own_words(docs_table):
-    _, rows = docs_table("What the model of a wear may miss")
-    documented = {row[0]: row[1:] for row in rows}
-    assert documented.keys() == EFFECTS.keys()
-    for name, effect in EFFECTS.items():
-        sentence, needs, confused = documented[name]
-        assert sentence == effect.sentence
-        assert needs == effect.needs
-        assert all(f"`{other}`" in confused for other in effect.confounds)

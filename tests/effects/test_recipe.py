@@ -14,6 +14,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 COPIED = ("server", "tests", "docs")
 WHICH = "tests/effects/test_which_effect.py"
+ALSO = (  # what else looks at every effect
+    "tests/studies/discrepancy/test_sentences.py",
+    "tests/studies/discrepancy/test_words.py",
+    f"{WHICH}::test_the_docs_say_of_every_effect_what_a_motion_shows",
+)
 
 
 @pytest.fixture
@@ -35,76 +40,39 @@ def copy(tmp_path, recipe) -> Path:
     return tmp_path
 
 
-def tried(copy: Path, *which: str) -> tuple[int, str]:
-    path = os.pathsep.join([str(copy / "server"), str(copy)])
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *which],
-        cwd=copy, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True,
-    )  # fmt: skip
-    return done.returncode, done.stdout
-
-
 @pytest.mark.slow
-def test_one_file_keeps_the_contract(copy: Path) -> None:
-    """Step 2."""
-    code, said = tried(copy, "tests/effects/test_every_shaped_effect.py", "-k", "cogging or affordable or bear")
+def test_one_file_and_the_tables_are_all_that_its_contract_asks_for(copy: Path, recipe: str) -> None:
+    """Steps 2 and 3: before the tables are made anew the one test that asks for them fails, and no other."""
+    (command,) = re.findall(r"^3\. `pytest ([^`]+)`", recipe, re.MULTILINE)
+    contract = (*command.split(), *ALSO)
+    code, said = tried(copy, *contract)
+    assert code == 1
+    assert "1 failed" in said, said
+    assert "test_the_tables_of_the_document_are_those_of_the_catalogue" in said
+    done = run(copy, "-m", "tests.effects.tables")
+    assert done.returncode == 0, done.stderr
+    assert "`cogging_sin_1` part with the sin of harmonic 1" in (copy / "docs/effects.md").read_text(encoding="utf-8")
+    code, said = tried(copy, *contract)
     assert code == 0, said
 
 
-def test_every_file_that_the_recipe_names_is_there(recipe: str) -> None:
-    named = re.findall(r"`((?:tests|server|effects|studies)/[\w/]+\.py)", recipe)
-    assert len(named) > 3
+def test_every_file_that_the_document_names_is_there() -> None:
+    text = (ROOT / "docs/effects.md").read_text(encoding="utf-8")
+    named = re.findall(r"`?((?:tests|server|effects|detect|devices)/[\w/]+(?:\.py|/))", text)
+    assert len(named) > 20
     for path in named:
         inside = ROOT / path if path.startswith(("tests", "server")) else ROOT / "server/exogauge" / path
-        assert inside.is_file() or path == "server/exogauge/effects/cogging.py", path
+        assert inside.exists() or path == "server/exogauge/effects/cogging.py", path
 
 
-@pytest.mark.slow
-def test_what_is_missing_to_publish_it_is_named_and_is_all_that_is_missing(copy: Path, recipe: str) -> None:
-    """Step 4: what fails before its lines are written passes after them."""
-    named = (
-        "tests/effects/test_effects_docs.py::test_every_effect_is_in_the_docs_with_its_own_words",
-        "tests/studies/discrepancy/test_sentences.py::test_every_effect_that_can_be_found_missing_has_words",
-        f"{WHICH}::test_it_ranks_first_on_a_motion_that_shows_it[cogging]",
-        f"{WHICH}::test_the_docs_say_of_every_effect_what_a_motion_shows",
-        f"{WHICH}::test_what_looks_alike_is_in_the_docs_and_nothing_else_does[rich]",
-    )
-    code, said = tried(copy, *named)
-    assert code == 1
-    assert f"{len(named)} failed" in said, said
-    publish(copy, recipe)
-    code, said = tried(copy, *named)
-    assert code == 0, said
+def run(copy: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(copy / "server"), str(copy)])
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=copy, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True,
+    )  # fmt: skip
 
 
-def publish(copy: Path, recipe: str) -> None:
-    words = {"sentence": r'sentence = "(.+)"', "needs": r'needs = "(.+)"', "confounds": r"confounds = \((.+)\)"}
-    own = {name: re.search(pattern, recipe)[1] for name, pattern in words.items()}  # type: ignore[index]
-    confounds = ", ".join(f"`{each}`" for each in re.findall(r'"(\w+)"', own["confounds"]))
-    formula = re.search(r'`("cogging": lambda j: .+,)`', recipe)
-    shown = re.search(r"\(for this one: ([\w, ]+)\)", recipe)
-    leaves = re.search(r"leaves of it\s+(\d+ %), (\d+ %), (\d+ %) and (\d+ %)", recipe)
-    assert formula
-    assert shown
-    assert leaves
-    after(copy / "server/exogauge/effects/words.py", "EFFECTS = {\n", '    "cogging": "cogging of the motor",\n')
-    after(copy / "tests/studies/discrepancy/test_sentences.py", 'CONTRACT = """\n', "cogging ")
-    after(copy / WHICH, "FRICTION = {\n", f"    {formula[1]}\n")
-    docs = copy / "docs/effects.md"
-    row(docs, "What a model may miss", f"| `cogging` | {own['sentence']} | {own['needs']} | {confounds} |")
-    row(docs, "What a motion shows", f"| `cogging` | {' | '.join(shown[1].split(', '))} |")
-    row(docs, "What looks alike", f"| `cogging` | `torque_ripple` | {' | '.join(leaves.groups())} |")
-
-
-def after(path: Path, mark: str, text: str) -> None:
-    before = path.read_text(encoding="utf-8")
-    assert before.count(mark) == 1, path
-    path.write_text(before.replace(mark, mark + text), encoding="utf-8")
-
-
-def row(docs: Path, heading: str, line: str) -> None:
-    """A row more in the table below a heading."""
-    text = docs.read_text(encoding="utf-8")
-    start = text.index("|---", text.index(f"## {heading}\n"))
-    end = text.index("\n", start) + 1
-    docs.write_text(text[:end] + line + "\n" + text[end:], encoding="utf-8")
+def tried(copy: Path, *which: str) -> tuple[int, str]:
+    done = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *which)
+    return done.returncode, done.stdout

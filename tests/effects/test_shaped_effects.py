@@ -10,7 +10,8 @@ from exogauge.effects.band import relaxed
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.dead_zone import between_teeth
 from exogauge.effects.presliding import bristle
-from exogauge.effects.shaped import AxisSignals
+from exogauge.effects.shaped import AxisSignals, ManyShapes
+from exogauge.search.candidates import grid
 
 EFFECTS = shaped_effects()
 
@@ -61,6 +62,11 @@ def test_presliding_does_not_depend_on_how_fast_the_way_is_covered():
     np.testing.assert_allclose(columns[0], columns[1], atol=1e-12)
 
 
+def one_body(pull, back, tooth, damping, drag, step):
+    s, s_ddot = between_teeth(pull[:, None], back, tooth[:, None], damping[:, None], drag[:, None], step)
+    return s[:, 0], s_ddot[:, 0]
+
+
 def swinging(t: np.ndarray) -> np.ndarray:
     return 900.0 * np.sin(2.0 * np.pi * 0.7 * t) + 150.0 * np.cos(9.0 * t)
 
@@ -69,7 +75,7 @@ def swinging(t: np.ndarray) -> np.ndarray:
 def test_a_body_between_teeth_moves_as_another_solver_says(drag: float) -> None:
     t, omega, zeta, back = np.arange(0.0, 3.0, 0.005), 2.0 * np.pi * 30.0, 0.25, 12.0
     even = np.ones_like(t)
-    s, s_ddot = between_teeth(swinging(t), back * even, omega**2 * even, 2.0 * zeta * omega * even, drag * even, t[1])
+    s, s_ddot = one_body(swinging(t), back * even, omega**2 * even, 2.0 * zeta * omega * even, drag * even, t[1])
 
     def law(time: float, x: np.ndarray) -> list[float]:
         over = max(x[0] - 1.0, 0.0) + min(x[0] + 1.0, 0.0)
@@ -86,11 +92,23 @@ def test_a_body_between_teeth_moves_as_another_solver_says(drag: float) -> None:
     assert np.sqrt(np.mean((gained - x[1, 20::20]) ** 2)) < 0.03 * np.abs(x[1]).max()
 
 
+def test_bodies_side_by_side_move_as_each_would_alone() -> None:
+    t, frequencies = np.arange(0.0, 3.0, 0.005), (12.0, 30.0, 55.0)
+    even, omegas = np.ones((len(t), 1)), 2.0 * np.pi * np.array(frequencies)
+    pull = swinging(t)[:, None] * np.array([1.0, 0.4, 2.0])
+    each = pull, 5.0 * np.cos(t), omegas**2 * even, 0.4 * omegas * even, np.array([0.0, 2.0, 5.0]) * even
+    together = between_teeth(*each, t[1])
+    for k in range(len(frequencies)):
+        alone = one_body(*(values if values.ndim == 1 else values[:, k] for values in each), t[1])
+        assert np.count_nonzero(np.diff(np.sign(alone[0]))) >= 4, "it never crosses the gap: this shows nothing"
+        np.testing.assert_array_equal([one[:, k] for one in together], alone)
+
+
 def test_a_flight_through_the_gap_takes_the_time_of_a_free_fall() -> None:
     """Pull -a from side +1: two units of way in sqrt(4 / a) seconds, then rest near -1."""
     t, a = np.arange(0.0, 2.0, 1e-3), 40.0
     even, fall = np.ones_like(t), np.sqrt(4.0 / 40.0)
-    s, _ = between_teeth(np.where(t < 0.5, 1.0, -a), 0.0 * t, 4e4 * even, 200.0 * even, 0.0 * t, t[1])
+    s, _ = one_body(np.where(t < 0.5, 1.0, -a), 0.0 * t, 4e4 * even, 200.0 * even, 0.0 * t, t[1])
     inside = (t >= 0.5) & (t < 0.5 + fall - 0.002)
     np.testing.assert_allclose(s[inside], 1.0 - 0.5 * a * (t[inside] - 0.5) ** 2, atol=0.02)
     np.testing.assert_allclose(s[t < 0.499], 1.0, atol=1e-3)
@@ -100,16 +118,14 @@ def test_a_flight_through_the_gap_takes_the_time_of_a_free_fall() -> None:
 def test_a_pull_that_comes_back_in_time_keeps_the_flank() -> None:
     t = np.arange(0.0, 3.0, 1e-3)
     even = np.ones_like(t)
-    s, _ = between_teeth(
-        np.where((t > 1.0) & (t < 1.05), -50.0, 50.0), 0.0 * t, 4e4 * even, 200.0 * even, 0.0 * t, t[1]
-    )
+    s, _ = one_body(np.where((t > 1.0) & (t < 1.05), -50.0, 50.0), 0.0 * t, 4e4 * even, 200.0 * even, 0.0 * t, t[1])
     assert s.min() > 0.5
     assert s[-1] == pytest.approx(1.0, abs=2e-3)
 
 
 def test_no_pull_at_all_moves_nothing_from_its_tooth() -> None:
     even = np.ones(50)
-    s, s_ddot = between_teeth(0.0 * even, 0.0 * even, 4e4 * even, 200.0 * even, even, 0.005)
+    s, s_ddot = one_body(0.0 * even, 0.0 * even, 4e4 * even, 200.0 * even, even, 0.005)
     np.testing.assert_allclose(s, 1.0, rtol=1e-12)
     np.testing.assert_array_equal(s_ddot, 0.0)
 
@@ -215,3 +231,14 @@ def test_a_ripple_of_the_motors_turns_is_seen_in_what_a_model_leaves():
     assert sorted(2.0 * np.pi * np.array(both) / span) == pytest.approx([31.0, 100.0], abs=1.5)
     assert EFFECTS["torque_ripple"].promising(q[:0], q[:0], span) == ()
     assert EFFECTS["torque_ripple"].promising(q[:9], np.zeros(9), span) == ()
+
+
+@pytest.mark.parametrize("name", [name for name, each in EFFECTS.items() if isinstance(each, ManyShapes)])
+def test_all_shapes_at_once_are_each_shape_by_itself(name: str) -> None:
+    t = np.arange(0.0, 20.0, 0.005)
+    seen = axis(t, np.sin(1.7 * t) + 0.4 * np.sin(4.1 * t), 6.0 * np.sin(np.sin(1.7 * t)) + np.cos(4.1 * t))
+    uneven = [tuple(one.at(share) for one in EFFECTS[name].shapes) for share in (0.2, 0.25, 0.7)]
+    for shapes in (list(grid(EFFECTS[name])), uneven):
+        alone = np.concatenate([EFFECTS[name].columns(seen, shape) for shape in shapes], axis=1)
+        together = EFFECTS[name].columns_of_all(seen, shapes)
+        np.testing.assert_allclose(together, alone.T, rtol=0.0, atol=1e-12 * np.abs(alone).max())

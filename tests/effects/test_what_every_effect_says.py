@@ -15,6 +15,7 @@ from exogauge.effects.catalogue import (
 )
 from exogauge.effects.effect import Quantity
 from exogauge.effects.scales import OWN_SIZES
+from exogauge.effects.words import effect_words, parameter_words
 
 PLACES = {
     "joint": shaped_effects(),
@@ -86,3 +87,17 @@ def test_a_user_is_told_in_sentences(place, effect):
         assert text.endswith(".")
         assert text.count(".") == 1
         assert len(text.split()) >= 4
+
+
+@every_effect
+def test_every_number_and_the_effect_itself_have_words_of_their_own(place, effect):
+    assert effect_words(effect.name) == effect.words
+    for each in (*effect.coefficients, *effect.shapes):
+        assert len(each.words.split()) >= 1
+        assert "_" not in each.words
+        assert parameter_words(effect.name, each.name)
+
+
+def test_a_number_that_no_effect_has_gets_no_words():
+    assert parameter_words("stribeck", "tau_p") == ""
+    assert parameter_words("contact", "force") == ""

@@ -16,7 +16,7 @@ from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 
 RATE = 200.0
@@ -215,7 +215,7 @@ def small(make_truth, make_log):
     truth = make_truth(False, joints=2, actuation="torque")
     log = make_log(truth, seed=1, seconds=8.0, noise=1.0)
     base = find_base_parameters(truth.robot.tree)
-    rows = row_blocks(truth.robot.tree, base, truth.robot.axes_from_joints)
+    rows = RowBlocks(truth.robot.tree, base, truth.robot.axes_from_joints)
     equations = Equations(truth.robot, rows, base, choose(Settings().effects))
     prepared = prepare(truth.robot, log, 10.0, rest_detection(truth.robot, [log], 10.0))
     return equations, prepared, per_parameter(truth.robot, base, equations.effects, scales(truth.robot, [prepared]))

@@ -16,6 +16,7 @@ from exogauge.identification.settings import Recording, Settings
 class Tried:
     left: float
     keeps_most: bool = True
+    keeps_judged: bool = True
 
 
 @pytest.fixture
@@ -49,6 +50,17 @@ def test_a_cutoff_at_which_turns_take_most_of_a_motion_is_not_taken(robot_and_lo
     robot, log, first = robot_and_log
     found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 1.5 * first))
     assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
+
+
+def test_a_cutoff_at_which_turns_take_most_of_what_judges_is_not_taken(robot_and_log):
+    robot, log, first = robot_and_log
+    found = choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 0.7 * first, hz > 1.5 * first))
+    assert found == pytest.approx(min(2.0 * first, 0.2 * log.rate_hz))
+
+
+def test_where_nothing_lets_judge_the_fitted_motion_decides(robot_and_log):
+    robot, log, first = robot_and_log
+    assert choose_cutoff(robot, [log], log.rate_hz, lambda _, hz: Tried(0.0, hz > 0.7 * first, False)) == first
 
 
 def test_where_no_row_is_left_a_higher_cutoff_is_sought(robot_and_log):

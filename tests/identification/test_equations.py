@@ -16,7 +16,7 @@ from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
 from exogauge.robots.regressor import contact_effect, regressor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 CUTOFF_HZ = 12.0
 DIFFERENTIAL = np.array([[1.0, 0.0, 0.0], [0.0, 0.9, 0.4], [0.0, -0.5, 1.1]])
@@ -24,7 +24,7 @@ DIFFERENTIAL = np.array([[1.0, 0.0, 0.0], [0.0, 0.9, 0.4], [0.0, -0.5, 1.1]])
 
 def equations_of(robot):
     base = find_base_parameters(robot.tree)
-    return Equations(robot, row_blocks(robot.tree, base, robot.axes_from_joints), base, choose(Settings().effects))
+    return Equations(robot, RowBlocks(robot.tree, base, robot.axes_from_joints), base, choose(Settings().effects))
 
 
 def prepared_of(robot, log):

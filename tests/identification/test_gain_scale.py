@@ -7,7 +7,8 @@ import pytest
 
 from exogauge.errors import BadLog
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.identification.gain_scale import most_likely
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.gain_scale import _decided_by, most_likely
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 
@@ -121,3 +122,20 @@ def test_the_newton_steps_end_where_the_slope_is_zero():
     k = most_likely(k_hat, information, D, np.ones(4))
     assert np.all(k > 0.0)
     np.testing.assert_allclose(information @ (k - k_hat), D / k, rtol=1e-6)
+
+
+def test_what_the_rows_of_one_joint_decide_is_the_trace_of_their_share_in_all_that_is_known() -> None:
+    random = np.random.default_rng(4)
+    of_kind = [np.array([5, 0, 1]), np.array([1, 2, 3, 6]), np.array([4, 6])]
+    statistics = Statistics.empty(7, of_kind)
+    rows = [random.normal(size=(30, len(own))) for own in of_kind]
+    for kind, A in enumerate(rows):
+        statistics.add_rows(kind, np.hstack([A, random.normal(size=(30, 1))]))
+    weights, columns = np.array([2.0, 0.5, 3.0]), np.array([0, 1, 2, 4, 5, 6])
+    dense = [np.zeros((30, 7)) for _ in of_kind]
+    for whole, A, own in zip(dense, rows, of_kind, strict=True):
+        whole[:, own] = A
+    alone = [w * (A.T @ A)[np.ix_(columns, columns)] for w, A in zip(weights, dense, strict=True)]
+    H, counted = sum(alone) + np.eye(6), np.array([True, True, False, True, True, True])
+    expected = [np.diag(np.linalg.inv(H) @ each)[counted].sum() for each in alone[:2]]
+    assert _decided_by(statistics, weights, [0, 1], columns, H, counted) == pytest.approx(expected, rel=1e-12)

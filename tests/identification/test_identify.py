@@ -91,6 +91,7 @@ def test_the_sign_of_static_friction_is_found_from_the_residual(make_truth, make
         assert values[f"tau_s[{joint}]"].value == pytest.approx(tau_s, rel=0.1)
 
 
+@pytest.mark.slow
 def test_friction_that_held_less_in_one_log_is_told_as_a_lower_bound(make_truth, make_log):
     """The second joint is held by a third of what it could: [Evaluator] (8) does not hold there."""
     truth = make_truth(floating=True, seed=6)

@@ -18,13 +18,13 @@ from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.cut_rows import CutRows
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 RATE = 200.0
 SHAPES = [StoredPass(2.0, 1, True), StoredPass(4.0, 3, True), StoredPass(3.0, 2, False)]
 INSIDE = slice(200, -200)
 NAMES = ("j1", "j2")
-REST = RestDetection(40.0, np.full(2, 2e-3))
+REST = RestDetection(40.0, np.full(2, 2e-3), np.zeros(2))
 
 
 def waves(t):
@@ -118,7 +118,7 @@ def test_a_low_passed_load_is_explained_by_rows_and_by_predictions_with_its_smea
     channels = {**log.channels, **{f"tau.{name}": torque[:, j] for j, name in enumerate(NAMES)}}
     prepared = prepare(arm.robot, replace(log, channels=channels, stored=stored), 10.0, REST)
     base = find_base_parameters(arm.robot.tree)
-    rows = row_blocks(arm.robot.tree, base, arm.robot.axes_from_joints)
+    rows = RowBlocks(arm.robot.tree, base, arm.robot.axes_from_joints)
     equations = Equations(arm.robot, rows, base, choose(Settings().effects))
     xi = np.zeros((2, len(equations.effects)))
     xi[:, [effect.name for effect in equations.effects].index("motor_gain")] = 1.0
@@ -142,11 +142,11 @@ def test_a_low_passed_reading_of_a_sensor_inside_is_explained_with_its_smear(tmp
     stored, sensor = StoredPass(2.0, 2, False), wrist()
     robot, log = describe(tmp_path, [sensor]), record(5, [sensor], 20.0, noise=0.0)
     channels = {name: filtered(values, 2.0, log.rate_hz) for name, values in log.channels.items()}
-    at_rest = RestDetection(40.0, np.full(len(robot.joints), 2e-3))
+    at_rest = RestDetection(40.0, np.full(len(robot.joints), 2e-3), np.zeros(len(robot.joints)))
     prepared = prepare(robot, replace(log, channels=channels, stored=stored), 6.0, at_rest)
     base = find_base_parameters(robot.tree)
     cuts = [CutRows(robot.tree, base, each.frame) for each in robot.cuts]
-    rows = row_blocks(robot.tree, base, robot.axes_from_joints)
+    rows = RowBlocks(robot.tree, base, robot.axes_from_joints)
     equations = Equations(robot, rows, base, choose(Settings().effects), tuple(zero_columns(robot)), cuts)
     x = np.zeros(equations.size)
     x[: equations.base_size] = base.regroup @ true_phi(robot.tree.bodies, [sensor.frame]).ravel()

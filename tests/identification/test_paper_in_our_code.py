@@ -19,7 +19,7 @@ from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
 from exogauge.robots.regressor import contact_effect, regressor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 CUTOFF_HZ = 12.0
 JOINTS = 3
@@ -32,7 +32,7 @@ def case(make_truth, make_log):
     truth = make_truth(True)
     log = make_log(truth, seed=2, seconds=14.0)
     base = find_base_parameters(truth.robot.tree)
-    rows = row_blocks(truth.robot.tree, base, truth.robot.axes_from_joints)
+    rows = RowBlocks(truth.robot.tree, base, truth.robot.axes_from_joints)
     equations = Equations(truth.robot, rows, base, choose(Settings().effects))
     return equations, truth, prepare(truth.robot, log, CUTOFF_HZ, rest_detection(truth.robot, [log], CUTOFF_HZ))
 
@@ -104,7 +104,7 @@ def test_right_hand_side_is_the_transposed_jacobians_times_wrench(make_truth, ma
     robot = replace(truth.robot, sensors=(WrenchSensor("plate", "link3", "contact", 1.0),))
     log = make_log(truth, seed=2, seconds=6.0)
     base = find_base_parameters(robot.tree)
-    equations = Equations(robot, row_blocks(robot.tree, base, robot.axes_from_joints), base, choose(Settings().effects))
+    equations = Equations(robot, RowBlocks(robot.tree, base, robot.axes_from_joints), base, choose(Settings().effects))
     prepared = prepare(robot, log, CUTOFF_HZ, rest_detection(robot, [log], CUTOFF_HZ))
     kept = prepared.kept
     expected = contact_effect(robot.tree, prepared.motion.q[kept], "link3", prepared.wrenches[kept, 0])

@@ -20,7 +20,7 @@ from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.regressor import regressor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 CUTOFF_HZ = 8.0
 
@@ -31,7 +31,7 @@ def with_wrist(tmp_path_factory):
     sensor = wrist()
     robot, log = describe(tmp_path_factory.mktemp("arm"), [sensor]), record(3, [sensor], 12.0)
     base = find_base_parameters(robot.tree)
-    rows = row_blocks(robot.tree, base, robot.axes_from_joints)
+    rows = RowBlocks(robot.tree, base, robot.axes_from_joints)
     cuts = [CutRows(robot.tree, base, each.frame) for each in robot.cuts]
     equations = Equations(robot, rows, base, choose(Settings().effects), tuple(zero_columns(robot)), cuts)
     prepared = prepare(robot, log, CUTOFF_HZ, rest_detection(robot, [log], CUTOFF_HZ))

@@ -15,11 +15,10 @@ def test_friction_that_would_push_is_held_at_zero_and_the_rest_solved_again(smal
     pushing = first[names.index("k_d")]
     x[pushing], x[second[names.index("k_d")]], x[first[names.index("tau_o")]] = -2.0, 3.0, -4.0
     statistics, weights = statistics_for(x), np.ones(len(equations.columns()))
-    free = PriorLeastSquares(statistics.square_root(weights), prior, 1e-3)
+    data = statistics.square_root(weights)
+    free = PriorLeastSquares(data, prior, 1e-3)
     assert free.x[pushing] < -1.5
-    solved, held = solve_within_ranges(
-        equations, statistics.square_root(weights), prior, 1e-3, np.zeros(equations.size)
-    )
+    solved, held = solve_within_ranges(equations, data, free, np.zeros(equations.size))
     assert "k_d[j1]" in held
     assert solved.x[pushing] == 0.0
     assert solved.x[first[names.index("tau_o")]] < -1.0  # an offset may have any sign
@@ -37,7 +36,9 @@ def test_nothing_is_held_where_nothing_leaves_its_range(small):
     equations, prepared, prior = small
     statistics = equations.collect(prepared, prior.seen_mean, 1)[0]
     weights = np.ones(len(equations.columns()))
-    solved, held = solve_within_ranges(equations, statistics.square_root(weights), prior, 1.0, np.zeros(equations.size))
-    free = PriorLeastSquares(statistics.square_root(weights), prior, 1.0)
+    data = statistics.square_root(weights)
+    free = PriorLeastSquares(data, prior, 1.0)
+    nearest = PriorLeastSquares(data, prior, 1.0)
+    solved, held = solve_within_ranges(equations, data, nearest, np.zeros(equations.size))
     assert held == ()
     np.testing.assert_array_equal(solved.x, free.x)

@@ -13,13 +13,13 @@ from exogauge.identification.identify import identify
 from exogauge.identification.link_site import LinkSite
 from exogauge.identification.result import Identification, Parameter
 from exogauge.identification.settings import Recording, Settings
+from exogauge.robots.body_columns import mass_columns
 from exogauge.robots.cut_rows import in_sensor
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.regressor import inverse_dynamics
-from exogauge.robots.row_blocks import mass_columns
-from exogauge.studies.report_tables import sensor_table
-from exogauge.studies.results import sensor_entries, summaries
+from exogauge.studies.report.report_tables import sensor_table
+from exogauge.studies.results.document import sensor_entries, summaries
 
 SETTINGS = Settings(cutoff_hz=8.0)
 LONG = 25.0  # [s] of a log

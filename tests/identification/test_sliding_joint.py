@@ -11,7 +11,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.urdf import load_tree
-from exogauge.studies.results import summaries
+from exogauge.studies.results.document import summaries
 
 URDF = b"""<robot name="gantry"><link name="rail"/>
 <link name="car"><inertial><origin xyz="0 0 0"/><mass value="4"/>

@@ -11,7 +11,7 @@ from exogauge.identification.swing import inertia_and_slope
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.motion import Motion
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 
 JOINTS = ("a", "b", "c")
@@ -40,7 +40,7 @@ def test_they_are_those_of_the_links_beyond_each_axis(mixed):
         C[2, 1] = 0.5
     robot = Robot("arm", tree, tuple(Joint(name, "torque") for name in JOINTS), None, (), C)
     base = find_base_parameters(tree)
-    equations = Equations(robot, row_blocks(tree, base, C), base, choose(Settings().effects))
+    equations = Equations(robot, RowBlocks(tree, base, C), base, choose(Settings().effects))
     q = np.random.default_rng(4).uniform(-1.5, 1.5, (7, 3))
     none = np.zeros((7, 3))
     motion = Motion(q, 0.0 * q, 0.0 * q, np.tile(G, (7, 1)), none, none)

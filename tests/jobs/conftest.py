@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,11 +16,10 @@ from typing import Any
 import pytest
 
 from exogauge.jobs import recipes, requests
-from exogauge.jobs.engine import JobQueue, migrate_engine
+from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.supervisor import Supervisor
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.migrate import upgrade
 from exogauge.storage.records import JobRecord
 from exogauge.storage.store import Storage, open_storage
 
@@ -112,7 +112,6 @@ def workshop(
     settings: Settings, storage: Storage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Workshop]:
     """A workshop of its own for one test, without workers."""
-    migrate_engine(settings.database_url)
     monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
     opened = Workshop(settings, storage, tmp_path)
     yield opened
@@ -120,9 +119,11 @@ def workshop(
 
 
 @pytest.fixture(scope="module")
-def throw_away(throw_away_database: Callable[[], AbstractContextManager[str]]) -> Iterator[str]:
+def throw_away(
+    throw_away_database: Callable[..., AbstractContextManager[str]], migrated_postgres: str
+) -> Iterator[str]:
     """A PostgreSQL database for a module."""
-    with throw_away_database() as url:
+    with throw_away_database(migrated_postgres) as url:
         yield url
 
 
@@ -130,10 +131,12 @@ def throw_away(throw_away_database: Callable[[], AbstractContextManager[str]]) -
 def staffed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workshop]:
     """A workshop with one worker, shared by the tests of a module."""
     folder = tmp_path_factory.mktemp("staffed")
-    url = f"sqlite:///{folder / 'test.sqlite'}" if request.param == "sqlite" else request.getfixturevalue("throw_away")
+    if request.param == "sqlite":
+        shutil.copy(request.getfixturevalue("migrated_sqlite"), folder / "test.sqlite")
+        url = f"sqlite:///{folder / 'test.sqlite'}"
+    else:
+        url = request.getfixturevalue("throw_away")
     settings = Settings(data_dir=folder / "data", database_url=url, workers=0)
-    upgrade(settings.database_url)
-    migrate_engine(settings.database_url)
     storage = open_storage(settings)
     opened = Workshop(settings, storage, folder)
     opened.start_worker(BURN_LIMIT="20")

@@ -16,10 +16,10 @@ from rosbags.typesys import Stores, get_typestore
 from exogauge.errors import BadLog
 from exogauge.logs.mapping import read_mapped
 from exogauge.logs.model import Log
-from exogauge.logs.tables import open_table
+from exogauge.logs.open_table import open_table
 from exogauge.sandbox import LogRequest, parse_log
-from exogauge.studies.log_preview import preview
-from exogauge.studies.mapping_file import parse_mapping
+from exogauge.studies.import_log.log_preview import preview
+from exogauge.studies.intake.mapping_file import parse_mapping
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 TYPES: dict[str, Any] = STORE.types

@@ -26,7 +26,8 @@ from exogauge.logs.mapping_rules import (
     check_rotation,
 )
 from exogauge.logs.model import Array, Log
-from exogauge.logs.tables import TextLayout, open_table
+from exogauge.logs.open_table import open_table
+from exogauge.logs.tables import TextLayout
 
 T = 20
 SAME = Clock(rate_hz=100.0)

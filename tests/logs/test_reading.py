@@ -20,8 +20,8 @@ from hypothesis import strategies as st
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
 from exogauge.logs.canonical import write_log
 from exogauge.logs.model import Log
+from exogauge.logs.open_table import open_table
 from exogauge.logs.reading import read_log
-from exogauge.logs.tables import open_table
 
 ROWS = [(k / 10.0, k / 4.0 - 1.0) for k in range(12)]
 PLAIN = "t,q.a\n" + "".join(f"{t},{q}\n" for t, q in ROWS)

@@ -27,9 +27,9 @@ def main() -> int:
         for result in pool.map(one, range(first, stop), [options.keep] * (stop - first)):
             found.append(result)
             print(_line(result), flush=True)
+            if options.json:  # after each: a run that is interrupted keeps what it has found
+                Path(options.json).write_text(json.dumps(found, indent=1))
     print(summary(found))
-    if options.json:
-        Path(options.json).write_text(json.dumps(found, indent=1))
     return 0 if all(result.get("good") for result in found) else 1
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from tests.plain.excitation import STYLES
-from tests.plain.score import FLOORS, facts
+from tests.plain.score import FLOORS, facts, summary
 from tests.plain.study_files import plan, write_study
 
 
@@ -41,3 +41,29 @@ def test_all_styles_rates_and_actuations_meet_every_robot():
     assert len(arms) >= 12
     assert {p.rate_hz for p in plans} == {125.0, 200.0, 250.0, 500.0}
     assert {p.style for p in plans if p.robot.base_link} == set(STYLES)
+
+
+def test_soft_friction_is_counted_apart_and_doubts_that_are_too_small_show_in_z():
+    """Errors of twice what is stated: 67 % inside 1.96 standard deviations, rms 2."""
+    rng = np.random.default_rng(3)
+
+    def study(name, verdict, floors, size):
+        off = {f"k_d[j{k}]": size * rng.standard_normal() for k in range(500)}
+        return {"name": name, "verdict": verdict, "floors": floors, "good": verdict == "none", "off": off}
+
+    text = summary([
+        study("0000-UR5-chirp-125Hz-current", "none", 1.0, 1.0),
+        study("0001-Panda-sines-250Hz-torque", "none", 1.01, 2.0),
+        study("0003-UR5-sines-125Hz-current-soft", "effects", 1.9, 9.0),
+        {"name": "0005-UR5-fourier-125Hz-current", "error": "it did not end"},
+    ])  # fmt: skip
+    assert "at once: 2 of 3 are `none`" in text
+    assert "1 did not end; worst floors: 1.010, 1.000" in text
+    assert "soft: 0 of 1 are `none`" in text
+    of_kinds = [line.split() for line in text.splitlines() if line.startswith("  ")]
+    share = {words[0]: float(words[2]) for words in of_kinds}
+    rms = {words[0]: float(words[words.index("rms") + 1].rstrip(",")) for words in of_kinds}
+    assert abs(rms["chirp"] - 1.0) < 0.1
+    assert abs(rms["Panda"] - 2.0) < 0.2
+    assert abs(share["chirp"] - 95.0) < 3.0
+    assert abs(share["sines"] - 67.0) < 7.0

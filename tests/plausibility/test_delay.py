@@ -10,7 +10,7 @@ from tests.plausibility.test_examine import as_log
 from exogauge.logs.findings import Finding
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.intake.robot_file import load_robot
 
 Logs = list[dict[str, np.ndarray]]
 

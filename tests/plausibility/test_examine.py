@@ -13,7 +13,7 @@ from exogauge.cli import main
 from exogauge.logs.model import Log
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.intake.robot_file import load_robot
 
 Columns = Mapping[str, np.ndarray]
 

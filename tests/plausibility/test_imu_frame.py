@@ -15,7 +15,7 @@ from exogauge.logs.body_rules import gyro_against_tilt
 from exogauge.logs.findings import Expectation, Finding
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.intake.robot_file import load_robot
 
 Logs = list[dict[str, np.ndarray]]
 STATED = pin.utils.rotate("x", 0.4)
@@ -124,6 +124,7 @@ def test_where_gravity_stays_along_one_axis_only_the_tilt_is_told(robot: Robot, 
     assert "the turn about gravity these logs cannot tell" in finding.detail
 
 
+@pytest.mark.slow
 def test_feet_that_do_not_bear_the_robot_alone_say_nothing_of_the_imu(robot: Robot, logs: Logs) -> None:
     half = [each | {name: 0.5 * v for name, v in each.items() if name.startswith("ft.")} for each in logs]
     found = said(robot, [turned(each, ROLL) for each in half])

@@ -14,8 +14,8 @@ import pytest
 
 from exogauge.devices.bench_line import BenchLine, bench_line
 from exogauge.devices.device import BenchTest
-from exogauge.studies.bench_table import read_bench
-from exogauge.studies.bundle import Bundle
+from exogauge.studies.intake.bench_table import read_bench
+from exogauge.studies.intake.bundle import Bundle
 
 TABLE = "treloar1944_uniaxial.csv"
 REST_LENGTH, SECTION = 0.1, 1e-4  # m, m²

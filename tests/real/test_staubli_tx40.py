@@ -8,74 +8,34 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from tests.real.recordings.staubli_tx40 import FILES, JOINTS, RECORDING, write, write_uncoupled
 
 from exogauge.identification.settings import Settings
 from exogauge.studies.evaluate import evaluate
 
 pytestmark = pytest.mark.slow
 
-JOINTS = tuple(f"joint_{k}" for k in range(1, 7))
-GEARS = (32.0, 32.0, 45.0, -48.0, 45.0, 32.0)
-OFFSETS = {"joint_2": "-pi/2", "joint_3": "pi/2"}
 # TX40_config.yaml. Joint 6's Coulomb friction: fs + fsm6, since both act where its motor turns.
 PUBLISHED_VISCOUS = np.array([8.05, 5.53, 1.97, 1.11, 1.86, 0.65])
 PUBLISHED_COULOMB = np.array([7.14, 8.26, 6.34, 2.48, 3.03, 0.282 + 1.95])
 PUBLISHED_OLS = np.array([6.64, 8.32, 4.28, 1.80, 2.65, 1.72])  # N·m on the same samples, mean 4.24
 
-STUDY = """version: 1
-name: Staubli TX40
-robot: robot.yaml
-logs:
-  - {file: [pos_read_data.csv.gz, curr_data.csv.gz], mapping: mapping.yaml, role: identification,
-     rows: [0, 24750], name: train}
-  - {file: [pos_read_data.csv.gz, curr_data.csv.gz], mapping: mapping.yaml, role: validation,
-     rows: [29250, 45000], name: held_out}
-steps: [identify]
-"""
-ROBOT = (
-    """version: 1
-urdf: tx40_mdh_modified.urdf
-base: fixed
-joints:
-"""
-    + "".join(
-        f"  - {{name: {joint}, actuation: torque, gear_ratio: {gear}}}\n"
-        for joint, gear in zip(JOINTS, GEARS, strict=True)
-    )
-    + """transmission:
-  joints: [joint_5, joint_6]
-  matrix: [[45.0, 0.0], [32.0, 32.0]]
-"""
-)
-
-
-def _mapping() -> str:
-    text = "version: 1\nfiles:\n"
-    for file, kind, unit in (("pos_read_data.csv.gz", "q", "rad"), ("curr_data.csv.gz", "tau", "N·m")):
-        text += f"  - file: {file}\n    rate_hz: 5000\n    columns:\n"
-        for joint in JOINTS:
-            offset = f", offset: {OFFSETS[joint]}" if kind == "q" and joint in OFFSETS else ""
-            text += f"      J{joint[1:]}: {{channel: {kind}.{joint}, unit: {unit}, side: motor{offset}}}\n"
-    return text
-
 
 @pytest.fixture(scope="module")
 def folder(recording: Callable[..., Path]) -> Path:
-    folder = recording("staubli_tx40", ("pos_read_data.csv.gz", "curr_data.csv.gz", "tx40_mdh_modified.urdf"))
-    (folder / "study.yaml").write_text(STUDY)
-    (folder / "robot.yaml").write_text(ROBOT)
-    (folder / "mapping.yaml").write_text(_mapping())
+    folder = recording(RECORDING, FILES)
+    write(folder)
+    write_uncoupled(folder)
     return folder
 
 
 @pytest.fixture(scope="module")
-def results(folder: Path) -> Path:
-    """Result folder of the study with default settings."""
-    evaluate(folder / "study.yaml", folder / "results", lambda _fraction, _phrase: None)
-    return folder / "results"
+def results(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Path:
+    """Result folder of the study with default settings; nothing is named in it, so it predicts as identified."""
+    assert answer(folder / "missing.yaml")["discrepancy"]["findings"] == []
+    return folder / "results_missing"
 
 
 def held_out_rmse(results: Path) -> np.ndarray:
@@ -117,7 +77,6 @@ def test_most_of_the_gain_stays_when_the_prediction_does_not_know_the_sign_at_re
 
 @pytest.fixture(scope="module")
 def discrepancy(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Mapping[str, Any]:
-    (folder / "missing.yaml").write_text(STUDY.replace("steps: [identify]", "steps: [identify, discrepancy]"))
     found: Mapping[str, Any] = answer(folder / "missing.yaml")["discrepancy"]
     return found
 
@@ -145,24 +104,6 @@ def test_stribeck_which_is_not_in_this_recording_is_not_even_a_candidate_worth_j
 @pytest.fixture(scope="module")
 def uncoupled(folder: Path, answer: Callable[..., Mapping[str, Any]]) -> Mapping[str, Any]:
     """The same rows as joint angles and joint torques, and a robot.yaml that does not know of the coupled wrist."""
-    gears = np.diag(GEARS)
-    gears[5, 4] = 32.0
-    motor, current = (
-        np.loadtxt(folder / f"{name}.csv.gz", delimiter=",", skiprows=1) for name in ("pos_read_data", "curr_data")
-    )
-    q, tau = motor @ np.linalg.inv(gears).T + [0.0, -np.pi / 2, np.pi / 2, 0.0, 0.0, 0.0], current @ gears
-    for name, rows in (("train", slice(0, 24750)), ("held_out", slice(29250, 45000))):
-        columns = {"t": np.arange(len(q[rows])) / 5000.0}
-        columns |= {
-            f"{kind}.{j}": values[rows, k] for kind, values in (("q", q), ("tau", tau)) for k, j in enumerate(JOINTS)
-        }
-        pq.write_table(pa.table(columns), folder / f"{name}.parquet")
-    (folder / "robot_uncoupled.yaml").write_text(ROBOT.split("transmission:")[0])
-    (folder / "uncoupled.yaml").write_text(
-        "version: 1\nname: TX40, coupling withheld\nrobot: robot_uncoupled.yaml\nlogs:\n"
-        "  - {file: train.parquet, role: identification}\n  - {file: held_out.parquet, role: validation}\n"
-        "steps: [identify, discrepancy]\n"
-    )
     found: Mapping[str, Any] = answer(folder / "uncoupled.yaml")["discrepancy"]
     return found
 

@@ -2,90 +2,26 @@
 
 from __future__ import annotations
 
-import sqlite3
-import struct
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 import yaml
+from tests.real.recordings.ur10 import BAG, FILES, JOINTS, RECORDING, joint_states, write
 
 from exogauge.logs.mapping import read_mapped
-from exogauge.studies.log_preview import preview
-from exogauge.studies.mapping_file import load_mapping
+from exogauge.studies.import_log.log_preview import preview
+from exogauge.studies.intake.mapping_file import load_mapping
 
 pytestmark = pytest.mark.slow
 
-BAG = "ur10_exciting_trajectory.db3"
-JOINTS = (
-    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
-    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
-)
-STUDY = """version: 1
-name: UR10
-robot: robot.yaml
-logs:
-  - {{file: log.parquet, rows: {fitted}, role: identification, name: train}}
-  - {{file: log.parquet, rows: {held_out}, role: validation, name: held_out}}
-steps: [identify, discrepancy]
-"""
-FORWARD, REVERSE = ("[0, 2064]", "[2064, 3441]"), ("[1377, 3441]", "[0, 1377]")
-
-
-class Message:
-    """A serialised ROS 2 message, little endian: every value starts at a multiple of its size."""
-
-    def __init__(self, data: bytes) -> None:
-        self.data, self.at = data[4:], 0  # four bytes say how it is serialised
-
-    def take(self, form: str) -> tuple[Any, ...]:
-        one = struct.calcsize(form[-1])
-        self.at += -self.at % one
-        values = struct.unpack_from(f"<{form}", self.data, self.at)
-        self.at += one * len(values)
-        return values
-
-    def text(self) -> str:
-        (length,) = self.take("I")
-        self.at += length
-        return self.data[self.at - length : self.at - 1].decode()
-
-    def numbers(self) -> tuple[float, ...]:
-        (length,) = self.take("I")
-        return self.take(f"{length}d")
-
-
-def joint_states(bag: Path) -> dict[str, np.ndarray]:
-    """t [s] and, per joint, q [rad] and tau [N·m], each (T,)."""
-    rows = []
-    connection = sqlite3.connect(bag)
-    for (data,) in connection.execute("select data from messages order by id"):
-        message = Message(data)
-        seconds, nanoseconds = *message.take("i"), *message.take("I")
-        message.text()
-        names = [message.text() for _ in range(message.take("I")[0])]
-        position, _velocity, effort = message.numbers(), message.numbers(), message.numbers()
-        assert tuple(names) == JOINTS
-        rows.append([seconds + 1e-9 * nanoseconds, *position, *effort])
-    connection.close()
-    table = np.array(rows)
-    columns = {"t": table[:, 0] - table[0, 0]}
-    for k, joint in enumerate(JOINTS):
-        columns |= {f"q.{joint}": table[:, 1 + k], f"tau.{joint}": table[:, 7 + k]}
-    return columns
-
 
 @pytest.fixture(scope="module")
-def folder(recording: Callable[..., Path], fixed_arm: Callable[..., None]) -> Path:
-    folder = recording("ur10_rosbag2", (BAG,))
-    fixed_arm(folder, "ur_description/urdf/ur10_robot.urdf", JOINTS)
-    pq.write_table(pa.table(joint_states(folder / BAG)), folder / "log.parquet")
-    for name, (fitted, held_out) in {"forward": FORWARD, "reverse": REVERSE}.items():
-        (folder / f"{name}.yaml").write_text(STUDY.format(fitted=fitted, held_out=held_out))
+def folder(recording: Callable[..., Path]) -> Path:
+    folder = recording(RECORDING, FILES)
+    write(folder)
     return folder
 
 
@@ -149,10 +85,11 @@ def test_cut_offs_of_both_parts_agree(folder: Path, answer: Callable[..., Mappin
 @pytest.mark.xfail(
     strict=False,
     reason="0.04 N·m per N·m stands at the edge of what is asked for, and falls on either side of it with the cut-off "
-    "(docs/real-logs.md)",
+    "(docs/measured/real-logs.md)",
 )
 def test_the_lifted_arm_rubs_more_under_load_whichever_part_is_fitted(either: Mapping[str, Any]) -> None:
-    """Least squares beside the product agree: 0.04 and 0.06 N·m of friction per N·m of gravity (docs/real-logs.md).
+    """Least squares beside the product agree: 0.04 and 0.06 N·m of friction per N·m of gravity
+    (docs/measured/real-logs.md).
 
     And nothing else is named than, from one of the parts, the elbow's viscous friction as a curve: the filter is not
     taken for friction, nor friction for a load on a link.

@@ -7,7 +7,7 @@ import pytest
 
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.regressor import regressor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 ROBOTS = ("talos", "ur5", "panda", "odd")
 
@@ -27,14 +27,13 @@ def _dense_rows(tree, base, C, motion):
     return Y
 
 
-@pytest.mark.parametrize("fast", [False, True])
 @pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_blocks_are_the_rows_of_the_regressor_and_all_else_is_zero(name, coupled, fast, robot, random_motion):
+def test_blocks_are_the_rows_of_the_regressor_and_all_else_is_zero(name, coupled, robot, random_motion):
     tree, _, _ = robot(name)
     base, C = find_base_parameters(tree), _coupling(tree) if coupled else np.eye(len(tree.joints))
     motion = random_motion(tree, 37)
-    rows = row_blocks(tree, base, C, fast)
+    rows = RowBlocks(tree, base, C)
     blocks, dense = rows.fill(motion, extra=2), _dense_rows(tree, base, C, motion)
     assert len(blocks) == len(rows.columns) == dense.shape[1]
     for r, (block, columns) in enumerate(zip(blocks, rows.columns, strict=True)):
@@ -44,20 +43,18 @@ def test_blocks_are_the_rows_of_the_regressor_and_all_else_is_zero(name, coupled
         assert np.abs(np.delete(dense[:, r], columns, axis=1)).max(initial=0.0) < 1e-12
 
 
-@pytest.mark.parametrize("fast", [False, True])
 @pytest.mark.parametrize("name", ["talos", "ur5", "odd"])
-def test_prediction_equals_rows_times_base_parameters(name, fast, robot, random_motion):
+def test_prediction_equals_rows_times_base_parameters(name, robot, random_motion):
     tree, _, _ = robot(name)
     base, C, motion = find_base_parameters(tree), _coupling(tree), random_motion(tree, 11)
     phi_base = base.regroup @ tree.phi.ravel()
-    predicted = row_blocks(tree, base, C, fast).predict(motion, phi_base)
+    predicted = RowBlocks(tree, base, C).predict(motion, phi_base)
     assert np.abs(predicted - _dense_rows(tree, base, C, motion) @ phi_base).max() < 1e-9
 
 
-@pytest.mark.parametrize("fast", [False, True])
-def test_overwritten_blocks_hold_nothing_of_the_chunk_before(fast, robot, random_motion):
+def test_overwritten_blocks_hold_nothing_of_the_chunk_before(robot, random_motion):
     tree, _, _ = robot("odd")
-    rows = row_blocks(tree, find_base_parameters(tree), np.eye(4), fast)
+    rows = RowBlocks(tree, find_base_parameters(tree), np.eye(4))
     blocks = rows.fill(random_motion(tree, 20, seed=1), extra=3)
     for block in blocks:
         block[:] = np.nan
@@ -71,8 +68,19 @@ def test_overwritten_blocks_hold_nothing_of_the_chunk_before(fast, robot, random
 def test_a_leaf_axis_has_seven_columns_and_a_force_row_no_inertia(robot):
     tree, _, _ = robot("talos")
     base = find_base_parameters(tree)
-    columns = row_blocks(tree, base, np.eye(32), fast=False).columns
+    columns = RowBlocks(tree, base, np.eye(32)).columns
     assert len(columns[0]) == 4 + 2 * 32
     assert len(columns[5]) == base.rank
     assert len(columns[6 + tree.joints.index("leg_left_6_joint")]) == 7
     assert len(columns[6 + tree.joints.index("leg_left_1_joint")]) == 6 * 7
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("name", ["talos", "odd"])
+def test_one_axis_alone_is_its_block_to_the_last_bit(name, coupled, robot, random_motion):
+    tree, _, _ = robot(name)
+    base, motion = find_base_parameters(tree), random_motion(tree, 70)
+    rows = RowBlocks(tree, base, _coupling(tree) if coupled else np.eye(len(tree.joints)))
+    first = 6 if tree.floating else 0
+    for row, block in list(enumerate(rows.fill(motion)))[first:]:
+        assert np.array_equal(rows.fill_axis(row, motion), block)

@@ -12,49 +12,49 @@ from exogauge.storage.database import make_engine
 from exogauge.storage.tables import Base, Job, Study
 
 
-def test_upgrade_check_downgrade_leave_nothing_over(database_url: str) -> None:
-    assert migrate.current(database_url) is None
-    assert migrate.upgrade(database_url) == migrate.newest()
-    migrate.check(database_url)
-    migrate.downgrade(database_url, "base")
-    assert migrate.current(database_url) is None
-    assert tables(database_url) <= {"alembic_version"}
-    migrate.upgrade(database_url)
-    migrate.check(database_url)
+def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
+    assert migrate.current(empty_database_url) is None
+    assert migrate.upgrade(empty_database_url) == migrate.newest()
+    migrate.check(empty_database_url)
+    migrate.downgrade(empty_database_url, "base")
+    assert migrate.current(empty_database_url) is None
+    assert tables(empty_database_url) <= {"alembic_version"}
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
 
 
-def test_check_finds_a_table_that_no_migration_made(database_url: str) -> None:
-    migrate.upgrade(database_url)
-    execute(database_url, "ALTER TABLE robots ADD COLUMN surprise INTEGER")
+def test_check_finds_a_table_that_no_migration_made(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url)
+    execute(empty_database_url, "ALTER TABLE robots ADD COLUMN surprise INTEGER")
     with pytest.raises(migrate.WrongSchema, match="surprise"):
-        migrate.check(database_url)
+        migrate.check(empty_database_url)
 
 
-def test_tables_of_the_job_engine_are_none_of_our_business(database_url: str) -> None:
-    execute(database_url, "CREATE TABLE workflow_status (id INTEGER)")
-    migrate.prepare(database_url)
-    migrate.check(database_url)
+def test_tables_of_the_job_engine_are_none_of_our_business(empty_database_url: str) -> None:
+    execute(empty_database_url, "CREATE TABLE workflow_status (id INTEGER)")
+    migrate.prepare(empty_database_url)
+    migrate.check(empty_database_url)
 
 
-def test_a_new_database_is_prepared_and_one_at_the_newest_revision_is_left_alone(database_url: str) -> None:
-    migrate.prepare(database_url)
-    migrate.prepare(database_url)
-    assert migrate.current(database_url) == migrate.newest()
+def test_a_new_database_is_prepared_and_one_at_the_newest_revision_is_left_alone(empty_database_url: str) -> None:
+    migrate.prepare(empty_database_url)
+    migrate.prepare(empty_database_url)
+    assert migrate.current(empty_database_url) == migrate.newest()
 
 
-def test_an_unknown_revision_is_refused_with_instructions(database_url: str) -> None:
-    migrate.upgrade(database_url)
-    execute(database_url, "UPDATE alembic_version SET version_num = 'from_the_future'")
+def test_an_unknown_revision_is_refused_with_instructions(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url)
+    execute(empty_database_url, "UPDATE alembic_version SET version_num = 'from_the_future'")
     with pytest.raises(migrate.WrongSchema, match=r"from_the_future.*newer.*restore the backup"):
-        migrate.prepare(database_url)
+        migrate.prepare(empty_database_url)
     with pytest.raises(migrate.WrongSchema, match="does not know"):
-        migrate.upgrade(database_url)
+        migrate.upgrade(empty_database_url)
 
 
-def test_tables_without_a_revision_are_refused(database_url: str) -> None:
-    execute(database_url, "CREATE TABLE robots (id INTEGER)")
+def test_tables_without_a_revision_are_refused(empty_database_url: str) -> None:
+    execute(empty_database_url, "CREATE TABLE robots (id INTEGER)")
     with pytest.raises(migrate.WrongSchema, match="no revision"):
-        migrate.prepare(database_url)
+        migrate.prepare(empty_database_url)
 
 
 def test_every_constraint_has_a_name_and_every_lab_row_its_lab() -> None:
@@ -63,10 +63,10 @@ def test_every_constraint_has_a_name_and_every_lab_row_its_lab() -> None:
         assert "lab_id" in table.columns or table.name == "worker_leases"
 
 
-def test_the_migrated_schema_keeps_what_the_engine_relies_on(database_url: str) -> None:
+def test_the_migrated_schema_keeps_what_the_engine_relies_on(empty_database_url: str) -> None:
     """An equal live request is refused by the database itself; after a failure it is welcome again."""
-    migrate.upgrade(database_url)
-    engine = make_engine(database_url)
+    migrate.upgrade(empty_database_url)
+    engine = make_engine(empty_database_url)
     job = {"kind": "evaluate", "study_id": "s", "request_hash": "h"}
     with engine.begin() as connection:
         connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
@@ -80,22 +80,22 @@ def test_the_migrated_schema_keeps_what_the_engine_relies_on(database_url: str) 
     engine.dispose()
 
 
-def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(database_url: str) -> None:
-    migrate.upgrade(database_url, "0001")
-    execute(database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0001")
+    execute(empty_database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
             "VALUES ('s', 'local', '2026-01-01', 'old', 'c', '{}')")  # fmt: skip
-    execute(database_url, "INSERT INTO jobs (id, lab_id, created_at, kind, study_id, request_hash, settings, "
+    execute(empty_database_url, "INSERT INTO jobs (id, lab_id, created_at, kind, study_id, request_hash, settings, "
             "code_version, state, progress, message, attempts, cancel_requested, log, revision) VALUES "
             "('j', 'local', '2026-01-01', 'evaluate', 's', 'h', '{}', '', 'failed', 0, '', 1, '0', '', 3)")  # fmt: skip
-    migrate.upgrade(database_url)
-    engine = make_engine(database_url)
+    migrate.upgrade(empty_database_url)
+    engine = make_engine(empty_database_url)
     with engine.connect() as connection:
         assert connection.execute(sa.select(Job.revision, Job.failure)).all() == [(3, None)]
     engine.dispose()
-    migrate.downgrade(database_url, "0001")
-    assert "devices" not in tables(database_url)
-    migrate.upgrade(database_url)
-    migrate.check(database_url)
+    migrate.downgrade(empty_database_url, "0001")
+    assert "devices" not in tables(empty_database_url)
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
 
 
 def tables(url: str) -> set[str]:

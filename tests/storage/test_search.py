@@ -110,17 +110,17 @@ def test_studies_are_chosen_by_the_state_of_their_latest_evaluation(storage: Sto
         assert [study.id for study in page(None, 9, state="none", search="FRESH").items] == [fresh]
 
 
-def test_what_was_there_before_words_were_kept_is_found_after_the_migration(database_url: str) -> None:
-    migrate.upgrade(database_url, "0003")
+def test_what_was_there_before_words_were_kept_is_found_after_the_migration(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0003")
     values = {"id": "s", "lab": "local", "at": "2026-01-01", "name": "Old Lift", "sum": '{"robot": {"name": "HRP-4"}}'}
     insert = (
         "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
         "VALUES (:id, :lab, :at, :name, 'c', :sum)"
     )
-    engine = make_engine(database_url)
+    engine = make_engine(empty_database_url)
     with engine.begin() as connection:
         connection.execute(sa.text(insert), values)
-    migrate.upgrade(database_url)
+    migrate.upgrade(empty_database_url)
     with engine.begin() as connection:
         words = connection.execute(sa.text("SELECT words FROM studies")).scalar_one()
     engine.dispose()

@@ -13,7 +13,7 @@ import pytest
 
 from exogauge.identification.result import ChannelFit, Identification, Parameter, Prediction
 from exogauge.robots.description import Robot
-from exogauge.studies.open import needed_channels, open_study
+from exogauge.studies.intake.open import needed_channels, open_study
 
 JOINTS = ("torso_yaw", "torso_pitch", "r_elbow")
 

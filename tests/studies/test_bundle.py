@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from exogauge.errors import BadStudy, TooLarge
-from exogauge.studies import bundle as module
-from exogauge.studies.bundle import open_bundle
+from exogauge.studies.intake import bundle as module
+from exogauge.studies.intake.bundle import open_bundle
 
 
 def zipped(folder: Path, path: Path, prefix: str = "") -> Path:

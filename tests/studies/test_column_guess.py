@@ -7,10 +7,10 @@ import math
 import pytest
 import yaml
 
-from exogauge.studies.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
-from exogauge.studies.column_guess import guess
-from exogauge.studies.mapping_file import parse_mapping
-from exogauge.studies.mapping_proposal import proposal
+from exogauge.studies.import_log.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
+from exogauge.studies.import_log.column_guess import guess
+from exogauge.studies.import_log.mapping_proposal import proposal
+from exogauge.studies.intake.mapping_file import parse_mapping
 
 ROBOT = Wearer(
     (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from exogauge.errors import BadInput, BadStudy, Fault, TooLarge
-from exogauge.studies.contract import DeviceFile, RobotFile, StudyFile
-from exogauge.studies.yaml_file import MAX_BYTES, load_yaml
+from exogauge.studies.intake.contract import DeviceFile, RobotFile, StudyFile
+from exogauge.studies.intake.yaml_file import MAX_BYTES, load_yaml
 
 STUDY = """version: 1
 name: Lumbar wear

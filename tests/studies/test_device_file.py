@@ -9,10 +9,10 @@ import pytest
 
 from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
-from exogauge.studies.bundle import Bundle
-from exogauge.studies.device_doubts import device_doubts
-from exogauge.studies.device_file import read_device
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.intake.bundle import Bundle
+from exogauge.studies.intake.device_doubts import device_doubts
+from exogauge.studies.intake.device_file import read_device
+from exogauge.studies.intake.robot_file import load_robot
 
 DEVICE = """version: 1
 name: Small suit

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 
 from exogauge.errors import BadStudy, TooLarge
 from exogauge.robots.description import Robot
-from exogauge.studies.bundle import Bundle
-from exogauge.studies.device_check import check_device
-from exogauge.studies.device_doubts import device_doubts
-from exogauge.studies.device_file import read_device
-from exogauge.studies.device_picture import draw_device
-from exogauge.studies.device_text import device_text
-from exogauge.studies.robot_file import load_robot
+from exogauge.studies.device_pages.device_picture import draw_device
+from exogauge.studies.device_pages.device_text import device_text
+from exogauge.studies.intake.bundle import Bundle
+from exogauge.studies.intake.device_check import check_device
+from exogauge.studies.intake.device_doubts import device_doubts
+from exogauge.studies.intake.device_file import read_device
+from exogauge.studies.intake.robot_file import load_robot
 
 DEVICE: dict[str, Any] = {
     "version": 1,

@@ -12,8 +12,8 @@ import pytest
 
 from exogauge.errors import BadLog, Cancelled
 from exogauge.studies.evaluate import evaluate
-from exogauge.studies.open import open_study
-from exogauge.studies.recorded_motion import read_logged
+from exogauge.studies.intake.open import open_study
+from exogauge.studies.series.recorded_motion import read_logged
 
 Rewrite = Callable[[str, str, str], Path]
 

@@ -15,7 +15,7 @@ import pytest
 from exogauge.cli import main
 from exogauge.errors import BadInput, BadLog, Cancelled, NotIdentifiable
 from exogauge.studies import evaluate as steps
-from exogauge.studies.failed_step import FailedStep, keeping
+from exogauge.studies.results.failed_step import FailedStep, keeping
 
 Rewrite = Callable[[str, str, str], Path]
 

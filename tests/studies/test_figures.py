@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.identification.result import Prediction
-from exogauge.studies.figures import draw_series
+from exogauge.studies.report.figures import draw_series
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (1000.0, 1000.01), (-0.6, 0.5), (-12500.0, -12490.0)])

@@ -13,7 +13,7 @@ from exogauge.errors import BadStudy, Fault
 from exogauge.logs.mapping import read_mapped
 from exogauge.logs.mapping_rules import LogMapping, Values, Vector, Wrench
 from exogauge.logs.units import UNITS
-from exogauge.studies.mapping_file import load_mapping, parse_mapping
+from exogauge.studies.intake.mapping_file import load_mapping, parse_mapping
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "../shared/data"

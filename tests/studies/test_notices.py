@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from exogauge.cli import main
-from exogauge.studies.notices import by_sort, notice, repeats
+from exogauge.studies.words.notices import by_sort, notice, repeats
 
 NAMES = ("torso_yaw", "r.arm[2]", "l_hip/roll", "knee", "ankle_pitch", "neck", "r_hand", "l_hand.x")
 

@@ -11,8 +11,8 @@ import pinocchio as pin
 import pytest
 
 from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy
-from exogauge.studies.open import needed_channels, open_study, read_recordings, read_worn
-from exogauge.studies.robot_file import load_robot, motor_from_joint, read_robot
+from exogauge.studies.intake.open import needed_channels, open_study, read_recordings, read_worn
+from exogauge.studies.intake.robot_file import load_robot, motor_from_joint, read_robot
 from exogauge.support.settings import SupportSettings
 
 Rewrite = Callable[[str, str, str], Path]
@@ -294,3 +294,17 @@ def test_the_urdf_is_kept_as_it_was(folder: Path) -> None:
     with open_study(folder) as study:
         assert study.urdf == (folder / "robot.urdf").read_bytes()
         assert read_robot(study.bundle, "robot.yaml")[2] == study.urdf
+
+
+def test_filters_lean_on_the_parts_beside_and_never_on_held_out_ones_for_the_fit(rewrite: Rewrite) -> None:
+    """Three parts of one recording: fitted, fitted, held out."""
+    fitted = "file: logs/id_1.parquet, rows: [0, 150], role: identification}\n  - {"
+    rewrite("study.yaml", "file: logs/id_1.parquet,", fitted + "file: logs/id_1.parquet, rows: [150, 300],")
+    root = rewrite("study.yaml", "file: logs/val_1.parquet,", "file: logs/id_1.parquet, rows: [300, 400],")
+    with open_study(root) as study:
+        first, second, held_out = (each.log.beside for each in read_recordings(study))
+    assert first is not None
+    assert second is not None
+    assert held_out is not None
+    lengths = [(len(each.before["i.torso_yaw"]), len(each.after["i.torso_yaw"])) for each in (first, second, held_out)]
+    assert lengths == [(0, 150), (150, 0), (300, 0)]

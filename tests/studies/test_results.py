@@ -22,12 +22,12 @@ from exogauge.errors import PhysicallyImpossible
 from exogauge.identification.result import Identification
 from exogauge.studies import evaluate as module
 from exogauge.studies.evaluate import write
-from exogauge.studies.figures import thin_out
-from exogauge.studies.open import Study, open_study
-from exogauge.studies.report import render_report
-from exogauge.studies.report_tables import combination
-from exogauge.studies.results import Evaluation, results
-from exogauge.studies.rounding import significant, with_std
+from exogauge.studies.intake.open import Study, open_study
+from exogauge.studies.report.figures import thin_out
+from exogauge.studies.report.report_tables import combination
+from exogauge.studies.report.write import render_report
+from exogauge.studies.results.document import Evaluation, results
+from exogauge.studies.words.rounding import significant, with_std
 
 FINDING = {
     "log": "id_1", "severity": "warning", "channel": "q.r_elbow", "rule": "dead", "detail": "dead <b>for</b> 0.4 s",

@@ -15,9 +15,9 @@ from exogauge.cli import main
 from exogauge.devices.laws import all_laws
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy
-from exogauge.studies.contract import Band, DeviceFile
-from exogauge.studies.device_check import DeviceCheck
-from exogauge.studies.device_on_robot import check_device_file
+from exogauge.studies.intake.contract import Band, DeviceFile
+from exogauge.studies.intake.device_check import DeviceCheck
+from exogauge.studies.intake.device_on_robot import check_device_file
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/share/example-robot-data/robots"
 DOCUMENT = (Path(__file__).parents[2] / "docs/device.md").read_text(encoding="utf-8")
@@ -73,7 +73,7 @@ def test_the_bands_are_mirror_images(check: DeviceCheck) -> None:
     pitch = [tree.joints.index(name) for name in ("torso_2_joint", "leg_left_3_joint", "leg_right_3_joint")]
     q = np.zeros((3, len(tree.joints)))
     q[:, pitch] = [[0.2, -0.3, -0.3], [0.5, -1.0, -1.0], [-0.1, 0.2, 0.2]]
-    lengths = Routing(tree, check.device.bands, fast=False).lengths(q)
+    lengths = Routing(tree, check.device.bands).lengths(q)
     np.testing.assert_allclose(lengths[:, 0], lengths[:, 1], atol=1e-9)
     assert lengths[1, 0] > lengths[0, 0] > left.length > lengths[2, 0]
 

@@ -18,17 +18,17 @@ from exogauge.devices.device import Device
 from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.devices.what_if import WhatIf, compare
 from exogauge.errors import BadInput, BadLog, BadStudy
-from exogauge.studies.bundle import Bundle, open_bundle
-from exogauge.studies.change_entries import ChangesFile
-from exogauge.studies.change_text import EXAMPLES, read_change
-from exogauge.studies.device_content import device_content, device_from, write_device
-from exogauge.studies.device_file import read_device
-from exogauge.studies.entry_changes import change_of, changes_of
-from exogauge.studies.open import open_study
-from exogauge.studies.recorded_motion import read_motion
-from exogauge.studies.robot_file import load_robot
-from exogauge.studies.what_if import compute
-from exogauge.studies.yaml_file import load_yaml
+from exogauge.studies.device_pages.change_entries import ChangesFile
+from exogauge.studies.device_pages.change_text import EXAMPLES, read_change
+from exogauge.studies.device_pages.device_content import device_content, device_from, write_device
+from exogauge.studies.device_pages.entry_changes import change_of, changes_of
+from exogauge.studies.device_pages.what_if import compute
+from exogauge.studies.intake.bundle import Bundle, open_bundle
+from exogauge.studies.intake.device_file import read_device
+from exogauge.studies.intake.open import open_study
+from exogauge.studies.intake.robot_file import load_robot
+from exogauge.studies.intake.yaml_file import load_yaml
+from exogauge.studies.series.recorded_motion import read_motion
 from exogauge.terminal import silent
 
 DEVICE = """version: 1

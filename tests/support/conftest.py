@@ -20,6 +20,7 @@ from exogauge.devices.routing import Routing
 from exogauge.effects.catalogue import choose
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters
 from exogauge.identification.result import Prediction
 from exogauge.identification.settings import Settings
@@ -27,7 +28,7 @@ from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.support.evidence import Evidence
 from exogauge.support.settings import WornLog
@@ -246,7 +247,7 @@ class Biped:
     def known(self, **wrong: np.ndarray) -> RobotModel:
         """A model that holds the true parameters, or wrong ones by the names in XI, without any doubt."""
         base = find_base_parameters(self.robot.tree)
-        rows = row_blocks(self.robot.tree, base, self.robot.axes_from_joints, fast=False)
+        rows = RowBlocks(self.robot.tree, base, self.robot.axes_from_joints)
         equations = Equations(self.robot, rows, base, choose(Settings().effects))
         xi = np.column_stack([wrong.get(name, self.xi[name]) for name in XI])
         nothing = np.zeros((equations.size, equations.size))
@@ -258,8 +259,10 @@ class Biped:
             "a_priori": Parameters(self.robot.tree.phi, maker),
             "covariance": nothing,
             "a_priori_covariance": nothing,
-            "at_rest": RestDetection(CUTOFF, np.full(len(ORDER), 2e-3)),
+            "at_rest": RestDetection(CUTOFF, np.full(len(ORDER), 2e-3), np.zeros(len(ORDER))),
             "cutoff_hz": CUTOFF,
+            "prepared": PerLog(),
+            "computed": PerLog(),
         }
         return RobotModel(**(support_never_asks_for | known))
 

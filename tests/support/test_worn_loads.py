@@ -8,6 +8,7 @@ import pytest
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.model import AxisSizes
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters
 from exogauge.identification.site import AxisSite
 from exogauge.support.balance import balance, prepare_worn
@@ -25,7 +26,7 @@ def saturating(biped):
     """(model that knows the loss, currents of a log as that motor needs them)."""
     axis, known = biped.torso[1], biped.known()
     sizes = AxisSizes(*(np.full(len(biped.robot.joints), size) for size in (1.0, FULL, 1.0, 1.0)))
-    parent = replace(known, sizes=sizes, order={}, computed={})
+    parent = replace(known, sizes=sizes, order={}, computed=PerLog())
     extension = Extension(parent, (AddedEffect(shaped_effects()["kt_saturation"], AxisSite(axis), (POWER,)),))
     own = Parameters(known.identified.phi, known.identified.xi, np.array([LOSS]))
     makers = Parameters(known.a_priori.phi, known.a_priori.xi, np.array([0.0]))

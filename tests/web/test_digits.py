@@ -1,4 +1,4 @@
-"""The page rounds as the report does: `web/src/parts/digits.ts` and `studies/rounding.py` hold the same rules."""
+"""The page rounds as the report does: `web/src/parts/digits.ts` and `studies/words/rounding.py` hold the same rules."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from tests.web import page_code
 
-from exogauge.studies import rounding
+from exogauge.studies.words import rounding
 
 by_the_page = partial(page_code.by_the_page, "parts/digits.ts")
 SIZES = [mantissa * 10.0**power for power in range(-9, 8) for mantissa in (0.998, 1.0, 2.5316, 9.96)]

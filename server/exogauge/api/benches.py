@@ -23,8 +23,8 @@ from exogauge.errors import BadStudy, Fault, TooLarge
 from exogauge.robots.plain_tree import from_plain
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
-from exogauge.studies.device_content import device_from
-from exogauge.studies.recorded_motion import RecordedMotion
+from exogauge.studies.device_pages.device_content import device_from
+from exogauge.studies.series.recorded_motion import RecordedMotion
 
 CHILD = "exogauge.api.opening_motion"
 MOST_SAMPLES = 5000  # of a synchronous answer; a longer log is thinned evenly

@@ -12,8 +12,8 @@ from pydantic import BaseModel
 from exogauge.api.dependencies import ReaderDep
 from exogauge.api.result_content import content_of
 from exogauge.storage.store import Store
-from exogauge.studies.comparison import compare, verdict
-from exogauge.studies.comparison_tables import as_csv, as_latex
+from exogauge.studies.results.comparison import compare, verdict
+from exogauge.studies.results.comparison_tables import as_csv, as_latex
 
 router = APIRouter(tags=["compare"])
 MOST_JOBS = 20

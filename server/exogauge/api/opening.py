@@ -20,9 +20,9 @@ def study(folder: str) -> dict[str, Any]:
     """study.yaml, what it names, and every log from its first row to its last; few logs in memory at a time."""
     from exogauge.errors import BadInput, BadLog, Fault
     from exogauge.sandbox import LogRequest, read_each
-    from exogauge.studies.open import missing_columns, open_study
-    from exogauge.studies.read_log import log_request
-    from exogauge.studies.robot_file import motor_from_joint
+    from exogauge.studies.intake.open import missing_columns, open_study
+    from exogauge.studies.intake.read_log import log_request
+    from exogauge.studies.intake.robot_file import motor_from_joint
 
     with open_study(Path(folder)) as opened:
         entries = dict(zip(opened.log_names, opened.file.logs, strict=True))
@@ -61,9 +61,9 @@ def study(folder: str) -> dict[str, Any]:
 
 
 def robot(folder: str, file: str) -> dict[str, Any]:
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.robot_file import read_robot
-    from exogauge.studies.robot_model import robot_model
+    from exogauge.studies.device_pages.robot_model import robot_model
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.robot_file import read_robot
 
     described, entry, _ = read_robot(Bundle(Path(folder), file), file)
     return {"urdf": entry.urdf, **about(described), "model": robot_model(described, entry)}
@@ -71,10 +71,10 @@ def robot(folder: str, file: str) -> dict[str, Any]:
 
 def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:
     """The device `file`, whose via points are on links of the robot that `robot_folder` holds."""
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.device_doubts import device_doubts
-    from exogauge.studies.device_file import read_device
-    from exogauge.studies.robot_file import load_robot
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.device_doubts import device_doubts
+    from exogauge.studies.intake.device_file import read_device
+    from exogauge.studies.intake.robot_file import load_robot
 
     wearer = load_robot(Path(robot_folder))
     bundle = Bundle(Path(folder), file)
@@ -95,10 +95,10 @@ def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[
 
     from exogauge.logs.mapping import read_mapped
     from exogauge.logs.reading import read_log
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.mapping_file import parse_mapping
-    from exogauge.studies.read_log import known_gears
-    from exogauge.studies.robot_file import motor_from_joint, read_robot
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.mapping_file import parse_mapping
+    from exogauge.studies.intake.read_log import known_gears
+    from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
 
     here = Path(folder)
     if mapping is None:
@@ -117,7 +117,7 @@ def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[
 def told(read: Any, file: str) -> dict[str, Any]:
     """Its channels and clock, or BadLog where the unit of time must be wrong."""
     from exogauge.errors import BadLog
-    from exogauge.studies.admit import impossible_rate
+    from exogauge.studies.intake.admit import impossible_rate
 
     if wrong := impossible_rate(read):
         raise BadLog([replace(fault, file=file) for fault in wrong])
@@ -150,7 +150,7 @@ def worn_by(wearer: Any, worn: Any) -> dict[str, Any]:
     [m/rad, or 1]; pulls: which way it pulls what the joint carries.
     """
     from exogauge.devices.routing import Routing
-    from exogauge.studies.device_check import check_device
+    from exogauge.studies.intake.device_check import check_device
 
     check = check_device(wearer, worn)
     bands = [
@@ -172,7 +172,7 @@ def worn_by(wearer: Any, worn: Any) -> dict[str, Any]:
     return {
         "name": worn.name,
         "groups": list(worn.groups),
-        "joints": list(Routing(wearer.tree, worn.bands, fast=False).joints),
+        "joints": list(Routing(wearer.tree, worn.bands).joints),
         "bands": bands,
         "torque_at_zero_n_m": check.torque,
         "notes": list(check.notes),

@@ -17,15 +17,15 @@ def look(folder: str, file: str, robot: str | None, mapping: str | None) -> dict
     """What `log_preview.preview` says of log/`file` in the folder, and `judged` of a mapping. robot: its file there."""
     import pyarrow as pa
 
-    from exogauge.studies.log_preview import preview
+    from exogauge.studies.import_log.log_preview import preview
 
     pa.set_cpu_count(1)
     here = Path(folder)
     path = here / "log" / file
     described = entry = None
     if robot is not None:
-        from exogauge.studies.bundle import Bundle
-        from exogauge.studies.robot_file import read_robot
+        from exogauge.studies.intake.bundle import Bundle
+        from exogauge.studies.intake.robot_file import read_robot
 
         described, entry, _ = read_robot(Bundle(here / "robot", robot), robot)
     if mapping is None:
@@ -42,11 +42,11 @@ def judge(path: Path, file: str, described: Any, entry: Any, text: bytes) -> tup
     from exogauge.errors import BadInput
     from exogauge.logs.findings import Expectation
     from exogauge.logs.tables import TextLayout
-    from exogauge.studies.examine_logs import expectation
-    from exogauge.studies.log_preview import NO_LOG, judged
-    from exogauge.studies.mapping_file import parse_mapping
-    from exogauge.studies.read_log import known_gears
-    from exogauge.studies.robot_file import motor_from_joint
+    from exogauge.studies.import_log.log_preview import NO_LOG, judged
+    from exogauge.studies.intake.mapping_file import parse_mapping
+    from exogauge.studies.intake.read_log import known_gears
+    from exogauge.studies.intake.robot_file import motor_from_joint
+    from exogauge.studies.results.examine_logs import expectation
 
     try:
         rules = parse_mapping(text, MAPPING)
@@ -65,7 +65,7 @@ def mapping(folder: str, file: str, joints: list[str] | None) -> dict[str, Any]:
 
     from exogauge.api.opening import joints_of
     from exogauge.errors import BadStudy, Fault
-    from exogauge.studies.mapping_file import parse_mapping
+    from exogauge.studies.intake.mapping_file import parse_mapping
 
     text = (Path(folder) / file).read_bytes()
     rules = parse_mapping(text, MAPPING)

@@ -19,9 +19,9 @@ def motion(folder: str, log: str, device: str | None, most: int) -> dict[str, An
     import numpy as np
 
     from exogauge.robots.plain_tree import to_plain
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.device_content import device_content
-    from exogauge.studies.recorded_motion import read_motion
+    from exogauge.studies.device_pages.device_content import device_content
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.series.recorded_motion import read_motion
 
     read = read_motion(Bundle(Path(folder), "study.yaml"), log, device, most)
     np.column_stack([read.time, read.q]).tofile(MOTION)

@@ -17,9 +17,9 @@ def raw(folder: str, log: str) -> dict[str, Any]:
     """folder: the study's files. log: its name in study.yaml."""
     import pyarrow as pa
 
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.recorded_motion import read_raw
-    from exogauge.studies.series import raw_table, write_table
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.series.recorded_motion import read_raw
+    from exogauge.studies.series.write import raw_table, write_table
 
     pa.set_cpu_count(1)
     write_table(raw_table(*read_raw(Bundle(Path(folder), "study.yaml"), log)), Path(RAW))

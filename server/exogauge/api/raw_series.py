@@ -42,7 +42,7 @@ from exogauge.storage.records import StudyRecord
 from exogauge.storage.store import Storage
 
 if TYPE_CHECKING:
-    from exogauge.studies.series_file import SeriesFile
+    from exogauge.studies.series.file import SeriesFile
 
 router = APIRouter(prefix="/studies/{study_id}/series/{name}", tags=["series"])
 CHILD = "exogauge.api.opening_raw"
@@ -101,7 +101,7 @@ def export_raw_series(
 
 
 def opened(path: Path) -> SeriesFile:
-    from exogauge.studies.series_file import SeriesFile
+    from exogauge.studies.series.file import SeriesFile
 
     return SeriesFile(path)
 

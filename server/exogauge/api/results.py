@@ -11,13 +11,18 @@ from fastapi.responses import FileResponse, Response, StreamingResponse
 from exogauge.api.dependencies import Id, ReaderDep
 from exogauge.api.shapes import ArtifactList, ArtifactOut
 from exogauge.storage.blobs import BlobStore, chunks
+from exogauge.studies.results.schema import StudyResults
 
 router = APIRouter(tags=["results"])
 
 NOT_MODIFIED: dict[str, Any] = {"description": "The ETag given in If-None-Match still holds"}
 FilePath = Annotated[str, Path(max_length=500, pattern=r"^[^\x00]*$")]
-JSON_FILE: dict[int | str, dict[str, Any]] = {
-    200: {"description": "results.json", "content": {"application/json": {"schema": {"type": "object"}}}},
+STUDY_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "results.json", "model": StudyResults},
+    304: NOT_MODIFIED,
+}
+JOB_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "results.json, or what_if.json of a what-if", "model": StudyResults | dict[str, Any]},
     304: NOT_MODIFIED,
 }
 ANY_FILE: dict[int | str, dict[str, Any]] = {
@@ -33,7 +38,7 @@ REPORT_POLICY = (
 )
 
 
-@router.get("/studies/{study_id}/results", operation_id="getStudyResults", responses=JSON_FILE)
+@router.get("/studies/{study_id}/results", operation_id="getStudyResults", responses=STUDY_FILE)
 def get_study_results(study_id: Id, store: ReaderDep, request: Request) -> Response:
     """results.json of the study's latest job that succeeded."""
     store.studies.get(str(study_id))
@@ -41,7 +46,7 @@ def get_study_results(study_id: Id, store: ReaderDep, request: Request) -> Respo
     return file_response(store.blobs, request, result.sha256, "results.json", "application/json")
 
 
-@router.get("/jobs/{job_id}/results", operation_id="getJobResults", responses=JSON_FILE)
+@router.get("/jobs/{job_id}/results", operation_id="getJobResults", responses=JOB_FILE)
 def get_job_results(job_id: Id, store: ReaderDep, request: Request) -> Response:
     result = store.results.of_job(str(job_id))
     return file_response(store.blobs, request, result.sha256, "results.json", "application/json")

@@ -29,7 +29,7 @@ from exogauge.storage.records import StudyRecord
 from exogauge.storage.store import Storage
 
 if TYPE_CHECKING:
-    from exogauge.studies.series_file import SeriesFile
+    from exogauge.studies.series.file import SeriesFile
 
 router = APIRouter(tags=["scenes"])
 CREATING = threading.Lock()

@@ -21,8 +21,8 @@ from exogauge.storage.blobs import BlobStore
 from exogauge.storage.store import Store
 
 if TYPE_CHECKING:
-    from exogauge.studies.series_file import SeriesFile
-    from exogauge.studies.tiles import BlockCache
+    from exogauge.studies.series.file import SeriesFile
+    from exogauge.studies.series.tiles import BlockCache
 
 router = APIRouter(tags=["series"])
 FOLDER, SUFFIX = "series/", ".parquet"
@@ -154,7 +154,7 @@ def tiled(
     request: Request,
 ) -> TilesOut:
     """key: of what the file holds, under which its blocks are kept."""
-    from exogauge.studies.tiles import make_blocks, tiles
+    from exogauge.studies.series.tiles import make_blocks, tiles
 
     names = series.checked(channels)
     first, last = bounds(series, start, end)
@@ -172,7 +172,7 @@ def windowed(
     form: Literal["csv", "parquet"],
 ) -> StreamingResponse:
     """name: of the file that is saved."""
-    from exogauge.studies.series_window import window
+    from exogauge.studies.series.window import window
 
     names = series.checked(channels) or series.names
     parts: Iterator[bytes] = window(series, names, *bounds(series, start, end), form)
@@ -197,7 +197,7 @@ def find(store: Store, job_id: str, name: str) -> str:
 
 def opened(blobs: BlobStore, sha256: str) -> SeriesFile:
     """A file that a job of ours wrote, never one that was handed in."""
-    from exogauge.studies.series_file import SeriesFile
+    from exogauge.studies.series.file import SeriesFile
 
     return SeriesFile(blobs.path_for(sha256) or blobs.open(sha256))
 
@@ -227,7 +227,7 @@ def bounds(series: SeriesFile, start: float | None, end: float | None) -> tuple[
 
 def cache(request: Request) -> BlockCache:
     """The blocks that this process keeps, made when they are first needed."""
-    from exogauge.studies.tiles import BlockCache
+    from exogauge.studies.series.tiles import BlockCache
 
     with CREATING:
         if not hasattr(request.app.state, "series_blocks"):

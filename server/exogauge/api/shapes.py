@@ -215,7 +215,8 @@ class LogPart(Part):
 class StudyFromParts(Part):
     """A study made of a robot, devices and logs that were uploaded before; the service writes its study.yaml.
 
-    device_id: what the logs with role with_device were recorded with, unless they say otherwise.
+    device_id: what the logs with role with_device were recorded with, unless they say otherwise. known: as in
+    study.yaml, weighed loads that some of the logs carry; these by their names there.
     """
 
     name: str = Field(min_length=1, max_length=200)
@@ -224,6 +225,7 @@ class StudyFromParts(Part):
     logs: list[LogPart] = Field(min_length=1, max_length=1000)
     steps: list[str] | None = Field(default=None, max_length=20)
     settings: dict[str, Any] | None = None
+    known: list[dict[str, Any]] | None = Field(default=None, max_length=50)
 
     @property
     def device_ids(self) -> tuple[str, ...]:
@@ -241,5 +243,5 @@ class StudyFromParts(Part):
             logs.append({**files, **said, **worn})
         content: dict[str, Any] = {"version": 1, "name": self.name, "robot": "robot.yaml", "logs": logs}
         device = None if self.device_id is None else device_files[self.device_id]
-        optional = {"device": device, "steps": self.steps, "settings": self.settings}
+        optional = {"device": device, "steps": self.steps, "settings": self.settings, "known": self.known}
         return content | {key: value for key, value in optional.items() if value is not None}

@@ -23,7 +23,7 @@ from exogauge.storage.blobs import copy_out
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import StudyRecord
 from exogauge.storage.store import Storage
-from exogauge.studies.yaml_file import suggestion
+from exogauge.studies.intake.yaml_file import suggestion
 
 if TYPE_CHECKING:
     from exogauge.api.benches import Ready
@@ -81,8 +81,8 @@ def answered(ready: Ready, wanted: WhatIfRequest) -> dict[str, Any]:
     from exogauge.api.benches import BENCH_BYTES, refuse_large
     from exogauge.devices.changes import apply
     from exogauge.devices.what_if import compare
-    from exogauge.studies.entry_changes import changes_of
-    from exogauge.studies.what_if import answer, series
+    from exogauge.studies.device_pages.entry_changes import changes_of
+    from exogauge.studies.device_pages.what_if import answer, series
 
     changed = apply(ready.motion.device, changes_of(wanted.changes), ready.motion.tree)
     refuse_large(ready.motion, changed, BENCH_BYTES)

@@ -6,8 +6,8 @@ from typing import Annotated, Any, final
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from exogauge.studies.change_entries import ChangeEntries
-from exogauge.studies.contract import Name, RelativePath
+from exogauge.studies.device_pages.change_entries import ChangeEntries
+from exogauge.studies.intake.contract import Name, RelativePath
 
 
 @final

@@ -41,9 +41,16 @@ def in_words(count: int, n: int) -> str:
     """`94 %, 83 to 99 %`; `0 %, below 5.8 %`."""
     low, high = (100.0 * bound for bound in interval_95(count, n))
     if count == 0:
-        doubt = f"below {high:.2g} %"
+        doubt = f"below {_per_cent(high)} %"
     elif count == n:
         doubt = f"above {low:.0f} %"
     else:
-        doubt = f"{low:.2g} to {high:.2g} %"
+        doubt = f"{_per_cent(low)} to {_per_cent(high)} %"
     return f"{100.0 * count / n:.0f} %, {doubt}"
+
+
+def _per_cent(value: float) -> str:
+    """Two digits below ten, whole from there on, tenths where it is next to nothing: never a power of ten."""
+    if value < 0.1:
+        return f"{value:.1f}"
+    return f"{value:.2g}" if value < 9.95 else f"{value:.0f}"

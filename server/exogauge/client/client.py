@@ -96,15 +96,17 @@ class Client:
         logs: list[dict[str, Any]],
         settings: Mapping[str, Any] | None = None,
         device: Device | str | None = None,
+        known: list[dict[str, Any]] | None = None,
     ) -> Study:
         """A study of a robot and logs uploaded before, and of what was worn.
 
         logs: [{"log_id", "role", "motion"?, "rows"?, "name"?, "device_id"?}]. device: for logs with role with_device
-        that name none.
+        that name none. known: weighed loads, as in study.yaml; give the logs that they name a "name".
         """
         body = {"name": name, "robot_id": id_of(robot), "logs": logs, "settings": settings and dict(settings)}
         worn = {} if device is None else {"device_id": id_of(device)}
-        return thing(Study, self._http.post("studies", body | worn))
+        carried = {} if known is None else {"known": known}
+        return thing(Study, self._http.post("studies", body | worn | carried))
 
     def studies(self) -> Iterator[Study]:
         """All studies, newest first."""

@@ -9,17 +9,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.device import Band
 from exogauge.devices.wire_layout import WireLayout, places
-from exogauge.devices.wire_sweep import WireSweep, measure, slices
+from exogauge.devices.wire_sweep import WireSweep, slices
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
+
+CHUNK = 8192  # samples whose sines are held at once
+AXES = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])  # x, the next, the one after
 
 
 @final
@@ -49,28 +52,19 @@ class SegmentGeometry:
     wrap: Array
 
 
-class Kernel(Protocol):
-    """What `wire_sweep.measure` and its compiled twin offer."""
-
-    def __call__(self, layout: WireLayout, q: Array, length: Array, jacobian: Array | None) -> None:
-        """See `wire_sweep.measure`."""
-        ...
-
-
 @final
 class Routing:
     """The bands of a device on a robot. Threads may share it.
 
     columns: (D,) into q, rising, of the joints that lie between two neighbouring via points of any band, whatever the
-    posture; joints: (D,) their names. fast: True insists on numba, False on NumPy; else numba where it is installed.
+    posture; joints: (D,) their names.
     Raises BadInput where a band names a link that the tree does not have, or has fewer than two via points.
     """
 
-    def __init__(self, tree: RigidTree, bands: Sequence[Band], fast: bool | None = None) -> None:
+    def __init__(self, tree: RigidTree, bands: Sequence[Band]) -> None:
         self.tree, self.bands = tree, tuple(bands)
         self._places = places(tree, self.bands)
         self._layout = WireLayout.of(tree, self._places)
-        self._measure = _kernel(fast)
         self.columns: IntArray = self._layout.columns
         self.joints: tuple[str, ...] = tuple(tree.joints[column] for column in self.columns)
 
@@ -83,7 +77,7 @@ class Routing:
         """
         length = np.empty((len(self.bands), len(q)))
         jacobian = np.zeros((len(self.bands), len(self.columns), len(q)))
-        self._measure(self._layout, q, length, jacobian)
+        _measure(self._layout, q, length, jacobian)
         return Geometry(length.T, jacobian.transpose(2, 0, 1))
 
     def lengths(self, q: Array) -> Array:
@@ -92,7 +86,7 @@ class Routing:
         Implements [Evaluator] (23), (24).
         """
         length = np.empty((len(self.bands), len(q)))
-        self._measure(self._layout, q, length, None)
+        _measure(self._layout, q, length, None)
         return length.T
 
     def segments(self, q: Array, band_index: int) -> SegmentGeometry:
@@ -113,13 +107,20 @@ class Routing:
         return SegmentGeometry(length.T, jacobian.transpose(2, 0, 1), wrap.T)
 
 
-def _kernel(fast: bool | None) -> Kernel:
-    if fast is False:
-        return measure
-    try:
-        from exogauge.devices.routing_numba import measure_compiled
-    except ImportError:
-        if fast:
-            raise
-        return measure
-    return measure_compiled
+def _measure(layout: WireLayout, q: Array, length: Array, jacobian: Array | None) -> None:
+    """Fills length (W, T) [m], and jacobian (W, D, T) where asked for, which comes filled with zeros. q: (T, J)."""
+    from exogauge.loops.wires import measure_wires
+
+    slopes = np.empty((0, 0, len(q))) if jacobian is None else jacobian
+    joints = len(layout.dof)
+    for start in range(0, len(q), CHUNK):
+        part = slice(start, start + CHUNK)
+        angle = np.ascontiguousarray(q[part].T[layout.dof], dtype=np.float64)
+        measure_wires(
+            layout.parent, layout.prismatic,
+            layout.E_0.reshape(joints, 9), layout.E_c.reshape(joints, 9), layout.E_s.reshape(joints, 9),
+            layout.before, layout.axis, layout.point_joint, layout.point,
+            layout.start, layout.end, layout.wire, layout.constant,
+            layout.pair_wire, layout.pair_joint, layout.pair_column, layout.carried,
+            np.stack([angle, np.cos(angle), np.sin(angle)]), AXES, start, length, slopes,
+        )  # fmt: skip

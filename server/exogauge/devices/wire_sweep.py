@@ -1,4 +1,4 @@
-"""The reference in NumPy: segments of wires and their Jacobians, outward over the joints between the via points.
+"""Segments of a wire one by one and their Jacobians, outward over the joints between the via points.
 
 Arrays have the component first and time last, so that every product runs over whole rows.
 """
@@ -17,17 +17,6 @@ Array = NDArray[np.float64]
 
 SLICE = 90_000  # joints, points and segments times samples at once: what they hold stays in the cache
 TINY = 1e-150  # [m] stands in for the length of a segment that has none: its direction is then 0, not NaN
-
-
-def measure(layout: WireLayout, q: Array, length: Array, jacobian: Array | None) -> None:
-    """Fills length (W, T) [m], and jacobian (W, D, T) where asked for, which comes filled with zeros. q: (T, J)."""
-    part_of = (np.arange(len(length))[:, None] == layout.wire).astype(np.float64)
-    for part in slices(layout, len(q)):
-        sweep = WireSweep(layout, q[part])
-        np.matmul(part_of, sweep.length, out=length[:, part])
-        length[:, part] += layout.constant[:, None]
-        if jacobian is not None:
-            jacobian[layout.pair_wire, layout.pair_column, part] = sweep.slopes()
 
 
 def slices(layout: WireLayout, samples: int) -> list[slice]:

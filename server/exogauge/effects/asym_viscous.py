@@ -19,9 +19,14 @@ class AsymViscous:
     """
 
     name = "asym_viscous"
+    words = "direction-dependent viscous friction"
     place = "joint"
     sentence = "Viscous friction is larger in one direction of motion than in the other."
-    coefficients = (Quantity("d_a", "N·m·s/rad"),)
+    coefficients = (
+        Quantity(
+            "d_a", "N·m·s/rad", words="viscous friction that is more in the positive direction, and less in the other"
+        ),
+    )
     shapes: tuple[Shape, ...] = ()
     confounds = ("viscous", "motor_offset")
     needs = "Motion at several speeds in both directions through the same postures."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -30,35 +31,47 @@ class Backlash:
     """
 
     name = "backlash"
+    words = "backlash"
     place = "joint"
     sentence = "The gear has play: when the load changes its sign, the link falls to the other side of a gap."
-    coefficients = (Quantity("b", "rad", low=0.0, high=0.2),)
+    coefficients = (Quantity("b", "rad", low=0.0, high=0.2, words="width of the gap, as an angle of the joint"),)
     shapes = (
-        Shape("t_f", "s", 0.01, 0.3, tuple(float(x) for x in np.geomspace(0.02, 0.16, 13))),
-        Shape("f", "Hz", 8.0, 80.0, (30.0,)),
-        Shape("zeta", "1", 0.02, 0.9, (0.25,)),
-        Shape("d", "1/s", 0.0, 10.0, (2.0,)),
-        Shape("load_offset", "rms torque", -0.05, 0.05, (0.0,)),
+        Shape(
+            "t_f",
+            "s",
+            0.01,
+            0.3,
+            tuple(float(x) for x in np.geomspace(0.02, 0.16, 13)),
+            words="time in which the link flies through the gap",
+        ),
+        Shape("f", "Hz", 8.0, 80.0, (30.0,), words="resonance of the link on the teeth"),
+        Shape("zeta", "1", 0.02, 0.9, (0.25,), words="damping of that resonance, as a share of critical"),
+        Shape("d", "1/s", 0.0, 10.0, (2.0,), words="drag on the link in the gap"),
+        Shape("load_offset", "rms torque", -0.05, 0.05, (0.0,), words="load at which the teeth bear none"),
     )
     confounds = ("coulomb", "motor_offset")
     needs = "Motion in which the joint's load changes its sign many times, such as swings through the vertical."
     coordinate = "load"
+    at_turns = True
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        t_f, f, zeta, d, load_offset = shape
-        J, K, share = _swing(signals)
+        return self.columns_of_all(signals, [shape]).T
+
+    def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
+        t_f, f, zeta, d, load_offset = np.array(shapes).T
+        J, K, share = (each[:, None] for each in _swing(signals))
         scale = signals.torque_scale or 1.0
         kappa = 0.25 * scale * t_f**2 * share  # ½ b J: 2 = ½ (τ / κ) t_f²
         omega, step = 2.0 * np.pi * f, _step(signals.time)
         s, s_ddot = between_teeth(
-            (signals.load - load_offset * scale) / kappa,
-            np.divide(K, J, out=np.zeros_like(K), where=J > 0.0),
+            (signals.load[:, None] - load_offset * scale) / kappa,
+            np.divide(K, J, out=np.zeros_like(K), where=J > 0.0)[:, 0],
             omega**2 / share,
             2.0 * zeta * omega / share,
             d / share,
             step,
         )
-        return np.asarray(0.5 * (K * s + J * s_ddot))[:, None]
+        return np.ascontiguousarray((0.5 * (K * s + J * s_ddot)).T)
 
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.load) == 0:

@@ -59,15 +59,16 @@ class BandSignals:
 class BandEffect(Protocol):
     """A reason why a band does not pull as the linear law says. One file each; `EFFECT` is what the catalogue finds.
 
-    name: identifier, a contract with results.json. sentence: for the user. coefficients: what is estimated linearly.
-    shapes: what is searched. confounds: what can stand in for it: other effects, or `stiffness` and `natural_length`
-    that are fitted in any case. needs: in words, the motion that shows it. coordinate: of the evidence plot, one of
-    `stretch`, `rate`, `clock`. once: it happens at one moment, so that nothing can be held out to judge it.
-    per_segment: the tension differs along the band. sort: `law`, another way to pull; `stated`, the linear law with
-    other values than the description's; `wire`, a wire that the description does not know.
+    name: identifier, a contract with results.json. words: the name that a person reads. sentence: for the user.
+    coefficients: what is estimated linearly. shapes: what is searched. confounds: what can stand in for it: other
+    effects, or `stiffness` and `natural_length` that are fitted in any case. needs: in words, the motion that shows it.
+    coordinate: of the evidence plot, one of `stretch`, `rate`, `clock`. once: it happens at one moment, so that nothing
+    can be held out to judge it. per_segment: the tension differs along the band. sort: `law`, another way to pull;
+    `stated`, the linear law with other values than the description's; `wire`, a wire that it does not know.
     """
 
     name: ClassVar[str]
+    words: ClassVar[str]
     sentence: ClassVar[str]
     coefficients: ClassVar[tuple[Quantity, ...]]
     shapes: ClassVar[tuple[Shape, ...]]

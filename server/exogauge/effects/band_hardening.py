@@ -19,10 +19,11 @@ class BandHardening:
     """
 
     name = "band_hardening"
+    words = "hardening"
     place = "band"
     sentence = "The band grows stiffer the further it is stretched."
-    coefficients = (Quantity("hardening", "N/m²", low=0.0),)
-    shapes = (Shape("power", "1", 1.3, 4.5, (1.6, 2.0, 3.0)),)
+    coefficients = (Quantity("hardening", "N/m²", low=0.0, words="stiffness that is gained with the stretch"),)
+    shapes = (Shape("power", "1", 1.3, 4.5, (1.6, 2.0, 3.0), words="power of the stretch with which the pull grows"),)
     confounds = ("stiffness", "natural_length", "band_stiffness", "band_length")
     needs = "Motion that stretches the band from slack to far beyond its usual stretch, at even shares of time."
     coordinate = "stretch"

@@ -16,9 +16,10 @@ class BandLength:
     """T = -k Δl_0 where taut, what k (l - l_0) changes by; l_0 is what is stated of the band."""
 
     name = "band_length"
+    words = "a wrong natural length"
     place = "band"
     sentence = "The band begins to pull at another length than stated."
-    coefficients = (Quantity("added_length", "m"),)
+    coefficients = (Quantity("added_length", "m", words="natural length beyond the stated one"),)
     shapes: tuple[Shape, ...] = ()
     confounds = ("natural_length", "stiffness", "band_hardening")
     needs = "Slow motion through the posture at which the band comes taut, and far beyond it."

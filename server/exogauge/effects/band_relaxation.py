@@ -23,10 +23,14 @@ class BandRelaxation:
     """
 
     name = "band_relaxation"
+    words = "relaxation"
     place = "band"
     sentence = "Held at one stretch, the band's pull falls off with time; stretched fast, it is stiffer."
-    coefficients = (Quantity("branch_stiffness", "N/m", low=0.0), Quantity("slow_branch_stiffness", "N/m", low=0.0))
-    shapes = (Shape("relaxation_time", "s", 0.15, 60.0, (0.3, 0.8, 2.0, 6.0, 20.0)),)
+    coefficients = (
+        Quantity("branch_stiffness", "N/m", low=0.0, words="stiffness that relaxes"),
+        Quantity("slow_branch_stiffness", "N/m", low=0.0, words="stiffness that relaxes five times as slowly"),
+    )
+    shapes = (Shape("relaxation_time", "s", 0.15, 60.0, (0.3, 0.8, 2.0, 6.0, 20.0), words="time in which it relaxes"),)
     confounds = ("band_viscous", "stiffness")
     needs = "Quick stretches that are then held for several times as long as the pull takes to settle."
     coordinate = "rate"

@@ -20,13 +20,28 @@ class BandSlip:
     """
 
     name = "band_slip"
+    words = "an anchor that slipped"
     place = "band"
     sentence = "An anchor of the band slips once, and the band is longer from then on."
-    coefficients = (Quantity("slip", "m", low=0.0),)
+    coefficients = (Quantity("slip", "m", low=0.0, words="length that the slip adds"),)
     shapes = (
-        Shape("moment", "share", 0.0, 1.0, tuple(np.linspace(0.0, 1.0, 121)[:-1].tolist())),
-        Shape("lasting", "1", 0.0, 1.0, (0.0, 1.0)),
-        Shape("within", "s", 0.01, 1.0, (0.1,)),
+        Shape(
+            "moment",
+            "share",
+            0.0,
+            1.0,
+            tuple(np.linspace(0.0, 1.0, 121)[:-1].tolist()),
+            words="when half of it is gone, on the clock of all logs with the device",
+        ),
+        Shape(
+            "lasting",
+            "1",
+            0.0,
+            1.0,
+            (0.0, 1.0),
+            words="1: later logs have it too, 0: the band is back when the next log begins",
+        ),
+        Shape("within", "s", 0.01, 1.0, (0.1,), words="how long the slip takes"),
     )
     confounds = ("natural_length", "band_relaxation")
     needs = "The same motion again after the slip, and once more after the band was put on anew."

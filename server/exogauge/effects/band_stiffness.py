@@ -16,9 +16,10 @@ class BandStiffness:
     """T = Δk x on top of k x, x = max(l - l_0, 0); k is what is stated of the band."""
 
     name = "band_stiffness"
+    words = "a wrong stiffness"
     place = "band"
     sentence = "The band is softer or stiffer than stated."
-    coefficients = (Quantity("added_stiffness", "N/m"),)
+    coefficients = (Quantity("added_stiffness", "N/m", words="stiffness beyond the stated one"),)
     shapes: tuple[Shape, ...] = ()
     confounds = ("stiffness", "natural_length", "band_hardening")
     needs = "Motion that stretches the band from slack to far beyond its usual stretch."

@@ -24,13 +24,16 @@ class BandViaFriction:
     """
 
     name = "band_via_friction"
+    words = "friction at the via points"
     place = "band"
     sentence = "The band rubs at its via points, so that its tension differs along its way."
-    coefficients = (Quantity("friction", "1", low=0.0),)
+    coefficients = (Quantity("friction", "1", low=0.0, words="coefficient of friction at the via points"),)
     shapes = (
-        Shape("stick", "1", 0.01, 0.8, (0.1, 0.3)),
-        Shape("way", "m", 1e-4, 0.03, (0.0003, 0.001, 0.003, 0.01)),
-        Shape("n", "1", 1.0, 2.0, (1.0, 1.5)),
+        Shape("stick", "1", 0.01, 0.8, (0.1, 0.3), words="coefficient about which the law is taken as linear"),
+        Shape(
+            "way", "m", 1e-4, 0.03, (0.0003, 0.001, 0.003, 0.01), words="way over which friction builds up after a turn"
+        ),
+        Shape("n", "1", 1.0, 2.0, (1.0, 1.5), words="how unequal the ways are after which contacts slide"),
     )
     confounds = ("band_viscous", "stiffness")
     needs = "The same stretches at several speeds in both directions, with turns at several lengths."

@@ -22,10 +22,11 @@ class BandViscous:
     """
 
     name = "band_viscous"
+    words = "viscous damping"
     place = "band"
     sentence = "The band pulls more while it is stretched than while it shortens, in proportion to speed."
-    coefficients = (Quantity("damping", "N·s/m", low=0.0),)
-    shapes = (Shape("power", "1", 0.5, 2.0, (0.7, 1.0, 1.4)),)
+    coefficients = (Quantity("damping", "N·s/m", low=0.0, words="tension per unit of speed, to the power given"),)
+    shapes = (Shape("power", "1", 0.5, 2.0, (0.7, 1.0, 1.4), words="power of the speed"),)
     confounds = ("band_via_friction", "band_relaxation")
     needs = "The same stretches slowly and fast, in both directions."
     coordinate = "rate"

@@ -23,13 +23,14 @@ class BaseTilt:
     """
 
     name = "base_tilt"
+    words = "a tilted base"
     place = "base"
     sentence = "The base stands at an angle to gravity that nobody stated."
     coefficients = (
-        Quantity("about_x", "rad", -MOST, MOST),
-        Quantity("about_y", "rad", -MOST, MOST),
-        Quantity("first_sin", "N·m"),
-        Quantity("first_cos", "N·m"),
+        Quantity("about_x", "rad", -MOST, MOST, words="turn about the base's x axis"),
+        Quantity("about_y", "rad", -MOST, MOST, words="turn about the base's y axis"),
+        Quantity("first_sin", "N·m", words="torque of gravity at the first joint, with the sine of its angle"),
+        Quantity("first_cos", "N·m", words="torque of gravity at the first joint, with the cosine of its angle"),
     )
     shapes: tuple[Shape, ...] = ()
     confounds = ("first moments", "motor_offset", "zero")

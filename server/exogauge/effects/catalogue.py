@@ -16,7 +16,7 @@ from exogauge.effects.effect import JointEffect
 from exogauge.effects.link import LinkEffect
 from exogauge.effects.pair import PairEffect
 from exogauge.effects.sensor import SensorEffect
-from exogauge.effects.shaped import ShapedEffect
+from exogauge.effects.shaped import MissingEffect, ShapedEffect
 from exogauge.errors import BadInput, Fault
 
 
@@ -74,6 +74,11 @@ def missing_effects() -> tuple[ShapedEffect | PairEffect | SensorEffect | BaseEf
     """Every effect of joints, sensors, links and the base that a model may miss."""
     every = (shaped_effects(), pair_effects(), sensor_effects(), link_effects(), base_effects())
     return tuple(effect for placed in every for effect in placed.values())
+
+
+def every_effect() -> tuple[JointEffect | MissingEffect | BandEffect, ...]:
+    """All of the catalogue: those that a model has, those that it may miss, those of bands."""
+    return (*all_effects().values(), *missing_effects(), *band_effects().values())
 
 
 def choose(names: Sequence[str]) -> tuple[JointEffect, ...]:

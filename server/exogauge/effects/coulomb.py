@@ -12,8 +12,9 @@ class Coulomb:
     """τ = -τ_c sgn_ε(θ̇). Implements the second term of [Evaluator] (7)."""
 
     name = "coulomb"
+    words = "Coulomb friction"
     sentence = "Friction of constant size opposes the motion."
-    coefficient = Quantity("tau_c", "N·m", low=0.0)
+    coefficient = Quantity("tau_c", "N·m", low=0.0, words="friction of constant size")
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.direction

@@ -21,14 +21,24 @@ class Coupling:
     """
 
     name = "coupling"
+    words = "coupling of the motor axes"
     place = "pair"
     sentence = "Its motor turns with the joint before it too, so that friction or inertia of the drive acts on both."
     coefficients = (
-        Quantity("coupled_coulomb", "N·m", low=0.0),
-        Quantity("coupled_viscous", "N·m·s/rad", low=0.0),
-        Quantity("coupled_inertia", "kg·m²", low=0.0),
+        Quantity("coupled_coulomb", "N·m", low=0.0, words="Coulomb friction of what turns with both joints"),
+        Quantity("coupled_viscous", "N·m·s/rad", low=0.0, words="viscous friction of what turns with both joints"),
+        Quantity("coupled_inertia", "kg·m²", low=0.0, words="inertia of what turns with both joints"),
     )
-    shapes = (Shape("ratio", "1", -3.0, 3.0, (-2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0)),)
+    shapes = (
+        Shape(
+            "ratio",
+            "1",
+            -3.0,
+            3.0,
+            (-2.0, -1.0, -0.5, -0.25, 0.25, 0.5, 1.0, 2.0),
+            words="turns per turn of the joint before, in turns of its own joint",
+        ),
+    )
     confounds = ("coulomb", "viscous", "rotor_inertia")
     needs = "Both joints at once, turning the same way and opposite ways, slow and fast."
     coordinate = "motor_velocity"

@@ -14,12 +14,13 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Quantity:
-    """A coefficient: its name, its unit at a revolute joint, its physical range."""
+    """A coefficient: its name, its unit at a revolute joint, its physical range, and in words what it is."""
 
     name: str
     unit: str
     low: float = -np.inf
     high: float = np.inf
+    words: str = ""
 
 
 @final
@@ -44,10 +45,12 @@ class JointSignals:
 class JointEffect(Protocol):
     """One reason why the torque at a joint is what it is. One file each; `EFFECT` is the instance the catalogue finds.
 
-    name: identifier, a contract with results.json. sentence: for the user. coefficient: what is estimated.
+    name: identifier, a contract with results.json. words: the name that a person reads. sentence: for the user.
+    coefficient: what is estimated.
     """
 
     name: ClassVar[str]
+    words: ClassVar[str]
     sentence: ClassVar[str]
     coefficient: ClassVar[Quantity]
 

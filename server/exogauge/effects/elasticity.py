@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
@@ -34,32 +35,38 @@ class Elasticity:
     """
 
     name = "elasticity"
+    words = "elasticity of the drive"
     place = "joint"
     sentence = "The gear gives way like a spring, so the link does not move as the motor's encoder says."
-    coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST),)
+    coefficients = (Quantity("c", "s²", low=0.0, high=SOFTEST, words="1/ω² where all of the load is on the spring"),)
     shapes = (
-        Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0)),
-        Shape("zeta", "1", 0.02, 0.7, (USUAL_DAMPING,)),
-        Shape("gamma", "1", 0.0, 0.5, (0.0,)),
-        Shape("power", "1", 1.0, 3.0, (2.0,)),
+        Shape("f", "Hz", 2.0, 30.0, (3.5, 5.0, 7.5, 15.0), words="resonance of the link on the spring"),
+        Shape("zeta", "1", 0.02, 0.7, (USUAL_DAMPING,), words="damping of that resonance, as a share of critical"),
+        Shape("gamma", "1", 0.0, 0.5, (0.0,), words="share by which the spring is stiffer under the usual torque"),
+        Shape("power", "1", 1.0, 3.0, (2.0,), words="power with which it grows stiffer"),
     )
     confounds = ("rotor_inertia", "motor_gain")
     needs = "Fast motion with quick starts and stops, or a second encoder at the link."
     coordinate = "acceleration"
+    at_turns = True
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        f, zeta, gamma, power = shape
+        return self.columns_of_all(signals, [shape]).T
+
+    def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
+        f, zeta, gamma, power = np.array(shapes).T
         samples, J_0 = len(signals.time), signals.usual_inertia or 1.0
         if samples < 3:
-            return np.zeros((samples, 1))
+            return np.zeros((len(shapes), samples))
         omega = 2.0 * np.pi * f
         k = J_0 * omega**2
         usual = (signals.torque_scale or 1.0) / k
         J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
-        K = np.zeros(samples) if signals.slope is None else np.maximum(signals.slope, (LEAST_STIFF - 1.0) * k)
+        slope = np.zeros(samples) if signals.slope is None else signals.slope
+        K = np.maximum(slope[:, None], (LEAST_STIFF - 1.0) * k)
         step = float(signals.time[-1] - signals.time[0]) / (samples - 1)
         r, r_ddot = deflection(signals.load, J, 2.0 * zeta * omega * J_0, k, gamma / usual**power, power, K, step)
-        return np.asarray(-(omega**2) * (J * r_ddot + K * r))[:, None]
+        return np.ascontiguousarray((-(omega**2) * (J[:, None] * r_ddot + K * r)).T)
 
     def applies(self, signals: AxisSignals) -> bool:
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):

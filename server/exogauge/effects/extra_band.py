@@ -17,10 +17,20 @@ class ExtraBand:
     below 0 it is taut throughout. Where only a joint is known that it pulls at, its angle stands for l."""
 
     name = "extra_band"
+    words = "an undescribed pull"
     place = "band"
     sentence = "Something pulls that the description of the wear does not know."
-    coefficients = (Quantity("extra_stiffness", "N/m", low=0.0),)
-    shapes = (Shape("slack", "travel", -2.0, 0.9, (-1.0, -0.3, 0.0, 0.3, 0.6)),)
+    coefficients = (Quantity("extra_stiffness", "N/m", low=0.0, words="stiffness of the wire"),)
+    shapes = (
+        Shape(
+            "slack",
+            "travel",
+            -2.0,
+            0.9,
+            (-1.0, -0.3, 0.0, 0.3, 0.6),
+            words="natural length beyond the shortest length, in travels of the wire",
+        ),
+    )
     confounds = ("stiffness", "natural_length")
     needs = "Motion of every joint by itself that the wear may act on."
     coordinate = "stretch"

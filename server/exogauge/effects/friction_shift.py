@@ -20,9 +20,13 @@ class FrictionShift:
     """
 
     name = "friction_shift"
+    words = "friction that changed since the reference log"
     place = "joint"
     sentence = "Coulomb and viscous friction are others from one of the logs on."
-    coefficients = (Quantity("tau_c_change", "N·m"), Quantity("k_d_change", "N·m·s/rad"))
+    coefficients = (
+        Quantity("tau_c_change", "N·m", words="change of Coulomb friction"),
+        Quantity("k_d_change", "N·m·s/rad", words="change of viscous friction"),
+    )
     shapes = (since_log(),)
     confounds = ("coulomb", "viscous", "thermal_viscous")
     needs = "Logs of the same motion from before and after the change, in the order in which they were recorded."

@@ -19,10 +19,23 @@ class FtCrosstalk:
     """
 
     name = "ft_crosstalk"
+    words = "crosstalk of the force/torque sensor"
     place = "sensor"
     sentence = "One axis of the force/torque sensor reads part of what another one feels."
-    coefficients = (Quantity("leak", "reading/reading", -0.5, 0.5),)
-    shapes = (Shape("other", "1", 0.0, 5.0, (0.0, 1.0, 2.0, 3.0, 4.0, 5.0), choice=True),)
+    coefficients = (
+        Quantity("leak", "reading/reading", -0.5, 0.5, words="share of the other component that is read here"),
+    )
+    shapes = (
+        Shape(
+            "other",
+            "1",
+            0.0,
+            5.0,
+            (0.0, 1.0, 2.0, 3.0, 4.0, 5.0),
+            choice=True,
+            words="component that leaks, 0 (fx) to 5 (mz)",
+        ),
+    )
     confounds = ("first moments", "the sensor's frame")
     needs = "Load one axis of the sensor at a time."
     coordinate = "time"

@@ -23,14 +23,19 @@ class FtDrift:
     """
 
     name = "ft_drift"
+    words = "a drifting zero of the force/torque sensor"
     place = "sensor"
     sentence = "The zero of one axis of the force/torque sensor moves while the robot runs."
-    coefficients = (Quantity("ramp", "reading/s"), Quantity("settling", "reading"))
+    coefficients = (
+        Quantity("ramp", "reading/s", words="drift per second that goes on"),
+        Quantity("settling", "reading", words="drift that comes to an end"),
+    )
     departing = (Quantity("slow_settling", "reading"), Quantity("slowest_settling", "reading"))
-    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)), one_log())
+    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0), words="time in which it does"), one_log())
     confounds = ("zero",)
     needs = "The same posture at the start and at the end of a log, and after minutes."
     coordinate = "time"
+    common_cause = True
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
         t_d, log = shape

@@ -19,9 +19,10 @@ class FtGain:
     """
 
     name = "ft_gain"
+    words = "a wrong gain of the force/torque sensor"
     place = "sensor"
     sentence = "One axis of the force/torque sensor reads too much or too little, in proportion."
-    coefficients = (Quantity("gain", "1", -0.5, 0.5),)
+    coefficients = (Quantity("gain", "1", -0.5, 0.5, words="share by which too much is read"),)
     shapes: tuple[Shape, ...] = ()
     confounds = ("mass",)
     needs = "Turn the sensor so that gravity pulls along each of its axes, both ways."

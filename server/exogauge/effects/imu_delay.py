@@ -14,9 +14,10 @@ class ImuDelay:
     """What is logged at t was felt at t - delay: a_true(t) = a(t + delay) = a + delay da/dt, to first order."""
 
     name = "imu_delay"
+    words = "a delay of the IMU"
     place = "base"
     sentence = "The readings of the base's IMU are stamped later than they were taken."
-    coefficients = (Quantity("delay", "s", -0.2, 0.2),)
+    coefficients = (Quantity("delay", "s", -0.2, 0.2, words="time by which readings are stamped late"),)
     shapes: tuple[Shape, ...] = ()
     confounds = ("viscous",)
     needs = "A quick motion of the whole base, such as a push."

@@ -22,12 +22,13 @@ class ImuTilt:
     """
 
     name = "base_tilt"
+    words = "a tilted base"
     place = "base"
     sentence = "The base's IMU stands at an angle that nobody stated, or all that measures the feet's forces does."
     coefficients = (
-        Quantity("about_x", "rad", -MOST, MOST),
-        Quantity("about_y", "rad", -MOST, MOST),
-        Quantity("about_z", "rad", -MOST, MOST),
+        Quantity("about_x", "rad", -MOST, MOST, words="turn about the base's x axis"),
+        Quantity("about_y", "rad", -MOST, MOST, words="turn about the base's y axis"),
+        Quantity("about_z", "rad", -MOST, MOST, words="turn about the base's z axis"),
     )
     shapes: tuple[Shape, ...] = ()
     confounds = ("zero", "leg encoders")

@@ -21,10 +21,14 @@ class JointSpring:
     """
 
     name = "joint_spring"
+    words = "a spring on the joint"
     place = "joint"
     sentence = "A harness or cover pulls the joint back, more the further it turns."
-    coefficients = (Quantity("k_h", "N·m/rad", low=0.0), Quantity("k_3", "N·m/rad³", low=0.0))
-    shapes = (Shape("theta_h", "rad", -3.0, 3.0, (-1.5, 0.0, 1.5)),)
+    coefficients = (
+        Quantity("k_h", "N·m/rad", low=0.0, words="stiffness"),
+        Quantity("k_3", "N·m/rad³", low=0.0, words="stiffening, with the cube of the angle"),
+    )
+    shapes = (Shape("theta_h", "rad", -3.0, 3.0, (-1.5, 0.0, 1.5), words="angle at which the cubic part is at rest"),)
     departing = tuple(Quantity(f"k_2_{side}{k}", "N·m/rad²") for side in "+-" for k in range(1, len(FROM) + 1))
     confounds = ("motor_offset",)
     needs = "Slow motion through the whole range of the joint, with the links beyond it in several postures."

@@ -17,9 +17,10 @@ class KtGain:
     Where currents are logged the baseline's k_T takes this place, and leaves nothing to gain."""
 
     name = "kt_gain"
+    words = "a wrong torque constant"
     place = "joint"
     sentence = "The motor gives another torque than is logged, by one factor."
-    coefficients = (Quantity("share", "1", low=-0.5, high=0.5),)
+    coefficients = (Quantity("share", "1", low=-0.5, high=0.5, words="share of the motor's torque that is not logged"),)
     shapes = tuple[Shape, ...]()
     confounds = ("motor_gain",)
     needs = "Other joints that carry the same links under load, or a known load."

@@ -18,10 +18,13 @@ class KtSaturation:
     """
 
     name = "kt_saturation"
+    words = "a torque constant that falls with current"
     place = "joint"
     sentence = "At high current the motor gives less torque per ampere."
-    coefficients = (Quantity("g", "1", low=0.0, high=0.5),)
-    shapes = (Shape("power", "1", 1.5, 6.0, (2.0, 3.0, 4.5)),)
+    coefficients = (
+        Quantity("g", "1", low=0.0, high=0.5, words="share of the torque that is lost at the usual torque"),
+    )
+    shapes = (Shape("power", "1", 1.5, 6.0, (2.0, 3.0, 4.5), words="power of the torque with which the loss grows"),)
     confounds = ("motor_gain",)
     needs = "Loads from low to the highest current: a payload, or fast starts."
     coordinate = "drive"

@@ -15,8 +15,9 @@ class MotorGain:
     """
 
     name = "motor_gain"
+    words = "motor gain"
     sentence = "The motor turns current into torque in proportion."
-    coefficient = Quantity("k_T", "N·m/A", low=0.0)
+    coefficient = Quantity("k_T", "N·m/A", low=0.0, words="torque per ampere")
 
     def column(self, signals: JointSignals) -> Array:
         return signals.drive

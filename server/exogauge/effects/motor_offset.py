@@ -14,8 +14,9 @@ class MotorOffset:
     """τ = τ_o. Implements the second term of [Evaluator] (6)."""
 
     name = "motor_offset"
+    words = "motor offset"
     sentence = "The motor amplifier adds a constant torque."
-    coefficient = Quantity("tau_o", "N·m")
+    coefficient = Quantity("tau_o", "N·m", words="torque that is always there")
 
     def column(self, signals: JointSignals) -> Array:
         return np.ones_like(signals.drive)

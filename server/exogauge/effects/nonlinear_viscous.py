@@ -21,12 +21,15 @@ class NonlinearViscous:
     """
 
     name = "nonlinear_viscous"
+    words = "nonlinear viscous friction"
     place = "joint"
     sentence = "Friction grows with speed along a curve, not along a straight line."
-    coefficients = (Quantity("tau_n", "N·m", low=0.0),)
+    coefficients = (
+        Quantity("tau_n", "N·m", low=0.0, words="friction at the usual speed, on top of the straight line"),
+    )
     shapes = (
-        Shape("power", "1", 0.25, 3.0, (0.33, 0.5, 0.7, 1.5, 2.0, 3.0)),
-        Shape("levelling", "1", 0.0, 4.0, (0.0,)),
+        Shape("power", "1", 0.25, 3.0, (0.33, 0.5, 0.7, 1.5, 2.0, 3.0), words="power of the speed"),
+        Shape("levelling", "1", 0.0, 4.0, (0.0,), words="how soon the curve levels off"),
     )
     departing = (
         Quantity("tau_n_quadratic", "N·m"),

@@ -12,12 +12,28 @@ LATEST = 8  # log that is tried
 
 def since_log() -> Shape:
     """Number of the first log with the effect, from 0 in the order of the study; the first log never has it."""
-    return Shape(SINCE, "1", 1.0, float(LATEST), tuple(float(k) for k in range(1, LATEST + 1)), choice=True)
+    return Shape(
+        SINCE,
+        "1",
+        1.0,
+        float(LATEST),
+        tuple(float(k) for k in range(1, LATEST + 1)),
+        choice=True,
+        words="number of the first log that has it, from 0",
+    )
 
 
 def one_log() -> Shape:
     """Number of the only log with the effect, from 0 in the order of the study; -1: every log has it."""
-    return Shape(LOG, "1", -1.0, float(LATEST), tuple(float(k) for k in range(-1, LATEST + 1)), choice=True)
+    return Shape(
+        LOG,
+        "1",
+        -1.0,
+        float(LATEST),
+        tuple(float(k) for k in range(-1, LATEST + 1)),
+        choice=True,
+        words="number of the only log that has it, from 0; -1: all have it",
+    )
 
 
 def bounded(shapes: Sequence[Shape]) -> bool:

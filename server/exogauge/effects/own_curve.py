@@ -39,6 +39,10 @@ class OwnCurve:
         return f"{self.of.name}_curve"
 
     @property
+    def words(self) -> str:
+        return str(self.of.words)
+
+    @property
     def place(self) -> str:
         return str(self.of.place)
 

@@ -18,13 +18,14 @@ class Payload:
     """
 
     name = "payload"
+    words = "a payload"
     place = "link"
     sentence = "It carries a load that it did not carry in the first logs."
     coefficients = (
-        Quantity("mass", "kg", low=0.0),
-        Quantity("mx", "kg·m"),
-        Quantity("my", "kg·m"),
-        Quantity("mz", "kg·m"),
+        Quantity("mass", "kg", low=0.0, words="mass that was picked up"),
+        Quantity("mx", "kg·m", words="its mass times its place along x of the link"),
+        Quantity("my", "kg·m", words="its mass times its place along y of the link"),
+        Quantity("mz", "kg·m", words="its mass times its place along z of the link"),
     )
     shapes = (since_log(),)
     confounds = ("mass", "first moments")

@@ -9,8 +9,6 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-LINEAR = 1e-6  # of n - 1: below, the law is that of n = 1
-
 
 @final
 class Presliding:
@@ -22,16 +20,19 @@ class Presliding:
     """
 
     name = "presliding"
+    words = "presliding friction"
     place = "joint"
     sentence = "After a turn of the motion friction builds up over a short way, as surfaces bend before they slide."
-    coefficients = (Quantity("tau_p", "N·m", low=0.0),)
+    coefficients = (Quantity("tau_p", "N·m", low=0.0, words="friction that builds up after a turn"),)
     shapes = (
-        Shape("d", "range", 0.0001, 0.3, (0.0005, 0.002, 0.008, 0.03, 0.12)),
-        Shape("n", "1", 1.0, 2.0, (1.3,)),
+        Shape("d", "range", 0.0001, 0.3, (0.0005, 0.002, 0.008, 0.03, 0.12), words="way over which it builds up"),
+        Shape("n", "1", 1.0, 2.0, (1.3,), words="how unequal the ways are after which contacts slide"),
     )
     confounds = ("coulomb", "static_friction")
     needs = "Many small and slow reversals at several positions."
     coordinate = "position"
+    along_motion = True
+    at_turns = True
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         d, n = shape
@@ -47,28 +48,11 @@ def bristle(way: Array, n: float) -> Array:
     With u = 1 - x s and u_0 at the last turn, u = u_0 (1 + (n-1) u_0^(n-1) |w - w_0|)^(-1/(n-1)), which for n = 1 is
     u_0 e^(-|w - w_0|).
     """
-    step = np.diff(way)
-    moving = np.flatnonzero(step)
-    if not moving.size:
-        return np.zeros(len(way))
-    s = np.sign(step[moving])
-    turned = np.flatnonzero(np.diff(s, prepend=0.0))
-    s, turns = s[turned], moving[turned]  # the samples at which stretches of one direction begin
-    gone = np.concatenate([[0.0], np.cumsum(np.abs(step))])
-    began, u = list[float](), 1.0
-    for stretch in np.diff(gone[turns], append=gone[-1]).tolist():
-        began.append(u)
-        u = 2.0 - u * float(kept(stretch, u, n))
-    own = np.maximum(np.searchsorted(turns, np.arange(len(way))) - 1, 0)  # stretch that each sample ends or lies in
-    u_0 = np.array(began)[own]
-    return np.asarray(s[own] * (1.0 - u_0 * kept(gone - gone[turns][own], u_0, n)))
+    from exogauge.loops.bristle import bend
 
-
-def kept(way: Array | float, u_0: Array | float, n: float) -> Array:
-    """u / u_0 after a way in one direction."""
-    if n - 1.0 < LINEAR:
-        return np.asarray(np.exp(-np.asarray(way)))
-    return np.asarray(np.exp(-np.log1p((n - 1.0) * np.asarray(u_0) ** (n - 1.0) * way) / (n - 1.0)))
+    x = np.zeros(len(way))
+    bend(np.ascontiguousarray(way), n, x)
+    return x
 
 
 EFFECT = Presliding()

@@ -15,8 +15,9 @@ class RotorInertia:
     """
 
     name = "rotor_inertia"
+    words = "rotor inertia"
     sentence = "The rotor's inertia, seen through the gear, resists acceleration."
-    coefficient = Quantity("J_r", "kg·m²", low=0.0)
+    coefficient = Quantity("J_r", "kg·m²", low=0.0, words="inertia of the rotor, seen through the gear")
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.acceleration

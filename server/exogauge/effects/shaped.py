@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import Protocol, final, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Shape:
-    """A value that enters non-linearly: tried at `grid`, refined between low and high unless it is a choice."""
+    """A value that enters non-linearly: tried at `grid`, refined between low and high unless it is a choice. words:
+    what it is."""
 
     name: str
     unit: str
@@ -24,6 +26,7 @@ class Shape:
     high: float
     grid: tuple[float, ...]
     choice: bool = False
+    words: str = ""
 
     def share(self, value: float) -> float:
         """0…1 between the bounds; in logarithms where both are positive."""
@@ -74,14 +77,20 @@ class AxisSignals:
 class MissingEffect(Protocol):
     """A reason why a measurement is not what the model says. One file each; `EFFECT` is what the catalogue finds.
 
-    name: identifier, a contract with results.json. place: where it can sit: `joint`, `pair` (of joints), `sensor`,
-    `link` or `base`. sentence: for the user. coefficients: what is estimated linearly. shapes: what is searched.
-    confounds: what of the baseline can stand in for it. needs: in words, the motion that shows it. coordinate: of the
-    evidence plot.
+    name: identifier, a contract with results.json. words: the name that a person reads, within a sentence. place: where
+    it can sit: `joint`, `pair` (of joints), `sensor`, `link` or `base`. sentence: for the user. coefficients: what is
+    estimated linearly. shapes: what is searched. confounds: what of the baseline can stand in for it. needs: in words,
+    the motion that shows it. coordinate: of the evidence plot.
+
+    What only some have is in `flags`; `departing` with `departures`, how the real thing departs from the formula, in
+    `own_curve`.
     """
 
     @property
     def name(self) -> str: ...
+
+    @property
+    def words(self) -> str: ...
 
     @property
     def place(self) -> str: ...
@@ -115,4 +124,13 @@ class ShapedEffect(MissingEffect, Protocol):
 
     def applies(self, signals: AxisSignals) -> bool:
         """Whether the log holds what the effect needs (a temperature, motion, load …)."""
+        ...
+
+
+@runtime_checkable
+class ManyShapes(Protocol):
+    """An effect of a joint that computes several shapes at once in less time than one by one."""
+
+    def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
+        """(L C, T) what `columns` gives for each of L shapes, one column after the other."""
         ...

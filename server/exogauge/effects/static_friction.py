@@ -15,8 +15,9 @@ class StaticFriction:
     (12 prints 1 - sgn), and r is the full residual, not τ̂ - ĉ_j + F_j (equations.md)."""
 
     name = "static_friction"
+    words = "static friction"
     sentence = "At rest, friction holds the joint against what pushes it."
-    coefficient = Quantity("tau_s", "N·m", low=0.0)
+    coefficient = Quantity("tau_s", "N·m", low=0.0, words="most that holds at rest")
 
     def column(self, signals: JointSignals) -> Array:
         return -signals.stick

@@ -18,12 +18,13 @@ class Stribeck:
     """
 
     name = "stribeck"
+    words = "Stribeck friction"
     place = "joint"
     sentence = "Friction is larger at low speed and falls as the joint gets faster."
-    coefficients = (Quantity("tau_b", "N·m", low=0.0),)
+    coefficients = (Quantity("tau_b", "N·m", low=0.0, words="friction at the lowest speed, above Coulomb's"),)
     shapes = (
-        Shape("v_s", "rms velocity", 0.01, 1.0, (0.03, 0.07, 0.15, 0.3, 0.6)),
-        Shape("delta", "1", 0.5, 2.5, (1.0, 2.0)),
+        Shape("v_s", "rms velocity", 0.01, 1.0, (0.03, 0.07, 0.15, 0.3, 0.6), words="speed over which it falls"),
+        Shape("delta", "1", 0.5, 2.5, (1.0, 2.0), words="how abruptly it falls"),
     )
     confounds = ("coulomb", "viscous", "static_friction")
     needs = "Several slow reversals, and steady motion at low and at high speed."

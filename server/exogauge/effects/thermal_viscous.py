@@ -27,12 +27,13 @@ class ThermalViscous:
     """
 
     name = "thermal_viscous"
+    words = "temperature-dependent friction"
     place = "joint"
     sentence = "Viscous friction falls as the joint warms up."
-    coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0),)
+    coefficients = (Quantity("k_w", "N·m·s/rad", low=0.0, words="viscous friction that the warmth takes away"),)
     shapes = (
-        Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0)),
-        Shape("beta", "1/K", 0.0, 0.09, (0.02,)),
+        Shape("t_w", "s", 0.5, 1800.0, (2.0, 20.0, 100.0, 500.0), words="time in which the joint warms up"),
+        Shape("beta", "1/K", 0.0, 0.09, (0.02,), words="share by which grease thins per kelvin"),
     )
     departing = (Quantity("k_w_quadratic", "N·m·s/rad"), Quantity("k_w_cubic", "N·m·s/rad"))
     confounds = ("viscous",)

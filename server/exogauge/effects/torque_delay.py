@@ -20,14 +20,16 @@ class TorqueDelay:
     """
 
     name = "torque_delay"
+    words = "a delay of the torque"
     place = "joint"
     sentence = "The torque acts later than its log says, or is logged later than it acts."
-    coefficients = (Quantity("delta", "s", low=-0.1, high=0.1),)
+    coefficients = (Quantity("delta", "s", low=-0.1, high=0.1, words="time by which the torque acts late"),)
     shapes: tuple[Shape, ...] = ()
     departing = (Quantity("delta_squared", "s²"), Quantity("delta_cubed", "s³"))
     confounds = ("viscous",)
     needs = "Quick changes of the load, and reversals at speed."
     coordinate = "acceleration"
+    common_cause = True
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return -rate_of_change(signals.drive, signals.time)[:, None]

@@ -20,11 +20,15 @@ class TorqueOffsetDrift:
     """
 
     name = "torque_offset_drift"
+    words = "a drifting torque offset"
     place = "joint"
     sentence = "The offset of the torque changes slowly while the robot runs."
-    coefficients = (Quantity("ramp", "N·m/s"), Quantity("settling", "N·m"))
+    coefficients = (
+        Quantity("ramp", "N·m/s", words="drift per second that goes on"),
+        Quantity("settling", "N·m", words="drift that comes to an end"),
+    )
     departing = (Quantity("slow_settling", "N·m"), Quantity("slowest_settling", "N·m"))
-    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0)),)
+    shapes = (Shape("t_d", "s", 2.0, 300.0, (5.0, 20.0, 80.0), words="time in which it does"),)
     confounds = ("motor_offset",)
     needs = "The same motion again after minutes, and a moment in a known posture at the start and the end."
     coordinate = "time"

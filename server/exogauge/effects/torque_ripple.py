@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
@@ -12,6 +14,7 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 STEP = 0.8  # cycles per range between tried orders: a range of motion tells orders one cycle apart, and hardly less
 SLOWEST, FASTEST = 3.5, 150.0  # cycles per range
 PLACES = 2048  # into which a range is divided to look for peaks: 13 of the fastest cycle
+SAME = 1e-9  # of a step between orders: as even as rounding leaves them
 FINER = 4  # points of the spectrum per cycle over the range
 
 
@@ -26,11 +29,18 @@ class TorqueRipple:
     """
 
     name = "torque_ripple"
+    words = "torque ripple"
     place = "joint"
     sentence = "The torque comes and goes with the position, as gear teeth and magnets pass by."
-    coefficients = (Quantity("ripple_sin", "N·m"), Quantity("ripple_cos", "N·m"))
+    coefficients = (
+        Quantity("ripple_sin", "N·m", words="size of the sine"),
+        Quantity("ripple_cos", "N·m", words="size of the cosine"),
+    )
     shapes = (
-        Shape("cycles", "cycles per range", SLOWEST, FASTEST, tuple(4.0 + STEP * k for k in range(31))),
+        Shape(
+            "cycles", "cycles per range", SLOWEST, FASTEST, tuple(4.0 + STEP * k for k in range(31)),
+            words="cycles per revolution of the joint",
+        ),
     )  # fmt: skip
     departing = tuple(Quantity(f"{part}_{wave}", "N·m") for part in ("second", "by_load") for wave in ("sin", "cos"))
     confounds = ("motor_offset",)
@@ -38,9 +48,19 @@ class TorqueRipple:
     coordinate = "position"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        (cycles,) = shape
-        phase = 2.0 * np.pi * cycles / (signals.range or 1.0) * signals.position
-        return np.stack([np.sin(phase), np.cos(phase)], axis=1)
+        return self.columns_of_all(signals, [shape]).T
+
+    def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
+        """Where orders follow each other evenly, each wave is the one before it turned by the same angle."""
+        cycles, once = np.array(shapes)[:, 0], 2.0 * np.pi / (signals.range or 1.0) * signals.position
+        steps, waves = np.diff(cycles), np.empty((2 * len(cycles), len(once)))
+        even = len(steps) > 0 and bool(np.all(np.abs(steps - steps[0]) < SAME * np.abs(steps[0])))
+        turn, wave = _wave(steps[0] * once) if even else None, _wave(cycles[0] * once)
+        for k, each in enumerate(cycles):
+            if k:
+                wave = _wave(each * once) if turn is None else wave * turn
+            waves[2 * k], waves[2 * k + 1] = wave.imag, wave.real
+        return waves
 
     def departures(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         """(T, 4) the second harmonic, and the same waves with the motor's torque over its usual one."""
@@ -70,6 +90,13 @@ class TorqueRipple:
             found.append(best)
             power[np.abs(cycles - best) < 1.0] = 0.0
         return tuple(found)
+
+
+def _wave(phase: Array) -> NDArray[np.complex128]:
+    """e^(i phase); sine and cosine are quicker one by one."""
+    wave = np.empty(len(phase), dtype=np.complex128)
+    wave.real, wave.imag = np.cos(phase), np.sin(phase)
+    return wave
 
 
 EFFECT = TorqueRipple()

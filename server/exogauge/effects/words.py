@@ -2,54 +2,36 @@
 
 from __future__ import annotations
 
-EFFECTS = {
-    "motor_gain": "motor gain",
-    "viscous": "viscous friction",
-    "coulomb": "Coulomb friction",
-    "static_friction": "static friction",
-    "motor_offset": "motor offset",
-    "stribeck": "Stribeck friction",
-    "load_coulomb": "load-dependent friction",
-    "asym_viscous": "direction-dependent viscous friction",
-    "nonlinear_viscous": "nonlinear viscous friction",
-    "presliding": "presliding friction",
-    "backlash": "backlash",
-    "elasticity": "elasticity of the drive",
-    "joint_spring": "a spring on the joint",
-    "torque_ripple": "torque ripple",
-    "rotor_inertia": "rotor inertia",
-    "kt_gain": "a wrong torque constant",
-    "kt_saturation": "a torque constant that falls with current",
-    "thermal_viscous": "temperature-dependent friction",
-    "torque_offset_drift": "a drifting torque offset",
-    "torque_delay": "a delay of the torque",
-    "friction_shift": "friction that changed since the reference log",
-    "coupling": "coupling of the motor axes",
-    "payload": "a payload",
+from collections.abc import Mapping
+
+from exogauge.effects.band import BandEffect
+from exogauge.effects.catalogue import every_effect
+from exogauge.effects.effect import JointEffect, Quantity
+from exogauge.effects.shaped import MissingEffect, Shape
+
+DETECTED = {
     "link_mass": "a wrong link mass",
     "contact": "an unannounced contact",
-    "base_tilt": "a tilted base",
-    "ft_gain": "a wrong gain of the force/torque sensor",
-    "ft_crosstalk": "crosstalk of the force/torque sensor",
-    "ft_drift": "a drifting zero of the force/torque sensor",
-    "imu_delay": "a delay of the IMU",
-    "band_stiffness": "a wrong stiffness",
-    "band_length": "a wrong natural length",
-    "band_viscous": "viscous damping",
-    "band_relaxation": "relaxation",
-    "band_hardening": "hardening",
-    "band_slip": "an anchor that slipped",
-    "band_via_friction": "friction at the via points",
-    "extra_band": "an undescribed pull",
     "band_limited_log": "signals low-passed before they were stored",
-}
+}  # named by a detector of its own, which no file of an effect describes
 
 ALL = "all"  # name of a place: each of its kind
 
 
+def words_of_effects() -> Mapping[str, str]:
+    """Identifier -> what a person reads, of every effect of the catalogue and of what detectors name."""
+    return {effect.name: effect.words for effect in every_effect()} | DETECTED
+
+
 def effect_words(effect: str) -> str:
     """`stribeck` -> `Stribeck friction`; an identifier that is not known here, with spaces."""
-    return EFFECTS.get(effect, effect.replace("_", " "))
+    return words_of_effects().get(effect, effect.replace("_", " "))
+
+
+def parameter_words(effect: str, parameter: str) -> str:
+    """`stribeck`, `v_s` -> `speed over which it falls`; "" where the effect does not say."""
+    known = (each for each in every_effect() if each.name == effect)
+    return next((said for each in known if (said := _parameters(each).get(parameter))), "")
 
 
 def place_words(kind: str, name: str, part: str = "") -> str:
@@ -76,3 +58,8 @@ def opening(kind: str, name: str, part: str = "") -> str:
         return ""
     place = place_words(kind, name, part)
     return f"{place if name != ALL else place[:1].upper() + place[1:]}: "
+
+
+def _parameters(effect: JointEffect | MissingEffect | BandEffect) -> Mapping[str, str]:
+    own: tuple[Quantity | Shape, ...] = getattr(effect, "coefficients", ())
+    return {each.name: each.words for each in (*own, *getattr(effect, "shapes", ()))}

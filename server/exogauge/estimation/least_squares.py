@@ -33,7 +33,7 @@ class PriorLeastSquares:
         self.information = data.R[:, free]
         self.target = data.z - data.R[:, known] @ prior.seen_mean[known]
         offset = self.target - self.information @ prior.seen_mean[free]
-        believed, size = np.sqrt(strength) * prior.whitening, len(free)
+        believed, size = prior.root(strength), len(free)
         scale = np.sqrt(np.sum(self.information**2, axis=0) + np.sum(believed**2, axis=0))
         # What the data say stands above a weak belief: the other way round, the belief would lose its digits.
         stacked = np.zeros((len(offset) + size, size + 1), order="F")
@@ -63,7 +63,7 @@ class PriorLeastSquares:
         """
         free = self.prior.free
         inner = self.information.T @ self.information if meat is None else meat[np.ix_(free, free)]
-        inner = inner + self.strength**2 * (self.prior.whitening.T @ self.prior.whitening)
+        inner = inner + self.prior.information(self.strength**2)
         half = sl.solve_triangular(self._root, sl.solve_triangular(self._root, inner, trans="T").T, trans="T")
         full = np.zeros((len(self.x), len(self.x)))
         outer = sl.solve_triangular(self._root, sl.solve_triangular(self._root, half).T)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
 
@@ -21,11 +21,14 @@ class Prior:
     """Independent beliefs about all S parameters, of which the data see P combinations x = D s.
 
     mean, std: (S,); std 0 means known, and stays. seen: D (P, S), full row rank.
+    measured: (S,) bool, or empty for none: what was measured otherwise, on scales say, and is seen as it is, in no
+    combination. Such a belief counts as stated, whatever strength the others are given.
     """
 
     mean: Array
     std: Array
     seen: Array
+    measured: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     @cached_property
     def seen_mean(self) -> Array:
@@ -50,6 +53,31 @@ class Prior:
         L = np.linalg.cholesky(P_free / np.outer(scale, scale))
         inverse = sl.solve_triangular(L, np.eye(len(L)), lower=True) / scale
         return upper_factor(inverse)
+
+    @cached_property
+    def measured_free(self) -> NDArray[np.intp]:
+        """Places among `free` of what was measured."""
+        if not self.measured.any():
+            return np.zeros(0, dtype=np.intp)
+        return np.flatnonzero(self.seen[self.free][:, self.measured].any(axis=1))
+
+    def strengths(self, strength: float) -> Array:
+        """(S,) with which each belief counts."""
+        own = np.full(len(self.mean), strength)
+        own[: len(self.measured)][self.measured] = 1.0
+        return own
+
+    def root(self, strength: float) -> Array:
+        """(F, F) R with R^T R = `information`: nothing else is correlated with what was measured."""
+        root = np.sqrt(strength) * self.whitening
+        root[self.measured_free] = self.whitening[self.measured_free]
+        return np.asarray(root)
+
+    def information(self, strength: float) -> Array:
+        """(F, F) of the free combinations, where the beliefs count `strength` times."""
+        information = strength * (self.whitening.T @ self.whitening)
+        information[self.measured_free] = (self.whitening.T @ self.whitening)[self.measured_free]
+        return np.asarray(information)
 
     def lift(self, x: Array) -> Array:
         """(S,) the parameters nearest to the prior (in its own metric) with D s = x.

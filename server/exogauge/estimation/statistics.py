@@ -121,6 +121,11 @@ class Statistics:
         slope = G @ v
         return float(v @ slope), slope[:-1], G[:-1, :-1]
 
+    def gram(self, kind: int) -> Array:
+        """(k_r, k_r) Σ A^T A of one kind's rows."""
+        upper = self._upper(kind)[:-1, :-1]
+        return np.asarray(upper + np.triu(upper, 1).T)
+
     def residual_square_sum(self, x: Array) -> Array:
         """(R,) Σ (A_r x - y_r)² per kind. x: (P,)."""
         sums = np.empty(len(self.columns))

@@ -7,12 +7,15 @@ from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.identification.added_column import AddedColumn
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Effect, Seen, Site
 from exogauge.identification.validate import NoiseFloor
+
+Array = NDArray[np.float64]
 
 
 @final
@@ -55,11 +58,15 @@ class Extension:
     def attach(self, prepared: Prepared) -> Prepared:
         """The same log with what the added effects do to its rows per unit of their coefficients, filtered as those."""
         seen: dict[Site, Seen] = {}
-        raw = [prepared.raw_added]
+        raw = list[Array]()
         for each in self.effects:
             if each.site not in seen:
                 seen[each.site] = each.site.see(self.parent, prepared)
             columns = seen[each.site].columns(each.effect, each.shape)
             raw.append(columns.reshape(prepared.log.samples, -1))
-        stacked = np.hstack(raw)
-        return replace(prepared, added=prepared.low_pass.apply(stacked), raw_added=prepared.log.as_stored(stacked))
+        new = np.hstack(raw) if raw else np.zeros((prepared.log.samples, 0))
+        return replace(
+            prepared,
+            added=np.hstack([prepared.added, prepared.low_pass.apply(new)]),
+            raw_added=np.hstack([prepared.raw_added, prepared.log.as_stored(new)]),
+        )

@@ -37,7 +37,7 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     if prepared.taken_off is not None:
         load = load - prepared.taken_off[:, list(axes)]
     drive = load - _beside_the_motor(model, prepared, axes)
-    inertia, slope = swings(model, prepared)
+    inertia, slope = swings(model, prepared, axes)
     result = []
     for place, axis in enumerate(axes):
         temperature = log.channels.get(f"temp.{robot.joints[axis].name}")
@@ -57,8 +57,8 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
                 torque_scale=float(model.sizes.torque[axis]),
                 range=float(model.sizes.range[axis]),
                 number=model.order.get(log.name, -1),
-                inertia=inertia[:, axis] if known else None,
-                slope=slope[:, axis] if known else None,
+                inertia=inertia[:, place] if known else None,
+                slope=slope[:, place] if known else None,
                 usual_inertia=usual if known else 1.0,
             )
         )
@@ -79,14 +79,14 @@ def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]
 
 def loads(model: RobotModel, prepared: Prepared) -> Array:
     """(T, A) torque that body and outside forces ask of each axis, Y_j φ - F_j; computed once for each log."""
-    known = model.computed.get(("load", prepared.log.name))
-    if known is not None and len(known) == prepared.log.samples:
-        return known
+    return model.computed.of(prepared.log, "load", lambda: _loads(model, prepared))
+
+
+def _loads(model: RobotModel, prepared: Prepared) -> Array:
     equations, first = model.equations, model.equations.first_axis
-    phi_base, contacts = equations.base.regroup @ model.identified.phi.ravel(), ContactPaths(model.robot)
+    phi_base, contacts = model.bodies_in(prepared.log.recording), ContactPaths(model.robot)
     load = equations.of_bodies(prepared.motion, phi_base)[:, first:]
     for start in range(0, len(load), CHUNK):
         which = slice(start, min(start + CHUNK, len(load)))
         load[which] -= contacts.effect(prepared.motion.q[which], prepared.wrenches[which])[:, first:]
-    model.computed["load", prepared.log.name] = load
     return load

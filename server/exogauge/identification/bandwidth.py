@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from enum import IntEnum
 from typing import Protocol
 
 import numpy as np
@@ -20,18 +21,30 @@ AS_GOOD = np.log(1.02)  # two per cent of the residual are of no use to anyone; 
 STOP = np.log(1.15)  # so much worse that no other gain makes up for it
 
 
+class Keeps(IntEnum):
+    """Whose motion a cut-off keeps: that of the log that is fitted, and of the one that judges."""
+
+    NEITHER = 0
+    FITTED = 1
+    BOTH = 2
+
+
 class Trial(Protocol):
     """left: mean over channels of the logarithm of the share of the unfiltered channel that is left unexplained in
-    blocks that were not fitted. keeps_most: of the motion, and of both directions of every axis."""
+    blocks that were not fitted. keeps_most: of the motion, and of both directions of every axis. keeps_judged: the same
+    of what is held out."""
 
     @property
     def left(self) -> float: ...
     @property
     def keeps_most(self) -> bool: ...
+    @property
+    def keeps_judged(self) -> bool: ...
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
-    """[Hz] the lowest that predicts left-out blocks as well as the best does and keeps most of every axis' motion.
+    """[Hz] the lowest that predicts left-out blocks as well as the best does and keeps most of every axis' motion, in
+    the log that is fitted and in the one that judges; in the former alone, where no cut-off does both.
 
     Tried from the cut-off that the spectra suggest, downwards and upwards, in octaves, on the longest of the logs.
     Downwards, because elastic vibration and current ripple often call for less bandwidth than the sensors could give.
@@ -57,21 +70,27 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
         cutoff_hz = min(2.0 * cutoff_hz, highest)
         tried[cutoff_hz] = _tried(trial, log, cutoff_hz)
         improved = not np.isfinite(left) or tried[cutoff_hz][0] < left - AS_GOOD
-        if (keeps and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
+        if (keeps is Keeps.BOTH and not improved) or tried[cutoff_hz][0] > _best(tried) + STOP:
             break
     as_good = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + AS_GOOD]
-    keeping = [hz for hz, (left, keeps) in tried.items() if left <= _best(tried) + STOP and keeps]
-    return min(set(as_good) & set(keeping) or keeping or as_good)
+    good_enough = [hz for hz, (left, _) in tried.items() if left <= _best(tried) + STOP]
+    for wanted in (Keeps.BOTH, Keeps.FITTED):
+        keeping = [hz for hz in good_enough if tried[hz][1] >= wanted]
+        if keeping:
+            return min(set(as_good) & set(keeping) or keeping)
+    return min(as_good)
 
 
-def _best(tried: Mapping[float, tuple[float, bool]]) -> float:
+def _best(tried: Mapping[float, tuple[float, Keeps]]) -> float:
     return min(left for left, _ in tried.values())
 
 
-def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, bool]:
-    """(left, keeps most); left inf where so low a bandwidth leaves no steady motion to identify from."""
+def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> tuple[float, Keeps]:
+    """(left, whose motion it keeps); left inf where so low a bandwidth leaves no steady motion to identify from."""
     try:
         found = trial(log, cutoff_hz)
     except NotIdentifiable:
-        return np.inf, False
-    return found.left, found.keeps_most
+        return np.inf, Keeps.NEITHER
+    if not found.keeps_most:
+        return found.left, Keeps.NEITHER
+    return found.left, Keeps.BOTH if found.keeps_judged else Keeps.FITTED

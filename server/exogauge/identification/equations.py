@@ -26,7 +26,7 @@ from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
-from exogauge.robots.row_blocks import Rows
+from exogauge.robots.row_blocks import RowBlocks
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -60,7 +60,7 @@ class Equations:
     """
 
     robot: Robot
-    blocks: Rows
+    blocks: RowBlocks
     base: BaseParameters
     effects: Sequence[JointEffect]
     added: Sequence[AddedColumn] = ()
@@ -231,6 +231,14 @@ class Equations:
             reused = self.blocks.fill(motion.rows(which), 0, reused)
             for row, (block, own) in enumerate(zip(reused, self.blocks.columns, strict=True)):
                 out[which, row] = block @ phi[own]
+        return out
+
+    def of_bodies_on(self, row: int, motion: Motion, phi: Array) -> Array:
+        """(T,) one row of `of_bodies`, of an actuator axis, without the others."""
+        out = np.empty(motion.samples)
+        for start in range(0, motion.samples, CHUNK):
+            which = slice(start, min(start + CHUNK, motion.samples))
+            out[which] = self.blocks.fill_axis(row, motion.rows(which)) @ phi[self.blocks.columns[row]]
         return out
 
     def of_carried(self, motion: Motion, phi: Array) -> Array:

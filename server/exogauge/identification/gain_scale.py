@@ -8,11 +8,13 @@ from the stated m makes the denominator larger. The factor at which the stated v
 along ln s, (s θ - m)ᵀ W (s θ), that is the distance (s θ - m)ᵀ W (s θ - m) too little. So the ln k_j together get the
 distance as a slope, each by the number of parameters that its rows decide. What is known of the scale is what the
 stated values tell, not how far the identified ones lie from them: the distance is taken off the information too. Where
-outside forces or torques fix the scale the term moves k_T by a small share of its standard deviation.
+outside forces, torques or a weighed load fix the scale the term moves k_T by a small share of its standard deviation:
+what was weighed is no value that a maker states, and takes no part in the distance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -20,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.estimation.prior import Prior
-from exogauge.estimation.statistics import SquareRoot, Statistics
+from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
 
 Array = NDArray[np.float64]
@@ -50,26 +51,24 @@ class GainScale:
         return int(self.columns[self.axes.index(axis)]) if axis in self.axes else None
 
 
-def gain_scale(
-    equations: Equations, statistics: Statistics, data: SquareRoot, weights: Array, prior: Prior, strength: float
-) -> GainScale:
-    """data: the square root of the statistics with the weights. Along a factor that the prior alone decides its
-    `strength`, which data have chosen, is of no account: it weighs the term too."""
-    solved, free = PriorLeastSquares(data, prior, strength), prior.free
+def gain_scale(equations: Equations, statistics: Statistics, weights: Array, solved: PriorLeastSquares) -> GainScale:
+    """solved: the nearest point, from these statistics with these weights. Along a factor that the prior alone decides
+    its `strength`, which data have chosen, is of no account: it weighs the term too."""
+    prior, strength, free = solved.prior, solved.strength, solved.prior.free
     kinds, columns = _gains(equations, weights, free)
     n, P = len(columns), len(solved.x)
     if not n:
         return GainScale((), columns, np.zeros(P), np.zeros((P, P)))
-    W, G = prior.whitening.T @ prior.whitening, solved.information.T @ solved.information
-    H = G + strength * W
+    G, W = solved.information.T @ solved.information, prior.information(1.0)
+    H = G + prior.information(strength)
+    W[prior.measured_free], W[:, prior.measured_free] = 0.0, 0.0  # scales are read, not stated by a maker
     at = np.searchsorted(free, columns)
     others = np.setdiff1d(np.arange(len(free)), at)
+    of_maker = ~np.isin(others, prior.measured_free)
     H_inverse = np.linalg.inv(H)
     V = H_inverse[np.ix_(at, at)]
     response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
-    decided_by = np.array([_information(statistics, weights, kind, free[others]) for kind in kinds])
-    decided_by = np.asarray(np.linalg.solve(H[np.ix_(others, others)], decided_by))  # (n, O, O)
-    number = np.asarray(1.0 + np.einsum("noo->n", decided_by))
+    number = 1.0 + _decided_by(statistics, weights, kinds, free[others], H[np.ix_(others, others)], of_maker)
     by_prior = strength * np.einsum("fn,fg,gn->n", response, W, response) * np.diag(V)
     weight = np.asarray(1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0))
     x_hat, m = solved.x[free], prior.seen_mean[free]
@@ -83,7 +82,7 @@ def gain_scale(
             break
     step, doubt = np.zeros(P), np.zeros((P, P))
     step[free] = response @ (k - k_hat)
-    known = H_inverse @ (G + strength**2 * W) @ H_inverse
+    known = H_inverse @ (G + prior.information(strength**2)) @ H_inverse
     added = _less_known(known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2)
     doubt[np.ix_(free, free)] = response @ added @ response.T
     return GainScale(tuple(kind - equations.first_axis for kind in kinds), columns, step, doubt)
@@ -111,10 +110,27 @@ def _less_known(V: Array, less: Array) -> Array:
     return np.asarray((half * (share / (1.0 - share))) @ half.T)
 
 
-def _information(statistics: Statistics, weights: Array, kind: int, columns: NDArray[np.intp]) -> Array:
-    """(O, O) of one kind's rows on these parameters."""
-    alone = np.where(np.arange(len(weights)) == kind, weights, 0.0)
-    return np.asarray(statistics.normal(alone)[0][np.ix_(columns, columns)])
+def _decided_by(
+    statistics: Statistics,
+    weights: Array,
+    kinds: Sequence[int],
+    columns: NDArray[np.intp],
+    H: Array,
+    counted: NDArray[np.bool_],
+) -> Array:
+    """(n,) Σ (H⁻¹ w AᵀA)_oo over the counted ones of these columns: how many each kind's own rows decide.
+
+    columns: (O,) of x. H: (O, O) what is known of them. counted: (O,).
+    """
+    inverse, found = np.linalg.inv(H), []
+    for kind in kinds:
+        own = statistics.columns[kind]
+        seen = np.isin(own, columns)
+        place = np.searchsorted(columns, own[seen])
+        information = weights[kind] * statistics.gram(kind)[np.ix_(seen, seen)]
+        shares = np.sum(inverse[np.ix_(place, place)] * information.T, axis=1)
+        found.append(float(shares[counted[place]].sum()))
+    return np.array(found)
 
 
 def _gains(equations: Equations, weights: Array, free: NDArray[np.intp]) -> tuple[list[int], NDArray[np.intp]]:

@@ -13,14 +13,22 @@ from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.estimation.prior import Prior
 from exogauge.identification.added import Extension
 from exogauge.identification.bandwidth import choose_cutoff
+from exogauge.identification.common_factor import (
+    CommonFactor,
+    common_factor,
+    said_of_the_factor,
+    scale_is_measured,
+)
 from exogauge.identification.equations import Equations
+from exogauge.identification.load_columns import PREFIX, load_columns, parts_of_links
 from exogauge.identification.model import AxisSizes, RobotModel
 from exogauge.identification.noise_bias import known_noise, noise_bias
-from exogauge.identification.parameters import describe, given_the_scale, scale_is_known
+from exogauge.identification.parameters import describe, given_the_scale
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
-from exogauge.identification.prior import added_std, joint_prior, per_parameter, scales
+from exogauge.identification.prior import added_std, joint_prior, per_parameter, relative_std, scales
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
@@ -28,7 +36,7 @@ from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
-from exogauge.identification.steady import steady_shares, steady_warnings
+from exogauge.identification.steady import creeping_warnings, steady_shares, steady_warnings
 from exogauge.identification.swing import inertia_and_slope
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.uncertainty import score_covariance
@@ -38,19 +46,13 @@ from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
-from exogauge.robots.row_blocks import row_blocks
+from exogauge.robots.row_blocks import RowBlocks
 
 Array = NDArray[np.float64]
 
 NO_GAINS = np.zeros(0, dtype=np.intp)
 POSSIBLE = (0.02, 10.0)  # times the stated k_T: no doubt about a motor reaches further
 POSTURES = 50  # of a log, for the mean inertia about each axis
-
-SCALE_UNKNOWN = (
-    "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
-    "common factor, which the maker's values decide. Log a force/torque sensor to fix it. What is listed as not "
-    "identifiable is so even if that factor were known; errors are told in N·m by the stated k_T."
-)
 
 
 def identify(
@@ -66,56 +68,49 @@ def identify(
     Raises BadStudy without a log to fit, BadLog for a log that lacks a channel or has gaps in time; `progress` may
     raise to stop.
     """
-    fitted_logs = [recording.log for recording in recordings if not recording.held_out]
-    if not fitted_logs:
-        advice = "Give at least one log the role `identification`."
-        raise BadStudy(Fault("there is no log to identify from", "no_identification_log", advice))
+    fitted_logs = _fitted_logs(recordings)
+    names = [log.recording for log in fitted_logs]
     progress(0.0, "choosing the bandwidth")
-    base = find_base_parameters(robot.tree)
-    blocks = row_blocks(robot.tree, base, robot.axes_from_joints)
-    added = (*zero_columns(robot), *(extension.columns if extension else ()))
-    cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
-    equations = Equations(robot, blocks, base, choose(settings.effects), added, cuts)
-    cutoff_hz = extension.parent.cutoff_hz if extension else settings.cutoff_hz
-    slowest_hz = min(recording.log.rate_hz for recording in recordings)
-    cutoff_hz = cutoff_hz or choose_cutoff(robot, fitted_logs, slowest_hz, partial(quick_fit, equations))
+    equations = _equations(parts_of_links(robot, names, relative_std(robot)), settings, extension)
+    robot, cutoff_hz = equations.robot, _cutoff(equations, recordings, fitted_logs, settings, extension)
     progress(0.05, "filtering and differentiating")
-    at_rest = rest_detection(robot, fitted_logs, cutoff_hz)
+    at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping)
+
+    kept = _prepared_alike(extension, robot, cutoff_hz, at_rest)
 
     def ready(log: Log) -> Prepared:
-        prepared = prepare(robot, log, cutoff_hz, at_rest)
-        return extension.attach(prepared) if extension else prepared
+        bare = kept.of(log, "prepared", lambda: prepare(robot, log, cutoff_hz, at_rest))
+        return extension.attach(bare) if extension else bare
 
     fitted = [ready(log) for log in fitted_logs]
     seen = scales(robot, fitted)
-    prior = per_parameter(robot, base, equations.effects, seen, added_std(equations, fitted, seen))
-    known_scale = scale_is_known(robot)
-    warnings = [] if known_scale else [SCALE_UNKNOWN]
+    added = added_std(equations, fitted, seen)
+    prior = per_parameter(robot, equations.base, equations.effects, seen, added, equations.added)
     solution = solve(equations, fitted, prior, settings, progress)
     _refuse_impossible_gains(equations, solution)
 
     progress(0.75, "estimating the uncertainty")
-    doubt, bias = _doubt_and_bias(equations, fitted, at_rest, solution)
+    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
+    bias = noise_bias(equations, fitted, at_rest, solution)
+    factor = common_factor(equations, solution, meat)
+    doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias)
     covariance = solution.prior.lift_covariance(doubt)
     solution.solved.shift(-bias)
     standard, notes = _standard_parameters(equations, prior, solution, covariance, settings, progress)
-    warnings += notes
     identified, before = split(equations, standard), split(equations, prior.mean)
     known_floors = extension.noise_floors if extension else {}
     predictions, validation, steady = _validate(
         equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
     )
     condition, rank = solution.solved.condition_and_rank()
-    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, known_scale)
-    gains = solution.gains.columns + (len(standard) - equations.size)
-    but_for_scale = covariance if known_scale else given_the_scale(covariance, gains, standard)
-    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, True)
+    sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
+    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
     progress(1.0, "identified")
     return Identification(
         phi=identified.phi,
         joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
         parameters=parameters,
-        unidentifiable=tuple(p.name for p in decided if not p.identifiable),
+        unidentifiable=_unidentifiable(equations, solution, standard, covariance, factor),
         validation=validation,
         predictions=predictions,
         consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
@@ -126,7 +121,13 @@ def identify(
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
-        warnings=(*warnings, *_warnings(solution), *steady_warnings(steady)),
+        warnings=(
+            *said_of_the_factor(robot, factor, names),
+            *notes,
+            *_warnings(solution),
+            *creeping_warnings(settings.creeping),
+            *steady_warnings(steady),
+        ),
         model=RobotModel(
             equations=equations,
             identified=identified,
@@ -136,15 +137,68 @@ def identify(
             at_rest=at_rest,
             cutoff_hz=cutoff_hz,
             solution=solution,
-            sizes=AxisSizes(
-                seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted)
-            ),
+            sizes=sizes,
             extension=extension,
             order={recording.log.name: number for number, recording in enumerate(recordings)},
+            known_scale=factor.known,
+            prepared=kept,
         ),
         steady=steady,
-        per_stated={} if known_scale else _per_stated(equations, identified, before),
+        per_stated={} if factor.known else _per_stated(equations, identified, before),
+        factor=factor,
     )
+
+
+def _fitted_logs(recordings: Sequence[Recording]) -> list[Log]:
+    logs = [recording.log for recording in recordings if not recording.held_out]
+    if not logs:
+        advice = "Give at least one log the role `identification`."
+        raise BadStudy(Fault("there is no log to identify from", "no_identification_log", advice))
+    return logs
+
+
+def _equations(robot: Robot, settings: Settings, extension: Extension | None) -> Equations:
+    """With the zeros of sensors, the loads that some logs carry, and the effects that were added."""
+    base = find_base_parameters(robot.tree)
+    blocks = RowBlocks(robot.tree, base, robot.axes_from_joints)
+    added = (*zero_columns(robot), *load_columns(robot), *(extension.columns if extension else ()))
+    cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
+    return Equations(robot, blocks, base, choose(settings.effects), added, cuts)
+
+
+def _cutoff(
+    equations: Equations,
+    recordings: Sequence[Recording],
+    fitted_logs: Sequence[Log],
+    settings: Settings,
+    extension: Extension | None,
+) -> float:
+    """[Hz] of the model that effects are added to; as asked for; or as the logs call for it."""
+    stated = extension.parent.cutoff_hz if extension else settings.cutoff_hz
+    slowest_hz = min(recording.log.rate_hz for recording in recordings)
+    held_out = [recording.log for recording in recordings if recording.held_out]
+    judged = max(held_out, key=lambda log: log.samples, default=None)
+    return stated or choose_cutoff(equations.robot, fitted_logs, slowest_hz, partial(quick_fit, equations, judged))
+
+
+def _unidentifiable(
+    equations: Equations, solution: Solution, standard: Array, covariance: Array, factor: CommonFactor
+) -> tuple[str, ...]:
+    """Names of what would stay open if the common factor were known; what was weighed is not asked for."""
+    gains = solution.gains.columns + (len(standard) - equations.size)
+    but_for_scale = covariance if factor.known else given_the_scale(covariance, gains, standard)
+    decided = describe(equations, solution.prior, standard, but_for_scale, solution.sticking, True)
+    return tuple(each.name for each in decided if not each.identifiable and not each.name.startswith(PREFIX))
+
+
+def _prepared_alike(extension: Extension | None, robot: Robot, cutoff_hz: float, at_rest: RestDetection) -> PerLog:
+    """The parent's prepared logs where it prepares them alike."""
+    if extension is None:
+        return PerLog()
+    model = extension.parent
+    alike = model.robot is robot and model.cutoff_hz == cutoff_hz and model.at_rest.cutoff_hz == at_rest.cutoff_hz
+    same = alike and np.array_equal(model.at_rest.threshold, at_rest.threshold)
+    return model.prepared if same else PerLog()
 
 
 def _standard_parameters(
@@ -161,21 +215,12 @@ def _standard_parameters(
         progress(0.8, "making every link physically possible")
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         free, robot = standard, equations.robot
-        decided = NO_GAINS if scale_is_known(robot) else solution.gains.columns
+        decided = NO_GAINS if scale_is_measured(robot) else solution.gains.columns
         standard, notes = possible_parameters(robot, solution.solved, decided)
         notes = (*notes, *asked_for_negative_mass(robot, free, std))
     x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
     phi = standard[: equations.robot.tree.phi.size]
     return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes
-
-
-def _doubt_and_bias(
-    equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution
-) -> tuple[Array, Array]:
-    """(P, P) covariance of x about the truth, and (P,) what noise in the regressor has added to x."""
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    bias = noise_bias(equations, fitted, at_rest, solution)
-    return solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias), bias
 
 
 def _warnings(solution: Solution) -> list[str]:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from exogauge.effects.link import LinkSignals
 from exogauge.identification.equations import Equations
+from exogauge.identification.load_columns import kinds_of_body
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Seen
 from exogauge.robots.ends import carries_nothing, takes_payload
-from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.tree import RigidTree
 
@@ -34,22 +34,7 @@ class LinkSite:
         return "link", equations.robot.tree.bodies[self.body], ""
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        """Base rows, axes on the way to the base, sensors that carry it."""
-        robot = equations.robot
-        above = subtree(robot.tree)[:, self.body] & (robot.tree.dof >= 0)
-        acts = robot.axes_from_joints[:, robot.tree.dof[above]] != 0.0
-        axes = [
-            equations.first_axis + axis
-            for axis, joint in enumerate(robot.joints)
-            if acts[axis].any() and joint.actuation != "none"
-        ]
-        cuts = [
-            equations.first_cut + 6 * index + row
-            for index, sensor in enumerate(robot.cuts)
-            if self.body in robot.tree.cuts[sensor.frame]
-            for row in range(6)
-        ]
-        return (*range(equations.first_axis), *axes, *cuts)
+        return kinds_of_body(equations.robot, self.body)
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         number = model.order.get(prepared.log.name, -1)

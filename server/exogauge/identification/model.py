@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
+from exogauge.identification.load_columns import of_loads
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters, motor_gain
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.solution import Solution
@@ -42,10 +44,11 @@ class RobotModel:
 
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
-    sizes: of the fitted motions.
+    sizes: of the fitted motions. known_scale: something fixes the scale of all torques (`common_factor`).
     order: name of a log -> its number in the order of the study, from 0.
-    extension: effects that were added to a parent model, None for a first one. computed: what `axis_signals.loads` and
-    `site.carried` have computed, by what it is and the log's name.
+    extension: effects that were added to a parent model, None for a first one.
+    prepared: logs as they are without an extension; models that prepare them alike share it. computed: what
+    `axis_signals.loads`, `site.carried` and `swings` have computed with this model's numbers.
     """
 
     equations: Equations
@@ -59,7 +62,9 @@ class RobotModel:
     sizes: AxisSizes
     extension: Extension | None = None
     order: Mapping[str, int] = field(default_factory=dict)
-    computed: dict[tuple[str, str], Array] = field(default_factory=dict, repr=False, compare=False)
+    known_scale: bool = True
+    prepared: PerLog = field(default_factory=PerLog, repr=False, compare=False)
+    computed: PerLog = field(default_factory=PerLog, repr=False, compare=False)
 
     @property
     def robot(self) -> Robot:
@@ -72,5 +77,19 @@ class RobotModel:
 
     def prepare(self, log: Log) -> Prepared:
         """A further log, filtered and differentiated as the identified ones were."""
-        prepared = prepare(self.robot, log, self.cutoff_hz, self.at_rest)
-        return self.extension.attach(prepared) if self.extension else prepared
+        bare = self.prepare_bare(log)
+        return self.extension.attach(bare) if self.extension else bare
+
+    def prepare_bare(self, log: Log) -> Prepared:
+        """The same without what an extension adds."""
+        return self.prepared.of(log, "prepared", lambda: prepare(self.robot, log, self.cutoff_hz, self.at_rest))
+
+    def bodies_in(self, recording: str) -> Array:
+        """(B,) base parameters of the identified bodies, with the loads that a recording carries."""
+        phi = self.identified.phi.copy()
+        for load, coefficients in zip(
+            self.robot.loads, of_loads(self.equations.added, self.identified.added), strict=True
+        ):
+            if recording in load.logs:
+                phi[load.body] += load.columns @ coefficients
+        return np.asarray(self.equations.base.regroup @ phi.ravel())

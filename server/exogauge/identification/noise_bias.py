@@ -104,6 +104,7 @@ def with_noise(
     log = prepared.log
     channels = {name: log.channels[name] + sign * noise[name] for name in noise}
     noisy = prepare(robot, replace(log, channels=channels), prepared.low_pass.cutoff_hz, at_rest)
+    own = noisy.added.shape[1]
     return replace(
         noisy,
         direction=prepared.direction,
@@ -112,8 +113,8 @@ def with_noise(
         raw_direction=prepared.raw_direction,
         stored_direction=prepared.stored_direction,
         stored_rest=prepared.stored_rest,
-        added=prepared.added,
-        raw_added=prepared.raw_added,
+        added=np.hstack([noisy.added, prepared.added[:, own:]]),
+        raw_added=np.hstack([noisy.raw_added, prepared.raw_added[:, own:]]),
     )
 
 

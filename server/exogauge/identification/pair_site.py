@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.pair import PairSignals
+from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
@@ -36,11 +37,15 @@ class PairSite:
         return (equations.first_axis + self.axis, equations.first_axis + self.other)
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
-        signals = PairSignals(*axis_signals(model, prepared, [self.axis, self.other]))
-        return Seen(signals, lambda effect, shape: np.asarray(effect.columns(signals, shape)))
+        return seen_of_pair(*axis_signals(model, prepared, [self.axis, self.other]))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
+
+
+def seen_of_pair(own: AxisSignals, other: AxisSignals) -> Seen:
+    signals = PairSignals(own, other)
+    return Seen(signals, lambda effect, shape: np.asarray(effect.columns(signals, shape)))
 
 
 def neighbours(robot: Robot) -> list[PairSite]:

@@ -17,16 +17,6 @@ Array = NDArray[np.float64]
 DECIDED = 0.5  # a parameter is identifiable where data leave at most this share of the prior's std
 
 
-def scale_is_known(robot: Robot) -> bool:
-    """Whether anything measured fixes the scale of all torques: a contact wrench on the base rows, what a sensor
-    carries, or a joint torque.
-
-    Without it (φ, ξ) times any factor explains the data as well ([Evaluator] 3.1; rank deficit of exactly one).
-    """
-    contact = robot.floating and bool(robot.contacts)
-    return contact or bool(robot.cuts) or any(joint.actuation == "torque" for joint in robot.joints)
-
-
 def describe(
     equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking, known_scale: bool
 ) -> tuple[Parameter, ...]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.physical import solve_physical
-from exogauge.identification.prior import INERTIAL_STD
+from exogauge.identification.prior import relative_std
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
@@ -32,15 +32,14 @@ def possible_parameters(
     columns = np.concatenate([np.arange(inertial), own])
     data = solved.information @ prior.seen[prior.free][:, columns]
     belief = np.zeros((len(own), len(columns)))
-    belief[:, inertial:] = np.diag(np.sqrt(solved.strength) / prior.std[own])
+    belief[:, inertial:] = np.diag(np.sqrt(prior.strengths(solved.strength)[own]) / prior.std[own])
     moved = solved.information @ prior.seen[np.ix_(prior.free, kept)] @ standard[kept]
     target = np.concatenate([solved.target - moved, belief[:, inertial:] @ prior.mean[own]])
-    rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
     found = solve_physical(
         np.vstack([data, belief]),
         target,
         robot.tree.phi,
-        weight=solved.strength / (2.0 * np.maximum(rho, 1e-3) ** 2),
+        weight=solved.strength / (2.0 * np.maximum(relative_std(robot), 1e-3) ** 2),
         names=robot.tree.bodies,
     )
     standard[columns] = found.x

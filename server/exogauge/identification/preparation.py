@@ -12,10 +12,12 @@ from scipy.ndimage import binary_dilation
 
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
+from exogauge.identification.load_columns import load_entries
 from exogauge.identification.sensor_zero import zeros
 from exogauge.identification.smear import smeared
 from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
 from exogauge.logs.bandwidth import suggest_cutoff
+from exogauge.logs.beside import widened
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
@@ -47,8 +49,8 @@ class Prepared:
     axis_velocity, axis_acceleration: (T, A).
     direction: (T, A) sgn_ε of the axis velocity; rest: (T, A) 1 - |direction|; both through the filter that the drive
     passed, because a sign jumps where a low-passed torque cannot.
-    steady: (T, A) bool, the axis moves at speed; not so at rest, and near stops and turns, where a joint may stick
-    for longer than a low-passed velocity can show.
+    steady: (T, A) bool, the axis moves at speed; not so at rest, while it creeps (`RestDetection.creeping`), and near
+    stops and turns, where a joint may stick for longer than a low-passed velocity can show.
     wrenches: (T, S, 6) world on robot, in sensor frames, filtered.
     carried: (T, C, 6) what holds and moves the bodies beyond each sensor that carries some, in its frame, filtered.
     raw_drive, raw_direction, raw_wrenches, raw_carried: not filtered.
@@ -147,7 +149,11 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
 
 
 def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) -> Prepared:
-    """Filter, differentiate, transform to the base link and to the actuator axes."""
+    """Filter, differentiate, transform to the base link and to the actuator axes.
+
+    A part of a recording is filtered with what lies beside it. Its own ends count as unsettled all the same: what added
+    effects do to a part is filtered without.
+    """
     require_even_clock(log)
     missing = [name for name in needed_channels(robot) if not log.has(name)]
     if missing:
@@ -158,49 +164,52 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         advice = f"Log at {cutoff_hz / WIDEST:.0f} Hz or more, or set a lower cutoff_hz."
         raise BadLog(Fault(detail, "rate_too_low", advice, log.name, column="t"))
     low_pass = LowPass(cutoff_hz, log.rate_hz)
+    wide, own = widened(log)
     names = [joint.name for joint in robot.joints]
-    raw_q = log.stack([f"q.{name}" for name in names])
+    raw_q = wide.stack([f"q.{name}" for name in names])
     q = low_pass.apply(raw_q)
     dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
-    acc, gyro, gyro_dot = base_motion(robot, log, low_pass)
+    acc, gyro, gyro_dot = base_motion(robot, wide, low_pass)
     C = robot.axes_from_joints
-    raw_drive = _drive_on_axes(robot, log)
-    raw_wrenches = _wrenches(robot.contacts, log)
-    raw_carried = -_wrenches(robot.cuts, log)
+    raw_drive = _drive_on_axes(robot, wide)
+    raw_wrenches = _wrenches(robot.contacts, wide)
+    raw_carried = -_wrenches(robot.cuts, wide)
     axis_velocity = dq @ C.T
-    turns = TurnsOf(robot, log, at_rest).behind(log.stored)
+    turns = TurnsOf(robot, wide, at_rest).behind(log.stored)
     alike = replace(low_pass, stored=log.stored)
     smooth_direction = low_pass.apply(turns.stored_direction)
     recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
     settle = min(_settle_samples(log, low_pass), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
-    turning = binary_dilation(np.abs(smooth_direction) < STEADY, np.ones((2 * recovery + 1, 1), dtype=bool))
+    turning = (np.abs(smooth_direction) < STEADY) | (np.abs(axis_velocity) < at_rest.creeping)
+    turning = binary_dilation(turning, np.ones((2 * recovery + 1, 1), dtype=bool))
     starting = round(STARTING * log.rate_hz / cutoff_hz)
     turning |= binary_dilation(turns.direction == 0.0, np.ones((2 * starting + 1, 1), dtype=bool))
     motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
+    added = np.hstack([zeros(robot, log.samples), load_entries(robot, log.recording, motion.rows(own))])
     return Prepared(
         log=log,
         low_pass=alike,
-        motion=motion,
-        drive=low_pass.apply(raw_drive),
-        axis_velocity=axis_velocity,
-        axis_acceleration=ddq @ C.T,
-        direction=smooth_direction,
-        rest=low_pass.apply(turns.stored_rest),
-        steady=~(turning | left_out[:, None]),
-        wrenches=low_pass.apply(raw_wrenches.reshape(log.samples, -1)).reshape(raw_wrenches.shape),
-        raw_drive=raw_drive,
-        raw_direction=turns.direction,
-        stored_direction=turns.stored_direction,
-        stored_rest=turns.stored_rest,
-        raw_wrenches=raw_wrenches,
-        carried=low_pass.apply(raw_carried.reshape(log.samples, -1)).reshape(raw_carried.shape),
-        raw_carried=raw_carried,
+        motion=motion.rows(own),
+        drive=low_pass.apply(raw_drive)[own],
+        axis_velocity=axis_velocity[own],
+        axis_acceleration=(ddq @ C.T)[own],
+        direction=smooth_direction[own],
+        rest=low_pass.apply(turns.stored_rest)[own],
+        steady=~(turning[own] | left_out[:, None]),
+        wrenches=low_pass.apply(raw_wrenches.reshape(wide.samples, -1)).reshape(raw_wrenches.shape)[own],
+        raw_drive=raw_drive[own],
+        raw_direction=turns.direction[own],
+        stored_direction=turns.stored_direction[own],
+        stored_rest=turns.stored_rest[own],
+        raw_wrenches=raw_wrenches[own],
+        carried=low_pass.apply(raw_carried.reshape(wide.samples, -1)).reshape(raw_carried.shape)[own],
+        raw_carried=raw_carried[own],
         kept=kept[~left_out[kept]],
         left_out=left_out,
-        added=zeros(robot, log.samples),
-        raw_added=zeros(robot, log.samples),
-        smeared=smeared(robot, log, low_pass, motion),
+        added=added,
+        raw_added=added,
+        smeared=smeared(robot, wide, low_pass, motion)[own],
     )
 
 

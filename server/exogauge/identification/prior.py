@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from exogauge.effects.effect import JointEffect
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
+from exogauge.identification.added_column import AddedColumn
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters
@@ -61,26 +62,35 @@ def joint_prior(joint: Joint, name: str) -> float:
 
 
 def per_parameter(
-    robot: Robot, base: BaseParameters, effects: Sequence[JointEffect], seen: Scales, added: Array = NOTHING_ADDED
+    robot: Robot,
+    base: BaseParameters,
+    effects: Sequence[JointEffect],
+    seen: Scales,
+    added: Array = NOTHING_ADDED,
+    columns: Sequence[AddedColumn] = (),
 ) -> Prior:
     """A standard deviation for every parameter: the maker's where given, else a spread that its size suggests.
 
-    added: (E,) standard deviations of added coefficients, of which nothing was known before.
+    added: (E,) standard deviations of added coefficients. columns: what they are; without, nothing was known of them.
     """
-    mean = np.concatenate([robot.tree.phi.ravel(), _joint_means(robot, effects).ravel(), np.zeros(len(added))])
+    stated = np.array([0.0 if column.measured is None else column.measured[0] for column in columns])
+    mean = [robot.tree.phi.ravel(), _joint_means(robot, effects).ravel(), stated if columns else np.zeros(len(added))]
     std = np.concatenate([inertial_std(robot).ravel(), _joint_stds(robot, effects, seen).ravel(), added])
-    return Prior(mean, std, seen_matrix(base, len(robot.joints) * len(effects) + len(added)))
+    measured = np.zeros(len(std), dtype=bool)
+    measured[len(std) - len(columns) :] = [column.measured is not None for column in columns]
+    seen_by = seen_matrix(base, len(robot.joints) * len(effects) + len(added))
+    return Prior(np.concatenate(mean), std, seen_by, measured)
 
 
 def added_std(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> Array:
-    """(E,) as large as what was seen in each column's rows could make its coefficient."""
+    """(E,) as large as what was seen in each column's rows could make its coefficient, or as it was measured."""
     if not equations.added:
         return NOTHING_ADDED
     column, kind = np.array(equations.entries, dtype=np.intp).T
     per_unit = np.sqrt(np.mean(np.vstack([log.added[log.kept] for log in logs]) ** 2, axis=0)) + 1e-12
     std = np.full(len(equations.added), np.inf)
     np.minimum.at(std, column, row_sizes(equations, logs, seen)[kind] / per_unit)
-    return std
+    return np.array([s if c.measured is None else c.measured[1] for s, c in zip(std, equations.added, strict=True)])
 
 
 def row_sizes(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> Array:
@@ -116,7 +126,7 @@ def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weigh
     seen = np.tile(information > 0.0, len(equations.robot.joints))
     std[inertial:] = prior.std[inertial:]
     std[inertial : inertial + own] = np.where(seen, uniform, prior.std[inertial : inertial + own])
-    return Prior(prior.mean, np.where(prior.std == 0.0, 0.0, std), D)
+    return replace(prior, std=np.where(prior.std == 0.0, 0.0, std))
 
 
 def seen_matrix(base: BaseParameters, joint_parameters: int) -> Array:
@@ -134,8 +144,7 @@ def inertial_std(robot: Robot) -> Array:
     m: ρ m. First moments: the centre of mass wrong by ρ times the radius of gyration g, and the mass's own error.
     Inertia about the origin: 2 ρ of m (g² + c²), as lengths enter squared; half of that off the diagonal.
     """
-    phi = robot.tree.phi
-    rho = np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
+    phi, rho = robot.tree.phi, relative_std(robot)
     floor = MASS_FLOOR_SHARE * phi[:, 0].mean()
     m = np.maximum(phi[:, 0], floor)
     c_squared = np.sum((phi[:, 1:4] / m[:, None]) ** 2, axis=1)
@@ -147,6 +156,11 @@ def inertial_std(robot: Robot) -> Array:
     std[:, 4:] = (2.0 * rho * m * (gyration**2 + c_squared))[:, None]
     std[:, [5, 7, 8]] *= 0.5
     return std
+
+
+def relative_std(robot: Robot) -> Array:
+    """(N,) of mass and of lengths."""
+    return np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
 
 
 def _joint_means(robot: Robot, effects: Sequence[JointEffect]) -> Array:

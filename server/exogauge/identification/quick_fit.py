@@ -26,22 +26,26 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class QuickFit:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
-    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`."""
+    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: the same of a
+    log that is held out."""
 
     left: float
     keeps_most: bool
+    keeps_judged: bool
 
 
-def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
+def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: float) -> QuickFit:
     """Each of `FOLDS` consecutive blocks explained by what the others say.
 
-    One pass less than a whole solution, at the prior's stated strength. equations: without added effects.
+    One pass less than a whole solution, at the prior's stated strength. equations: without added effects. judged: a log
+    that is held out; of it only the motion is looked at, not what drives it.
     """
     robot = equations.robot
     at_rest = rest_detection(robot, [log], cutoff_hz)
     prepared = prepare(robot, log, cutoff_hz, at_rest)
     seen = scales(robot, [prepared])
-    prior = per_parameter(robot, equations.base, equations.effects, seen, added_std(equations, [prepared], seen))
+    added = added_std(equations, [prepared], seen)
+    prior = per_parameter(robot, equations.base, equations.effects, seen, added, equations.added)
     solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=PASSES - 1)
     folds = equations.collect(prepared, solution.x_before, FOLDS)
     alternatives = []
@@ -59,4 +63,5 @@ def quick_fit(equations: Equations, log: Log, cutoff_hz: float) -> QuickFit:
             error = values[block] - predicted[channel][block]
             residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
     shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
-    return QuickFit(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared))
+    keeps_judged = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest))
+    return QuickFit(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared), keeps_judged)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import SquareRoot
 from exogauge.identification.equations import Equations
 
@@ -16,19 +17,20 @@ SLACK = 1e-6  # of the prior std: rounding is no reason to hold anything
 
 
 def solve_within_ranges(
-    equations: Equations, data: SquareRoot, prior: Prior, strength: float, step: Array
+    equations: Equations, data: SquareRoot, nearest: PriorLeastSquares, step: Array
 ) -> tuple[PriorLeastSquares, tuple[str, ...]]:
     """(solution, names held at a bound). What leaves its range is held at the bound, and the rest solved again.
 
-    step: (P,) from least squares to the solution (`gain_scale`).
+    nearest: least squares with the prior, of these data; it is moved. step: (P,) from there to the solution
+    (`gain_scale`).
     """
+    prior, solved = nearest.prior, nearest
     first = equations.base_size
     low, high = _ranges(equations)
     held = np.zeros(len(low), dtype=bool)
     slack = SLACK * prior.std[-len(low) :]
     belief = prior
     while True:
-        solved = PriorLeastSquares(data, belief, strength)
         solved.shift(step)
         xi = solved.x[first:]
         outside = ((xi < low - slack) | (xi > high + slack)) & ~held & (prior.std[-len(low) :] > 0.0)
@@ -38,7 +40,8 @@ def solve_within_ranges(
         mean, std = belief.mean.copy(), belief.std.copy()
         mean[-len(low) :][outside] = np.clip(xi, low, high)[outside]
         std[-len(low) :][outside] = 0.0
-        belief = Prior(mean, std, prior.seen)
+        belief = replace(prior, mean=mean, std=std)
+        solved = PriorLeastSquares(data, belief, nearest.strength)
 
 
 def clip_to_ranges(equations: Equations, xi: Array) -> Array:

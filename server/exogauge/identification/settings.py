@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 from exogauge.logs.model import Log
@@ -33,6 +33,8 @@ class Settings:
     prior_strength: factor on the prior's weight, None = chosen by error on held-out blocks of the fitted logs.
     consistency: `physical` = every link's pseudo-inertia positive definite, which on no recording of a real robot cost
     any held-out error; `free` = whatever fits best, also negative masses.
+    creeping: joint -> speed [rad/s, or m/s] below which it is not in steady motion, though it is not at rest either;
+    found by the search for missing effects (`search/creeping.py`).
     solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
     """
 
@@ -41,4 +43,5 @@ class Settings:
     prior: Literal["per_parameter", "as_printed"] = "per_parameter"
     prior_strength: float | None = None
     consistency: Literal["free", "physical"] = "physical"
+    creeping: Mapping[str, float] = field(default_factory=dict)
     solver: Literal["statistics", "rows"] = "statistics"

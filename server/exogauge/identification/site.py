@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from exogauge.effects.base import BaseChange, BaseSignals
 from exogauge.effects.scales import in_si
 from exogauge.effects.sensor import SensorSignals
-from exogauge.effects.shaped import AxisSignals, MissingEffect
+from exogauge.effects.shaped import AxisSignals, ManyShapes, MissingEffect
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
@@ -48,6 +48,13 @@ class Seen:
 
     signals: Any
     columns: Callable[[Any, tuple[float, ...]], Array]
+
+    def channels(self, effect: Any, shapes: Sequence[tuple[float, ...]]) -> Array:
+        """(L C kinds, T) the columns of several shapes, one after the other."""
+        if isinstance(effect, ManyShapes) and isinstance(self.signals, AxisSignals):
+            return effect.columns_of_all(self.signals, shapes)
+        every = [self.columns(effect, shape) for shape in shapes]
+        return np.concatenate([each.reshape(len(each), -1).T for each in every])
 
     def coordinate(self, name: str, shape: tuple[float, ...] = ()) -> Array:
         """(T,) of the evidence plot, which may depend on the shape; time where the log does not hold it."""
@@ -176,11 +183,11 @@ class BaseSite:
 
 def carried(model: RobotModel, prepared: Prepared) -> Array:
     """(T, 6 C) what holds and moves the bodies beyond each sensor, in its frame, without its zero."""
-    known = model.computed.get(("carried", prepared.log.name))
-    if known is None or len(known) != prepared.log.samples:
-        known = model.equations.of_carried(prepared.motion, _phi(model))
-        model.computed["carried", prepared.log.name] = known
-    return known
+    return model.computed.of(
+        prepared.log,
+        "carried",
+        lambda: model.equations.of_carried(prepared.motion, model.bodies_in(prepared.log.recording)),
+    )
 
 
 def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
@@ -188,7 +195,7 @@ def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Arra
 
     Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
     """
-    samples = prepared.motion.samples
+    samples, recording = prepared.motion.samples, prepared.log.recording
     if not change.acc.any() and change.first_torque is not None:
         return np.zeros((samples, model.equations.kinds))
     stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * model.cutoff_hz)))
@@ -198,25 +205,20 @@ def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Arra
 
     def moved(step: float) -> Array:
         base = m.acc + step * acc, m.gyro + step * gyro, m.gyro_dot + step * gyro_dot
-        return _rows(model, Motion(m.q, m.dq, m.ddq, *base))
+        return _rows(model, Motion(m.q, m.dq, m.ddq, *base), recording)
 
     if not gyro.any() and not gyro_dot.any():  # then the rows are linear in it
         still = np.zeros_like(m.q)
-        response = -_rows(model, Motion(m.q, still, still, acc, gyro, gyro_dot))
+        response = -_rows(model, Motion(m.q, still, still, acc, gyro, gyro_dot), recording)
     else:
         response = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
     return response if stride == 1 else np.asarray(CubicSpline(at, response)(np.arange(samples)))
 
 
-def _rows(model: RobotModel, motion: Motion) -> Array:
+def _rows(model: RobotModel, motion: Motion, recording: str) -> Array:
     """(T, kinds) Y φ of the identified bodies; rows at rest are left zero."""
-    equations, phi = model.equations, _phi(model)
+    equations, phi = model.equations, model.bodies_in(recording)
     rows = np.zeros((motion.samples, equations.kinds))
     rows[:, : equations.first_axis + len(equations.robot.joints)] = equations.of_bodies(motion, phi)
     rows[:, equations.first_cut :] = equations.of_carried(motion, phi)
     return rows
-
-
-def _phi(model: RobotModel) -> Array:
-    """(B,) base parameters of the identified bodies."""
-    return np.asarray(model.equations.base.regroup @ model.identified.phi.ravel())

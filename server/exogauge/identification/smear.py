@@ -39,20 +39,20 @@ def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
     then = Motion(
         q, differentiate(q, rate_hz), differentiate_twice(q, rate_hz), motion.acc, motion.gyro, motion.gyro_dot
     )
-    asked, asked_then = (_asked(robot, each, low_pass) for each in (motion, then))
+    phi = robot.phi_in(log.recording)
+    asked, asked_then = (_asked(robot, phi, each, low_pass) for each in (motion, then))
     return log.stored.let_through(asked_then, rate_hz) - asked
 
 
-def _asked(robot: Robot, motion: Motion, low_pass: LowPass) -> Array:
+def _asked(robot: Robot, phi: Array, motion: Motion, low_pass: LowPass) -> Array:
     """Computed at some of the samples, with a cubic spline between: a load moves little faster than the motion."""
     stride = max(1, int(low_pass.rate_hz / (PER_PERIOD * low_pass.cutoff_hz)))
     at = np.unique(np.append(np.arange(0, motion.samples, stride), motion.samples - 1))
-    some = _asked_at(robot, motion.rows(at))
+    some = _asked_at(robot, phi, motion.rows(at))
     return some if stride == 1 else np.asarray(CubicSpline(at, some)(np.arange(motion.samples)))
 
 
-def _asked_at(robot: Robot, motion: Motion) -> Array:
-    phi = robot.tree.phi
+def _asked_at(robot: Robot, phi: Array, motion: Motion) -> Array:
     on_axes = inverse_dynamics(robot.tree, motion, phi) @ np.linalg.inv(robot.axes_from_joints)
     on_sensors = [cut_wrench(robot.tree, motion, sensor.frame, phi) for sensor in robot.cuts]
     return np.hstack([on_axes, *on_sensors])

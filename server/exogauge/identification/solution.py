@@ -61,6 +61,11 @@ class Solution:
         """The same data and prior solved without physical ranges: what an effect is added to may leave an edge."""
         return self.of(self.statistics)
 
+    @cached_property
+    def around(self) -> tuple[tuple[float, Array, Array], ...]:
+        """`Statistics.around` of every kind of rows at the solution `unbounded`."""
+        return tuple(self.statistics.around(kind, self.unbounded.x) for kind in range(len(self.weights)))
+
     def of(self, statistics: Statistics) -> PriorLeastSquares:
         """Other statistics of the same equations, solved with the same weights and beliefs, without physical ranges."""
         solved = PriorLeastSquares(statistics.square_root(self.weights), self.prior, self.strength)
@@ -101,8 +106,9 @@ def solve(
             strength, curve = choose_strength(folds, weights, belief, settings.prior)
             weights = weigh(total, belief, strength, weights)
         data = total.square_root(weights)
-        gains = gain_scale(equations, total, data, weights, belief, strength)
-        solved, held = solve_within_ranges(equations, data, belief, strength, gains.step)
+        nearest = PriorLeastSquares(data, belief, strength)
+        gains = gain_scale(equations, total, weights, nearest)
+        solved, held = solve_within_ranges(equations, data, nearest, gains.step)
         sticking = fill_static_friction(equations, total, prior, solved.x)
         x_before, x = x, sticking.x
     return Solution(solved, total, weights, belief, strength, curve, held, sticking, x_before, gains)

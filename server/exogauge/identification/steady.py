@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,17 @@ def steady_warnings(shares: Sequence[SteadyShare]) -> list[str]:
             f"Steady in one direction only: {', '.join(one_way)}. Coulomb friction and offset look alike there."
         )
     return warnings
+
+
+def creeping_warnings(creeping: Mapping[str, float]) -> list[str]:
+    """creeping: as `Settings.creeping`."""
+    if not creeping:
+        return []
+    said = ", ".join(f"{joint} (below {speed:.2g} rad/s)" for joint, speed in creeping.items())
+    return [
+        f"Friction turns round over a span of speeds, not at once, while these joints creep: {said}. What they do "
+        "there is not taken for steady motion: it is neither fitted nor judged."
+    ]
 
 
 def keeps_most(log: Prepared) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,20 +22,21 @@ NUDGE = 1e-3  # [rad] for the slope
 LEAST = 0.02  # of the usual inertia, in any posture
 
 
-def swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array]:
-    """inertia (T, A) [kg·m²] about each axis and slope (T, A) [N·m/rad] of the load over its angle, all other axes and
-    the base held; computed once for each log."""
-    inertia, slope = (model.computed.get((name, prepared.log.name)) for name in ("inertia", "slope"))
-    if inertia is not None and slope is not None and len(inertia) == prepared.log.samples:
-        return inertia, slope
-    phi = model.equations.base.regroup @ model.identified.phi.ravel()
+def swings(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> tuple[Array, Array]:
+    """inertia (T, axes) [kg·m²] about some axes and slope (T, axes) [N·m/rad] of the load over their angle, all other
+    axes and the base held; computed once for each log."""
+    at, *values = model.computed.of(prepared.log, "swings", lambda: _swings(model, prepared))
+    every = np.arange(prepared.log.samples)
+    inertia, slope = (np.column_stack([np.interp(every, at, each[:, axis]) for axis in axes]) for each in values)
+    return np.maximum(inertia, LEAST * np.abs(model.sizes.inertia[list(axes)])), slope
+
+
+def _swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array, Array]:
+    """(n,) samples at which both are computed, for all axes."""
+    phi = model.bodies_in(prepared.log.recording)
     stride = max(1, round(EVERY_S * prepared.log.rate_hz))
     at = np.unique(np.append(np.arange(0, prepared.log.samples, stride), prepared.log.samples - 1))
-    every, some = np.arange(prepared.log.samples), inertia_and_slope(model.equations, phi, prepared.motion.rows(at))
-    inertia, slope = (np.column_stack([np.interp(every, at, axis) for axis in values.T]) for values in some)
-    inertia = np.maximum(inertia, LEAST * np.abs(model.sizes.inertia))
-    model.computed["inertia", prepared.log.name], model.computed["slope", prepared.log.name] = inertia, slope
-    return inertia, slope
+    return at, *inertia_and_slope(model.equations, phi, prepared.motion.rows(at))
 
 
 def inertia_and_slope(equations: Equations, phi: Array, motion: Motion) -> tuple[Array, Array]:
@@ -44,7 +46,7 @@ def inertia_and_slope(equations: Equations, phi: Array, motion: Motion) -> tuple
     inertia, slope = np.empty_like(motion.q), np.empty_like(motion.q)
 
     def torque(axis: int, q: Array, ddq: Array, acc: Array) -> Array:
-        return equations.of_bodies(Motion(q, still, ddq, acc, nowhere, nowhere), phi)[:, first + axis]
+        return equations.of_bodies_on(first + axis, Motion(q, still, ddq, acc, nowhere, nowhere), phi)
 
     for axis in range(motion.q.shape[1]):
         turn = turns[:, axis]

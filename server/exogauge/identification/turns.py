@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -24,22 +25,30 @@ SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rou
 THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
 SMOOTH = 3.0  # times the band of a low-passed log: no joint that turns round bends its velocity faster than that
 BARELY = 0.05  # samples: turns of low-passed logs are known as well as that
+NONE_CREEPS: Mapping[str, float] = MappingProxyType({})
 WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
 
 
 @final
 @dataclass(frozen=True)
 class RestDetection:
-    """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz."""
+    """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz.
+
+    creeping: (A,) [rad/s] below it an axis moves, but not steadily: its friction is not what it is at speed.
+    """
 
     cutoff_hz: float
     threshold: Array
+    creeping: Array
 
 
-def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestDetection:
+def rest_detection(
+    robot: Robot, logs: Sequence[Log], cutoff_hz: float, creeping: Mapping[str, float] = NONE_CREEPS
+) -> RestDetection:
     """At all the bandwidth that the encoders can bear, at least cutoff_hz; thresholds from the noise of the velocity.
 
     A joint sticks for moments that a velocity smoothed for the equations would glide over.
+    creeping: as `Settings.creeping`.
     """
     joints = [f"q.{joint.name}" for joint in robot.joints]
     finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
@@ -52,7 +61,8 @@ def rest_detection(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> RestD
     mixing = np.abs(robot.axes_from_joints)
     axis_noise = np.sqrt(mixing**2 @ noise**2)
     seen = np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
-    return RestDetection(finest, np.maximum(seen, SLOWEST))
+    slow = np.array([creeping.get(joint.name, 0.0) for joint in robot.joints])
+    return RestDetection(finest, np.maximum(seen, SLOWEST), slow)
 
 
 @final

@@ -14,8 +14,8 @@ from typing import Any, final
 from pydantic import BaseModel, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault
-from exogauge.studies.change_entries import WhatIfSettings
-from exogauge.studies.contract import SettingsEntry
+from exogauge.studies.device_pages.change_entries import WhatIfSettings
+from exogauge.studies.intake.contract import SettingsEntry
 
 
 @final
@@ -69,7 +69,9 @@ SIX_HOURS_S, EVALUATING = 6 * 3600.0, "exogauge.studies.evaluate"
 EVALUATE = Recipe("evaluate", f"{EVALUATING}:evaluate", SIX_HOURS_S, SettingsEntry)
 SUPPORT = Recipe("support", f"{EVALUATING}:evaluate_support", SIX_HOURS_S, SettingsEntry, a_worn_log)
 STIFFNESS = Recipe("stiffness", f"{EVALUATING}:evaluate_stiffness", SIX_HOURS_S, SettingsEntry, a_worn_log)
-WHAT_IF = Recipe("whatif", "exogauge.studies.what_if:compute", 3600.0, WhatIfSettings, result="what_if.json")
+WHAT_IF = Recipe(
+    "whatif", "exogauge.studies.device_pages.what_if:compute", 3600.0, WhatIfSettings, result="what_if.json"
+)
 RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF)}
 
 

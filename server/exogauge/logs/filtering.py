@@ -198,16 +198,14 @@ def _passes(size: int) -> Callable[[Array, Array, Array], None]:
 
 @cache
 def _compiled_passes() -> Callable[[Array, Array, Array], None]:
-    """Where numba is installed, else SciPy's; both give the same to the last bit."""
-    try:
-        from exogauge.logs.filtering_numba import both_ways
-    except ImportError:
-        return both_ways_by_scipy
+    """To the last bit what SciPy's give, all channels of a sample side by side."""
+    from exogauge.loops.passes import both_ways
+
     return both_ways
 
 
 def both_ways_by_scipy(sections: Array, steady: Array, values: Array) -> None:
-    """See `filtering_numba.both_ways`."""
+    """See `loops.passes.both_ways`."""
     channels = np.ascontiguousarray(values.T)
     for _ in range(2):  # forwards, and again from the other end
         state = steady[:, None, :] * channels[None, :, :1]

@@ -24,8 +24,9 @@ from exogauge.logs.mapping_rules import (
     check_rotation,
 )
 from exogauge.logs.model import Array, Log, Note
+from exogauge.logs.open_table import open_table
 from exogauge.logs.reading import cut, refuse, time_faults, value_faults
-from exogauge.logs.tables import RawArray, Table, as_vector, open_table, read_names
+from exogauge.logs.tables import RawArray, Table, as_vector, read_names
 from exogauge.logs.units import Unit, dimensions_of, find_unit, units_of
 
 __all__ = ["LogMapping", "read_mapped"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -28,6 +29,16 @@ class Note:
 
 @final
 @dataclass(frozen=True)
+class Beside:
+    """What was recorded right before and after a log that is a part of a recording: channel -> values at the log's own
+    rate, oldest first. For filters alone: nothing of it is fitted or told with the log."""
+
+    before: Mapping[str, Array]
+    after: Mapping[str, Array]
+
+
+@final
+@dataclass(frozen=True)
 class Log:
     """One recording, SI units, contract channel names (`q.<joint>`, `acc.x`, `ft.<sensor>.fx` …).
 
@@ -37,6 +48,7 @@ class Log:
     left_out: spans (from, to) [s] of its time in which something happened that is not the robot's own, such as a push:
     nothing is fitted there, and no error counted.
     notes: what was done to it. part_of: the recording that it is a stretch of (`segments`), "" for a whole one.
+    beside: what of that recording filters may lean on at its ends (`beside`), None where there is nothing.
     """
 
     name: str
@@ -46,6 +58,7 @@ class Log:
     left_out: tuple[tuple[float, float], ...] = ()
     notes: tuple[Note, ...] = ()
     part_of: str = ""
+    beside: Beside | None = None
 
     def __post_init__(self) -> None:
         if self.time.ndim != 1:
@@ -65,7 +78,7 @@ class Log:
     def samples(self) -> int:
         return self.time.size
 
-    @property
+    @cached_property
     def rate_hz(self) -> float:
         """Median sampling rate [Hz]."""
         return float(1.0 / np.median(np.diff(self.time)))

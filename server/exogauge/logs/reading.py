@@ -11,7 +11,8 @@ from exogauge.logs.bursts import evened
 from exogauge.logs.channels import parse_channel, shorten, suggestion
 from exogauge.logs.limits import MAX_FAULTS, MIN_SAMPLES, rows_outside
 from exogauge.logs.model import Array, Log
-from exogauge.logs.tables import as_vector, open_table, read_names
+from exogauge.logs.open_table import open_table
+from exogauge.logs.tables import as_vector, read_names
 
 
 def read_log(

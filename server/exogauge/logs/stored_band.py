@@ -34,6 +34,7 @@ POSITIONS = "q."
 NOISE_LOW, NOISE_HIGH = (0.1, 0.15), (0.3, 0.45)  # of the sampling rate: far above any motion, noise is all there is
 NOISE_FALL_DB = 10.0  # from the one to the other; a pass of first order makes it fall by 15, white noise by 0
 NOISE_SEGMENT_S = 4.0
+HELD = 500_000  # values of channels whose spectra are made at once: their segments and powers take 20 MB
 NOISE_WINDOW = ("kaiser", 24.0)  # leaks less than 1e-18 of the motion's power, where encoders' noise has 1e-12 of it
 
 
@@ -52,60 +53,85 @@ class Edge:
 
 def stored_edges(logs: Sequence[Log]) -> dict[str, Edge]:
     """Log -> its edge, of those that end. Where more than half end, a lesser fall will do for the others."""
-    own = {log.name: stored_edge(log) for log in logs}
+    spectra = {log.name: _Spectra.of(log) for log in logs}
+    own = {name: each.edge(FALL_DB) for name, each in spectra.items()}
     steep = {name for name, edge in own.items() if edge and edge.steep}
     if len(steep) > SHARE * len(own):
-        own |= {log.name: stored_edge(log, LIKE_OTHERS_DB) for log in logs if log.name not in steep}
+        own |= {name: each.edge(LIKE_OTHERS_DB) for name, each in spectra.items() if name not in steep}
     return {name: edge for name, edge in own.items() if edge}
 
 
-def stored_edge(log: Log, fall_db: float = FALL_DB) -> Edge | None:
+def stored_edge(log: Log) -> Edge | None:
     """Median edge of the efforts of a log; None unless at least half of those that vary end, and alike, or unless all
     noise fades.
 
-    A log made without noise ends as well: what is seen is that nothing is there, not why. fall_db: asked
-    of the efforts.
+    A log made without noise ends as well: what is seen is that nothing is there, not why.
     """
-    efforts = [values for name, values in log.channels.items() if name.startswith(EFFORTS) and _varies(values)]
-    edges = [edge for edge in (_edge(values, log.rate_hz, fall_db) for values in efforts) if edge]
-    steep = _common(edges, len(efforts))
-    if steep is not None:
-        return steep
-    positions = [values for name, values in log.channels.items() if name.startswith(POSITIONS) and _varies(values)]
-    return _fading(positions, efforts, log.rate_hz)
+    return _Spectra.of(log).edge(FALL_DB)
 
 
-def _common(edges: Sequence[Edge], efforts: int) -> Edge | None:
-    """What at least half of the efforts agree on."""
-    if not edges or len(edges) < SHARE * efforts:
-        return None
-    hz = float(np.median([edge.hz for edge in edges]))
-    near = [edge for edge in edges if hz / ALIKE < edge.hz < hz * ALIKE]
-    if len(near) < SHARE * efforts:
-        return None
-    return Edge(hz, float(np.median([edge.fall_db for edge in near])))
+@final
+@dataclass(frozen=True)
+class _Spectra:
+    """What the spectra of one log show, whatever fall is asked for.
+
+    steepest: per effort that varies, its steepest fall; none where the log is too short or slow for one.
+    fading: what one and the same gentle low-pass does to white noise, if the efforts show it.
+    """
+
+    efforts: int
+    steepest: tuple[Edge, ...]
+    fading: Edge | None
+
+    @classmethod
+    def of(cls, log: Log) -> _Spectra:
+        efforts = _varying(log, EFFORTS)
+        return cls(
+            len(efforts), _steepest(efforts, log.rate_hz), _fading(_varying(log, POSITIONS), efforts, log.rate_hz)
+        )
+
+    def edge(self, fall_db: float) -> Edge | None:
+        """fall_db: asked of the efforts."""
+        return self._common([each for each in self.steepest if each.fall_db > fall_db]) or self.fading
+
+    def _common(self, edges: Sequence[Edge]) -> Edge | None:
+        """What at least half of the efforts agree on."""
+        if not edges or len(edges) < SHARE * self.efforts:
+            return None
+        hz = float(np.median([edge.hz for edge in edges]))
+        near = [edge for edge in edges if hz / ALIKE < edge.hz < hz * ALIKE]
+        if len(near) < SHARE * self.efforts:
+            return None
+        return Edge(hz, float(np.median([edge.fall_db for edge in near])))
 
 
-def _fading(positions: Sequence[Array], efforts: Sequence[Array], rate_hz: float) -> Edge | None:
+def _varying(log: Log, kinds: str | tuple[str, ...]) -> Array:
+    """(K, T)"""
+    found = [values for name, values in log.channels.items() if name.startswith(kinds) and _varies(values)]
+    return np.array(found).reshape(len(found), log.samples)
+
+
+def _fading(positions: Array, efforts: Array, rate_hz: float) -> Edge | None:
     """What one and the same gentle low-pass does to white noise, seen in both.
 
     Efforts fall by no less than positions: friction's turns, which fall by themselves, have passed it as well. Where a
     motion is smooth and its encoders show no noise, positions fall by far more.
     """
-    if not positions or not efforts:
+    if not len(positions) or not len(efforts):
         return None
-    motion, effort = (float(np.median([_noise_fall(x, rate_hz) for x in each])) for each in (positions, efforts))
+    motion, effort = (float(np.median(_noise_fall(x, rate_hz))) for x in (positions, efforts))
     return Edge(NOISE_LOW[0] * rate_hz, motion, steep=False) if NOISE_FALL_DB < motion < effort else None
 
 
-def _noise_fall(values: Array, rate_hz: float) -> float:
-    """[dB] of one channel (T,), from `NOISE_LOW` to `NOISE_HIGH`."""
-    length = min(values.size - 1, round(NOISE_SEGMENT_S * rate_hz))
-    frequency, level = _spectrum(values, rate_hz, NOISE_WINDOW, length)
+def _noise_fall(values: Array, rate_hz: float) -> Array:
+    """(K,) [dB] of channels (K, T), from `NOISE_LOW` to `NOISE_HIGH`."""
+    length = min(values.shape[1] - 1, round(NOISE_SEGMENT_S * rate_hz))
+    frequency, level = _spectra(values, rate_hz, NOISE_WINDOW, length)
     low, high = (
-        np.median(level[(frequency > a * rate_hz) & (frequency < b * rate_hz)]) for a, b in (NOISE_LOW, NOISE_HIGH)
+        np.median(level[:, (frequency > a * rate_hz) & (frequency < b * rate_hz)], axis=1)
+        for a, b in (NOISE_LOW, NOISE_HIGH)
     )
-    return float(low - high)
+    return np.asarray(low - high)
 
 
 def _varies(values: Array) -> bool:
@@ -113,32 +139,44 @@ def _varies(values: Array) -> bool:
     return finite and bool(np.ptp(values) > ROUND_OFF * np.max(np.abs(values)))
 
 
-def _edge(values: Array, rate_hz: float, fall_db: float) -> Edge | None:
-    """Of one channel (T,): where its spectrum falls by more than any friction's, over an octave and a half."""
-    length = min(values.size - 1, round(SEGMENT_S * rate_hz))
-    frequency, level = _spectrum(values, rate_hz, "blackmanharris", length)
+def _steepest(efforts: Array, rate_hz: float) -> tuple[Edge, ...]:
+    """Of each channel (K, T): where its spectrum falls by most over an octave and a half, and by how much."""
+    length = min(efforts.shape[1] - 1, round(SEGMENT_S * rate_hz))
     lowest, highest = RESOLVED * rate_hz / length, HIGHEST * rate_hz
-    if lowest >= highest:
-        return None
+    if not len(efforts) or lowest >= highest:
+        return ()
+    frequency, level = _spectra(efforts, rate_hz, "blackmanharris", length)
     starts = np.geomspace(lowest, highest, 60)
     falls = _levels(frequency, level, starts) - _levels(frequency, level, starts * 2.0**OCTAVES)
-    steepest = int(np.argmax(falls))
-    return Edge(float(starts[steepest]), float(falls[steepest])) if falls[steepest] > fall_db else None
+    steepest = np.argmax(falls, axis=1)
+    return tuple(Edge(float(starts[k]), float(fall[k])) for k, fall in zip(steepest, falls, strict=True))
 
 
-def _spectrum(values: Array, rate_hz: float, window: str | tuple[str, float], length: int) -> tuple[Array, Array]:
-    """Frequencies [Hz] and power density [dB] of one channel (T,)."""
-    # differences, because a slow sweep would leak over all that is weak
-    frequency, power = welch(np.diff(values), rate_hz, window, nperseg=length, detrend="constant")
-    gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
-    return frequency, 10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300))
-
-
-def _levels(frequency: Array, level: Array, at: Sequence[float] | Array) -> Array:
-    """[dB] medians around `at`; of the five nearest bins where fewer are near."""
+def _spectra(values: Array, rate_hz: float, window: str | tuple[str, float], length: int) -> tuple[Array, Array]:
+    """(F,) frequencies [Hz] and (K, F) power density [dB] of channels (K, T), many at once."""
+    together = max(1, HELD // values.shape[1])
     found = []
-    for centre in at:
-        near = (frequency > centre / BIN) & (frequency < centre * BIN)
-        nearest = near if near.sum() >= 5 else np.argsort(np.abs(frequency - centre))[:5]
-        found.append(np.median(level[nearest]))
-    return np.array(found)
+    for first in range(0, len(values), together):
+        # differences, because a slow sweep would leak over all that is weak
+        steps = np.diff(values[first : first + together])
+        frequency, power = welch(steps, rate_hz, window, nperseg=length, detrend="constant")
+        gain = (2.0 * np.sin(np.pi * frequency / rate_hz)) ** 2
+        found.append(10.0 * np.log10(np.maximum(power / np.maximum(gain, 1e-300), 1e-300)))
+    return frequency, np.concatenate(found)
+
+
+def _levels(frequency: Array, level: Array, at: Array) -> Array:
+    """(K, len(at)) [dB] medians around `at`; of the five nearest bins where fewer are near. level: (K, F)."""
+    found = np.empty((len(level), len(at)))
+    for place, centre in enumerate(at):
+        near = slice(
+            np.searchsorted(frequency, centre / BIN, "right"), np.searchsorted(frequency, centre * BIN, "left")
+        )
+        found[:, place] = np.median(
+            level[:, near if near.stop - near.start >= 5 else _nearest(frequency, centre)], axis=1
+        )
+    return found
+
+
+def _nearest(frequency: Array, centre: float) -> NDArray[np.intp]:
+    return np.argsort(np.abs(frequency - centre))[:5]

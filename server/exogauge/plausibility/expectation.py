@@ -33,7 +33,7 @@ class Expected:
         Y = regressor(robot.tree, seen.motion)[:, first:]
         Y = np.einsum("aj,njp->nap", np.linalg.inv(C).T, Y, optimize=True)
         outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, first:] if robot.contacts else 0.0
-        self.load = Y @ robot.tree.phi.ravel() - outside
+        self.load = Y @ robot.phi_in(seen.recording).ravel() - outside
         self._spread = Y * (ROUGH * inertial_std(robot).ravel())
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
         self.moving = in_motion(self._velocity) if moving is None else moving

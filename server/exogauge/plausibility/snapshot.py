@@ -38,7 +38,7 @@ class Snapshot:
     wrenches: (N, S, 6) world on robot, in sensor frames.
     alive: (J,) bool, an effort is logged and is not one number throughout.
     zeros: (J,) share of exact zeros among a logged effort's samples in motion. still: (J,) bool, the position is one
-    number throughout.
+    number throughout. recording: that the log is, or is a stretch of.
     """
 
     log: str
@@ -56,6 +56,7 @@ class Snapshot:
     zeros: Array
     still: NDArray[np.bool_]
     rate_hz: float
+    recording: str
 
     @property
     def motion(self) -> Motion:
@@ -67,7 +68,7 @@ def take(robot: Robot, log: Log) -> Snapshot | None:
     names = needed_channels(robot)
     if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
         return None
-    rate, joints = log.rate_hz, robot.joints
+    rate, joints, recording = log.rate_hz, robot.joints, log.recording
     if not is_even(log.time):
         even = np.arange(log.time[0], log.time[-1], 1.0 / rate)
         log = Log(log.name, even, {name: np.interp(even, log.time, log.channels[name]) for name in names})
@@ -107,4 +108,5 @@ def take(robot: Robot, log: Log) -> Snapshot | None:
         zeros=zeros,
         still=still,
         rate_hz=rate,
+        recording=recording,
     )

@@ -22,16 +22,16 @@ def cut_regressor(tree: RigidTree, motion: Motion, frame: str) -> Array:
     Y = np.zeros((motion.samples, 6, len(tree.bodies), 10))
     beyond = list(tree.cuts[frame])
     Y[:, :, beyond] = np.swapaxes(wrench[:, beyond], 1, 2)
-    return _in_sensor(tree, frame, states, Y.reshape(motion.samples, 6, -1))
+    return in_sensor_frame(tree, frame, states, Y.reshape(motion.samples, 6, -1))
 
 
 def cut_wrench(tree: RigidTree, motion: Motion, frame: str, phi: Array) -> Array:
     """(T, 6) Y φ without building Y. phi: (N, 10)."""
     wrench, states = moving_wrenches(tree, motion, phi)
-    return _in_sensor(tree, frame, states, wrench[:, list(tree.cuts[frame])].sum(axis=1)[:, :, None])[:, :, 0]
+    return in_sensor_frame(tree, frame, states, wrench[:, list(tree.cuts[frame])].sum(axis=1)[:, :, None])[:, :, 0]
 
 
-def _in_sensor(tree: RigidTree, frame: str, states: BodyStates, wrench: Array) -> Array:
+def in_sensor_frame(tree: RigidTree, frame: str, states: BodyStates, wrench: Array) -> Array:
     """(T, 6, K) wrenches about the base origin in the base frame, about a sensor's origin in its axes."""
     samples = len(wrench)
     body, T = tree.frames[frame]

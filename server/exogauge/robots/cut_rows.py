@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.robots.base_parameters import BaseParameters
+from exogauge.robots.body_columns import inertia_columns, mass_columns
 from exogauge.robots.kinematics import Kinematics, Sweep
 from exogauge.robots.motion import Motion
-from exogauge.robots.row_blocks import inertia_columns, mass_columns
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]

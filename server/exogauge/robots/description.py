@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.robots.known_load import KnownLoad
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
@@ -62,6 +63,7 @@ class Robot:
     nothing is coupled. Joint torque = C.T @ axis torque. Friction, k_T and rotor inertia act on the axes.
     noise: std per channel kind (`q`, `i`, `tau`, `acc`, `gyro`, `force`, `moment`) where the maker gives it.
     inertial_std: relative std of the a-priori inertial parameters, by link name, "" = every other link.
+    loads: weighed, and fixed to a link in some logs.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Robot:
     axes_from_joints: Array
     noise: Mapping[str, float] = field(default_factory=dict)
     inertial_std: Mapping[str, float] = field(default_factory=dict)
+    loads: tuple[KnownLoad, ...] = ()
 
     def __post_init__(self) -> None:
         names = tuple(joint.name for joint in self.joints)
@@ -91,3 +94,12 @@ class Robot:
     @property
     def cuts(self) -> tuple[WrenchSensor, ...]:
         return tuple(sensor for sensor in self.sensors if sensor.role == "cut")
+
+    def phi_in(self, recording: str) -> Array:
+        """(N, 10) a-priori bodies, with the loads that a recording carries."""
+        phi = self.tree.phi
+        for load in self.loads:
+            if recording in load.logs:
+                phi = phi.copy()
+                phi[load.body] += load.phi
+        return phi

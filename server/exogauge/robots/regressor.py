@@ -39,7 +39,7 @@ def regressor(tree: RigidTree, motion: Motion) -> Array:
 def wrench_regressor(tree: RigidTree, motion: Motion) -> tuple[Array, BodyStates]:
     """(T, N, 6, 10) wrench that moves each body, about the base origin in the base frame, per inertial parameter."""
     states = forward(tree, motion)
-    return _to_base(states, body_regressor(states)), states
+    return to_base(states, body_regressor(states)), states
 
 
 def inverse_dynamics(tree: RigidTree, motion: Motion, phi: Array) -> Array:
@@ -56,7 +56,7 @@ def moving_wrenches(tree: RigidTree, motion: Motion, phi: Array) -> tuple[Array,
     I_w = np.einsum("nij,tnj->tni", I, w)
     force = m[:, None] * b + np.cross(dw, h) + np.cross(w, np.cross(w, h))
     moment = np.cross(h, b) + np.einsum("nij,tnj->tni", I, dw) + np.cross(w, I_w)
-    return _to_base(states, np.concatenate([force, moment], axis=2)[..., None])[..., 0], states
+    return to_base(states, np.concatenate([force, moment], axis=2)[..., None])[..., 0], states
 
 
 def contact_effect(tree: RigidTree, q: Array, frame: str, wrench: Array) -> Array:
@@ -108,7 +108,7 @@ def _project(tree: RigidTree, q: Array, wrench: Array) -> Array:
     return np.concatenate([wrench.sum(axis=1), joints], axis=1) if tree.floating else joints
 
 
-def _to_base(states: BodyStates, wrench: Array) -> Array:
+def to_base(states: BodyStates, wrench: Array) -> Array:
     return _shift(states.rotation, states.position, wrench)
 
 

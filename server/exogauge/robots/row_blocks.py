@@ -12,34 +12,63 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Protocol, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.robots.base_parameters import BaseParameters
-from exogauge.robots.kinematics import Kinematics, Sweep
+from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import inverse_dynamics
-from exogauge.robots.row_layout import RowLayout, Segment
+from exogauge.robots.row_layout import RowLayout
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-SLICE = 8000  # bodies times samples at once in NumPy: their columns stay in the cache
+AT_ONCE = 500  # samples whose blocks `predict` holds
+AXES = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])  # x, the next, the one after
+ENTRIES = np.array([[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]])  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz
 
 
-class Rows(Protocol):
-    """What `RowBlocks` and its compiled twin offer.
+@final
+class RowBlocks:
+    """base: the parameters of the columns. columns: per row r (k_r,), which of them its block has.
 
-    base: the parameters of the columns. columns: per row r (k_r,), which of them its block has.
+    Threads may share it.
     """
 
-    @property
-    def base(self) -> BaseParameters: ...
-
-    @property
-    def columns(self) -> tuple[IntArray, ...]: ...
+    def __init__(self, tree: RigidTree, base: BaseParameters, axes_from_joints: Array) -> None:
+        self.tree, self.base, self.axes_from_joints = tree, base, axes_from_joints
+        self.layout = layout = RowLayout.of(tree, base, axes_from_joints)
+        self.columns = layout.columns
+        k, n = Kinematics(tree), len(tree.bodies)
+        dof = np.where(tree.dof >= 0, tree.dof, len(tree.joints))
+        self._tree = (tree.parent.astype(np.int64), dof.astype(np.int64), tree.prismatic)
+        self._poses = (k.E_0.reshape(n, 9), k.E_c.reshape(n, 9), k.E_s.reshape(n, 9),
+                       k.axis_in_parent, k.p_before, k.offset_in_body)  # fmt: skip
+        self._kept = (
+            np.searchsorted(layout.mass_standard, 4 * np.arange(n + 1)).astype(np.int64),
+            (layout.mass_standard % 4).astype(np.int64),
+            np.searchsorted(layout.inertia_standard, 6 * np.arange(n + 1)).astype(np.int64),
+            (layout.inertia_standard % 6).astype(np.int64),
+        )
+        first_axis = 6 if tree.floating else 0
+        whole: list[tuple[int, ...]] = []  # row, inertia-like?, first, last, start, first mover, last mover
+        bodies: list[int] = []
+        weights: list[float] = []
+        for inertia, of_rows in enumerate((layout.mass_segments, layout.inertia_segments)):
+            for axis, segments in enumerate(of_rows):
+                for s in segments:
+                    movers = (len(bodies), len(bodies) + len(s.bodies))
+                    whole.append((first_axis + axis, inertia, s.first, s.last, s.start, *movers))
+                    bodies += s.bodies
+                    weights += s.weights
+        self._segments = (
+            np.array(whole, dtype=np.int64).reshape(-1, 7),
+            np.array(bodies, dtype=np.int64),
+            np.array(weights, dtype=np.float64),
+        )
 
     def fill(self, motion: Motion, extra: int = 0, out: Sequence[Array] | None = None) -> list[Array]:
         """Per row a block (T, k_r + extra), Fortran order (time contiguous): regressor columns, then `extra` zeros.
@@ -47,65 +76,48 @@ class Rows(Protocol):
         Accumulate with `scipy.linalg.blas.dsyrk(1.0, block, trans=1, beta=1.0, c=gram, overwrite_c=1)`, no copy.
         out: blocks of an earlier call, overwritten if their shape fits, which saves page faults.
         """
-        ...
-
-    def predict(self, motion: Motion, phi_base: Array) -> Array:
-        """(T, rows) regressor times base parameters, without building the regressor. phi_base: (B,)."""
-        ...
-
-
-def row_blocks(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, fast: bool | None = None) -> Rows:
-    """The compiled rows where numba is installed, else NumPy's. fast: True insists on numba, False on NumPy."""
-    if fast is False:
-        return RowBlocks(tree, base, axes_from_joints)
-    try:
-        from exogauge.robots.row_blocks_numba import CompiledRowBlocks
-    except ImportError:
-        if fast:
-            raise
-        return RowBlocks(tree, base, axes_from_joints)
-    return CompiledRowBlocks(tree, base, axes_from_joints)
-
-
-@final
-class RowBlocks:
-    """The reference, in NumPy. Threads may share it."""
-
-    def __init__(self, tree: RigidTree, base: BaseParameters, axes_from_joints: Array) -> None:
-        self.tree, self.base, self.axes_from_joints = tree, base, axes_from_joints
-        self.layout = RowLayout.of(tree, base, axes_from_joints)
-        self.columns = self.layout.columns
-        self.kinematics = Kinematics(tree)
-
-    def fill(self, motion: Motion, extra: int = 0, out: Sequence[Array] | None = None) -> list[Array]:
-        """See `Rows.fill`."""
         blocks = ready_blocks(self.columns, motion.samples, extra, out)
-        size = max(100, SLICE // max(len(self.tree.bodies), 1))
-        for start in range(0, motion.samples, size):
-            part = slice(start, start + size)
-            self._fill_slice(motion.rows(part), [block.T[:, part] for block in blocks])
+        whole = buffer_of(blocks)
+        if whole is None or not motion.samples:
+            return blocks
+        first = np.cumsum([0, *(block.shape[1] for block in blocks)], dtype=np.int64)
+        self._fill(motion, self.tree.floating, self._segments, first, whole)
         return blocks
 
-    def _fill_slice(self, motion: Motion, blocks: list[Array]) -> None:
-        """blocks: per row (k_r + extra, T), time last."""
-        layout, sweep = self.layout, self.kinematics.sweep(motion)
-        mass = mass_columns(layout.mass_standard, sweep)
-        inertia = inertia_columns(layout.inertia_standard, sweep)
-        first_axis = 6 if self.tree.floating else 0
-        k_1, k_2 = len(layout.mass), len(layout.inertia)
-        for row in range(first_axis):
-            blocks[row][:k_1] = mass[row]
-            if row >= 3:
-                blocks[row][k_1 : k_1 + k_2] = inertia[row - 3]
-        for axis, rows in enumerate(blocks[first_axis:]):
-            for segment in layout.mass_segments[axis]:
-                _project(_combined(sweep, segment), mass, segment, rows)
-            for segment in layout.inertia_segments[axis]:
-                _project(_combined(sweep, segment)[3:], inertia, segment, rows)
+    def fill_axis(self, row: int, motion: Motion) -> Array:
+        """(T, k_r) the block of one axis row, as `fill` gives it, without the others."""
+        whole = np.empty((len(self.columns[row]), motion.samples))
+        segments, bodies, weights = self._segments
+        first = np.zeros(len(self.columns) + 1, dtype=np.int64)  # of rows without a segment here, nothing is written
+        if motion.samples:
+            self._fill(motion, False, (segments[segments[:, 0] == row], bodies, weights), first, whole)
+        return whole.T
+
+    def _fill(
+        self, motion: Motion, base_rows: bool, segments: tuple[Ints, Ints, Array], first: Ints, whole: Array
+    ) -> None:
+        """whole: (rows of all blocks, T). first: where each block begins in it."""
+        from exogauge.loops.rows import fill_rows
+
+        rest = np.zeros((1, motion.samples))  # the last joint: that of bodies without one
+        q, dq, ddq = (np.concatenate([x, rest]) for x in (motion.q.T, motion.dq.T, motion.ddq.T))
+        signals = np.stack([q, np.cos(q), np.sin(q), dq, ddq])
+        base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
+        fill_rows(base_rows, *self._tree, *self._poses, *self._kept, *segments,
+                  signals, base, AXES, ENTRIES, first, whole)  # fmt: skip
 
     def predict(self, motion: Motion, phi_base: Array) -> Array:
-        """See `Rows.predict`."""
-        return predict(self.tree, self.base, self.axes_from_joints, motion, phi_base)
+        """(T, rows) regressor times base parameters. phi_base: (B,).
+
+        A sixth of the time of inverse dynamics in NumPy, though it builds the regressor.
+        """
+        rows, blocks = np.empty((motion.samples, len(self.columns))), list[Array]()
+        for start in range(0, motion.samples, AT_ONCE):
+            which = slice(start, min(start + AT_ONCE, motion.samples))
+            blocks = self.fill(motion.rows(which), 0, blocks)
+            for row, (block, own) in enumerate(zip(blocks, self.columns, strict=True)):
+                rows[which, row] = block @ phi_base[own]
+        return rows
 
 
 def ready_blocks(
@@ -132,73 +144,3 @@ def buffer_of(blocks: Sequence[Array]) -> Array | None:
     if not isinstance(whole, np.ndarray) or whole.ndim != 2 or not whole.flags.c_contiguous:
         return None
     return whole if all(block.base is whole for block in blocks) else None
-
-
-def predict(tree: RigidTree, base: BaseParameters, axes_from_joints: Array, motion: Motion, phi_base: Array) -> Array:
-    """(T, rows): the inverse dynamics of the body whose kept parameters are phi_base and the others zero."""
-    phi = np.zeros(10 * len(tree.bodies))
-    phi[base.columns] = phi_base
-    rows = inverse_dynamics(tree, motion, phi.reshape(-1, 10))
-    joints = rows[:, -len(tree.joints) :] if tree.joints else rows[:, :0]
-    joints[...] = joints @ np.linalg.inv(axes_from_joints)  # rows of (C⁻ᵀ τ)ᵀ
-    return rows
-
-
-def mass_columns(chosen: IntArray, sweep: Sweep) -> Array:
-    """(6, K_1, T) force and moment about the base origin, base frame, per mass [kg] or first moment [kg·m].
-
-    chosen: (K_1,) body · 4 + 0..3."""
-    n, samples = sweep.p.shape[0], sweep.p.shape[2]
-    b, p, R, B = sweep.b, sweep.p, sweep.R, sweep.B
-    columns = np.empty((6, n, 4, samples))
-    for x in range(3):
-        columns[x, :, 0] = b[:, x]
-        np.einsum("njt,njkt->nkt", B[:, x], R, out=columns[x, :, 1:])
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # p x f, and for first moments h x b
-        moment = columns[3 + x]
-        np.multiply(p[:, y, None], columns[z], out=moment)
-        moment -= p[:, z, None] * columns[y]
-        moment[:, 1:] += R[:, y] * b[:, z, None]
-        moment[:, 1:] -= R[:, z] * b[:, y, None]
-    return np.take(columns.reshape(6, 4 * n, samples), chosen, axis=1)
-
-
-def inertia_columns(chosen: IntArray, sweep: Sweep) -> Array:
-    """(3, K_2, T) moment, base frame, per entry of the inertia about the body's origin [kg·m²].
-
-    chosen: (K_2,) body · 6 + 0..5.
-    With r_k the axes of the body: entry (k, l) moves as r_k α_l + (ω x r_k) ω_l, plus the same with k and l exchanged.
-    """
-    n, samples = sweep.p.shape[0], sweep.p.shape[2]
-    R, w = sweep.R, sweep.omega
-    rates = np.empty((n, 2, 3, samples))  # in the body frame
-    np.einsum("njkt,njt->nkt", R, sweep.alpha, out=rates[:, 0])
-    np.einsum("njkt,njt->nkt", R, w, out=rates[:, 1])
-    axes = np.empty((n, 2, 3, samples))
-    columns = np.empty((3, n, 6, samples))
-    outer = np.empty((n, 3, 3, samples))
-    for x, y, z in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        axes[:, 0] = R[:, x]
-        np.multiply(w[:, y, None], R[:, z], out=axes[:, 1])
-        axes[:, 1] -= w[:, z, None] * R[:, y]
-        np.einsum("nskt,nslt->nklt", axes, rates, out=outer)
-        for place, k in ((0, 0), (2, 1), (5, 2)):
-            columns[x, :, place] = outer[:, k, k]
-        for place, k, l in ((1, 0, 1), (3, 0, 2), (4, 1, 2)):  # noqa: E741 (entry k, l)
-            np.add(outer[:, k, l], outer[:, l, k], out=columns[x, :, place])
-    return np.take(columns.reshape(3, 6 * n, samples), chosen, axis=1)
-
-
-def _combined(sweep: Sweep, segment: Segment) -> Array:
-    """(6, T) weighted sum of the joint motions of a segment."""
-    if segment.weights == (1.0,):
-        single: Array = sweep.S[segment.bodies[0]]
-        return single
-    total: Array = np.einsum("b,brt->rt", np.array(segment.weights), sweep.S[list(segment.bodies)])
-    return total
-
-
-def _project(S: Array, columns: Array, segment: Segment, rows: Array) -> None:
-    """rows of the segment: S (C, T) times its columns (C, K, T)."""
-    out = rows[segment.start : segment.start + segment.last - segment.first]
-    np.einsum("ct,ckt->kt", S, columns[:, segment.first : segment.last], out=out)

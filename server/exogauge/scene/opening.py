@@ -21,8 +21,8 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
     from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.recording import record
     from exogauge.scene.take import take
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.recorded_motion import read_logged
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.series.recorded_motion import read_logged
 
     logged = read_logged(Bundle(Path(folder), "study.yaml"), log)
     found = take(logged, None if series is None else Path(series), json.loads(Path(results).read_bytes()))
@@ -34,9 +34,9 @@ def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
     """The robot that robot_folder/robot.yaml describes, wearing what device_folder/device.yaml does."""
     from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.still import draw_still
-    from exogauge.studies.bundle import Bundle
-    from exogauge.studies.device_file import read_device
-    from exogauge.studies.robot_file import read_robot
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.device_file import read_device
+    from exogauge.studies.intake.robot_file import read_robot
 
     robot, _, urdf = read_robot(Bundle(Path(robot_folder), "robot.yaml"), "robot.yaml")
     file = "device.yaml"

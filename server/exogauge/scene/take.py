@@ -19,7 +19,7 @@ from exogauge.errors import BadInput
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.scene.frames import Frames
-from exogauge.studies.recorded_motion import LoggedRobot
+from exogauge.studies.series.recorded_motion import LoggedRobot
 
 Array = NDArray[np.float64]
 

@@ -11,35 +11,35 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from exogauge.detect.device.uncovered_joints import look_beyond
+from exogauge.detect.device.workflow import find_band_effects
+from exogauge.detect.pipeline import find_missing_effects
+from exogauge.detect.stored_filter.worn_alike import filtered_alike
 from exogauge.devices.result import StiffnessResult
-from exogauge.discrepancy.band_beyond import look_beyond
-from exogauge.discrepancy.band_numbers import with_effects
-from exogauge.discrepancy.band_workflow import find_band_effects
-from exogauge.discrepancy.importance import by_importance
-from exogauge.discrepancy.result import Discrepancy
-from exogauge.discrepancy.workflow import find_missing_effects
-from exogauge.discrepancy.worn_alike import filtered_alike
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
+from exogauge.findings.band_numbers import with_effects
+from exogauge.findings.importance import by_importance
+from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress
 from exogauge.robots.export import export_urdf
-from exogauge.studies.admit import admit
-from exogauge.studies.before_after import before_after
-from exogauge.studies.contract import STEPS
-from exogauge.studies.examine_logs import examine_logs
-from exogauge.studies.failed_step import FailedStep, keeping, told
-from exogauge.studies.open import Study, open_study
-from exogauge.studies.planned_motions import PLANNED, file_name, motion_table, planned_files
-from exogauge.studies.report import render_report
-from exogauge.studies.results import Evaluation, parameter_table, results, to_json, validation_table
-from exogauge.studies.series import Moved, write_series
-from exogauge.studies.stiffness_results import stiffness_table
-from exogauge.studies.study_record import study_record
-from exogauge.studies.summary_page import summary_page
-from exogauge.studies.support_results import support_table
-from exogauge.studies.worse_than_before import refuse_what_made_it_worse, suspects
+from exogauge.studies.intake.admit import admit
+from exogauge.studies.intake.contract import STEPS
+from exogauge.studies.intake.open import Study, open_study
+from exogauge.studies.report.summary_page import summary_page
+from exogauge.studies.report.write import render_report
+from exogauge.studies.results.before_after import before_after
+from exogauge.studies.results.document import Evaluation, parameter_table, results, to_json, validation_table
+from exogauge.studies.results.examine_logs import examine_logs
+from exogauge.studies.results.failed_step import FailedStep, keeping, told
+from exogauge.studies.results.planned_motions import PLANNED, file_name, motion_table, planned_files
+from exogauge.studies.results.stiffness_results import stiffness_table
+from exogauge.studies.results.study_record import study_record
+from exogauge.studies.results.support_results import support_table
+from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
+from exogauge.studies.series.write import Moved, write_series
 from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
@@ -97,6 +97,7 @@ def _evaluate(
         doubts = refuse_what_made_it_worse(first, recordings, findings)
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
+        used = study.settings
         plain_now: Sequence[PlainLog] = plain
         worn_now: Sequence[WornLog] = worn
         if "discrepancy" in doing:
@@ -105,7 +106,7 @@ def _evaluate(
                     first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
                 )
                 alike = filtered_alike(worn, missing.recordings)
-                discrepancy, found = missing.discrepancy, missing.identification
+                discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
                 plain_now, worn_now = logs.as_plain(missing.recordings), alike
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
@@ -127,7 +128,7 @@ def _evaluate(
         evaluation = Evaluation(
             name=study.name,
             robot=study.robot,
-            settings=study.settings,
+            settings=used,
             steps=told(steps, failed),
             inputs=study.bundle.inputs,
             findings=findings,

@@ -13,7 +13,7 @@ from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters
-from exogauge.identification.preparation import Prepared, prepare
+from exogauge.identification.preparation import Prepared
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ def prepare_worn(model: RobotModel, log: Log) -> Prepared:
     prepared = model.prepare(log)
     if model.extension is None:
         return prepared
-    bare = prepare(model.robot, log, model.cutoff_hz, model.at_rest)
+    bare = model.prepare_bare(log)
     borne = np.zeros((log.samples, len(model.robot.joints)))
     before: Array | None = None
     for _ in range(HALF_STEPS):

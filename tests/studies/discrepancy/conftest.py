@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import (
+from exogauge.findings.result import (
     Alternative,
+    ChainStep,
     Discrepancy,
     Evidence,
     Excess,
@@ -19,7 +20,7 @@ from exogauge.discrepancy.result import (
     Link,
     Place,
 )
-from exogauge.discrepancy.verdict import Seen
+from exogauge.findings.verdict import Seen
 
 PITCH, HAND = Place("joint", "torso_pitch"), Place("link", "r_arm")
 TAU_B, V_S = 3.0, 0.04  # [N·m], [rad/s] of the friction that was missing
@@ -89,10 +90,10 @@ def discrepancy() -> Discrepancy:
     return Discrepancy(
         findings=(stribeck(), payload()),
         chain=(
-            Link("maker’s values", 7.71, 0.62, "tau.torso_pitch", 9.33, 1.02),
-            Link("identified", 1.48, 0.62, "tau.torso_pitch", 2.25, 1.02),
-            Link("+ stribeck at torso_pitch", 0.93, 0.62, "tau.r_elbow", 1.31, 0.60),
-            Link("+ payload at r_arm", 0.67, 0.62, "tau.torso_yaw", 0.81, 0.62),
+            Link(ChainStep("bands"), 7.71, 0.62, "tau.torso_pitch", 9.33, 1.02),
+            Link(ChainStep("robot"), 1.48, 0.62, "tau.torso_pitch", 2.25, 1.02),
+            Link(ChainStep("effect", "stribeck", PITCH), 0.93, 0.62, "tau.r_elbow", 1.31, 0.60),
+            Link(ChainStep("effect", "payload", HAND), 0.67, 0.62, "tau.torso_yaw", 0.81, 0.62),
         ),
         located=(
             Excess("tau.r_elbow", "N·m", 1.312, 0.601, 18.2, "away from the upright posture"),
@@ -139,8 +140,8 @@ def clean(discrepancy: Discrepancy) -> Discrepancy:
         discrepancy,
         findings=(),
         chain=(
-            Link("maker’s values", 2.31, 0.62, "tau.torso_pitch", 4.12, 0.66),
-            Link("identified", 0.64, 0.62, "tau.torso_yaw", 0.66, 0.62),
+            Link(ChainStep("bands"), 2.31, 0.62, "tau.torso_pitch", 4.12, 0.66),
+            Link(ChainStep("robot"), 0.64, 0.62, "tau.torso_yaw", 0.66, 0.62),
         ),
         located=(),
         unexplained=(),

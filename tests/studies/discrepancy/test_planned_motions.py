@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.discrepancy.planned_motion import Apart, PlannedMotion
-from exogauge.discrepancy.result import Discrepancy
-from exogauge.discrepancy.sweeps import Sweep
 from exogauge.discrepancy_text import finding as finding_text
-from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.planned_motions import motion_table, planned_files
-from exogauge.studies.results import finite
+from exogauge.findings.planned_motion import Apart, PlannedMotion
+from exogauge.findings.result import Discrepancy
+from exogauge.findings.sweeps import Sweep
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
+from exogauge.studies.results.planned_motions import motion_table, planned_files
 
 TOLD = Apart("presliding", "torso_pitch", 0.12, 0.64, 1.5, 52.0, 13.0, 7.7)
 

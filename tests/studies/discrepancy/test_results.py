@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from exogauge.discrepancy.result import Discrepancy
+from exogauge.findings.result import Discrepancy
 from exogauge.identification.result import Identification
-from exogauge.studies.discrepancy_results import discrepancy_entry
 from exogauge.studies.evaluate import write
-from exogauge.studies.open import open_study
-from exogauge.studies.results import Evaluation, finite, results, to_json
+from exogauge.studies.intake.open import open_study
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import Evaluation, finite, results, to_json
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,13 @@ def test_the_keys_are_those_of_the_contract(entry: dict[str, Any]) -> None:
     assert entry["chain"][0].keys() >= {"step", "rmse", "noise_floor", "worst", "worst_rmse", "worst_floor"}
     for other in (*found["alternatives"], *found["also_possible"], *entry["rejected"]):
         assert other.keys() == {"effect", "where", "title", "score", "reason"}
+
+
+def test_a_step_of_the_chain_is_data_and_the_sentence_is_made_of_it(entry: dict[str, Any]) -> None:
+    first, *_, last = entry["chain"]
+    assert (first["what"], first["effect"], first["where"]) == ("bands", None, None)
+    assert (last["what"], last["effect"], last["where"]) == ("effect", "payload", {"link": "r_arm"})
+    assert last["step"] == f"+ {entry['findings'][1]['title']}"
 
 
 def test_a_finding_says_what_where_how_large_and_how_it_is_known(entry: dict[str, Any]) -> None:

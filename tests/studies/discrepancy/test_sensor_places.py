@@ -10,15 +10,25 @@ import numpy as np
 import pytest
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import Alternative, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
 from exogauge.discrepancy_text import discrepancy_text
-from exogauge.studies.discrepancy_figures import draw_chain, draw_evidence
-from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.discrepancy_section import discrepancy_view
-from exogauge.studies.discrepancy_sentences import at, channel, left_sentence, place, verdict_sentence
-from exogauge.studies.effect_words import at_place, place_words
-from exogauge.studies.figures import label
-from exogauge.studies.results import finite
+from exogauge.findings.result import (
+    Alternative,
+    ChainStep,
+    Discrepancy,
+    Evidence,
+    Excess,
+    Finding,
+    HeldOut,
+    Link,
+    Place,
+)
+from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence
+from exogauge.studies.report.discrepancy_section import discrepancy_view
+from exogauge.studies.report.figures import label
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
+from exogauge.studies.words.discrepancy_sentences import at, channel, left_sentence, place, verdict_sentence
+from exogauge.studies.words.effect_words import at_place, place_words
 
 FX, BASE = Place("sensor", "wrist", "fx"), Place("base", "base")
 
@@ -41,9 +51,20 @@ def found(clean: Discrepancy) -> Discrepancy:
             finding(2, "base_tilt", BASE, held[1], "time", "s"),
         ),
         chain=(
-            Link("identified model", 6.4, 1.0, "ft.wrist.mz", 0.09, 0.01, "floors"),
-            Link("+ ft_gain at wrist.fx", 2.1, 1.0, "tau.j1", 2.5, 1.1, "floors"),
-            Link("+ base_tilt at base", 0.99, 1.0, "ft.wrist.fx", 0.49, 0.5, "floors", "N"),
+            Link(ChainStep("robot"), 6.4, 1.0, "ft.wrist.mz", 0.09, 0.01, "floors"),
+            Link(
+                ChainStep("effect", "ft_gain", Place("sensor", "wrist", "fx")), 2.1, 1.0, "tau.j1", 2.5, 1.1, "floors"
+            ),
+            Link(
+                ChainStep("effect", "base_tilt", Place("base", "base")),
+                0.99,
+                1.0,
+                "ft.wrist.fx",
+                0.49,
+                0.5,
+                "floors",
+                "N",
+            ),
         ),
         unexplained=(Excess("ft.wrist.fy", "N", 0.9, 0.5, 5.0, "throughout"),),
     )

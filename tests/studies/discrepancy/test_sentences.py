@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy.result import Discrepancy, Excess
 from exogauge.discrepancy_text import discrepancy_text, lead_text
-from exogauge.effects.catalogue import shaped_effects
-from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.discrepancy_sentences import left_sentence, moves, verdict_sentence
-from exogauge.studies.effect_words import EFFECTS, at_place, listed, place_words
-from exogauge.studies.results import finite
+from exogauge.effects.words import words_of_effects
+from exogauge.findings.result import Discrepancy, Excess
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
+from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
+from exogauge.studies.words.effect_words import at_place, listed, place_words
 
 CONTRACT = """
 motor_gain viscous coulomb static_friction motor_offset stribeck load_coulomb asym_viscous nonlinear_viscous presliding
@@ -110,13 +110,10 @@ def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, o
     )
 
 
-def test_every_effect_of_the_contract_has_words() -> None:
-    assert set(CONTRACT.split()) == EFFECTS.keys()
-    assert len(set(EFFECTS.values())) == len(EFFECTS)
-
-
-def test_every_effect_that_can_be_found_missing_has_words() -> None:
-    assert shaped_effects().keys() <= EFFECTS.keys()
+def test_no_identifier_that_results_may_hold_is_lost_and_no_two_have_the_same_words() -> None:
+    words = words_of_effects()
+    assert words.keys() >= set(CONTRACT.split())
+    assert len(set(words.values())) == len(words)
 
 
 @pytest.mark.parametrize(

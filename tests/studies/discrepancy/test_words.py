@@ -7,14 +7,15 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from exogauge.discrepancy import band_finding, finding
-from exogauge.discrepancy.result import Alternative, Discrepancy, HeldOut, Link, Place
+from exogauge.detect.device import finding as band_finding
 from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
-from exogauge.effects.words import EFFECTS
-from exogauge.studies.discrepancy_results import discrepancy_entry
-from exogauge.studies.discrepancy_sentences import step_words
-from exogauge.studies.results import finite
+from exogauge.effects.words import words_of_effects
+from exogauge.findings.result import Alternative, ChainStep, Discrepancy, HeldOut, Link, Place
+from exogauge.search import finding
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
+from exogauge.studies.words.discrepancy_sentences import step_words
 
 IDENTIFIER = re.compile(r"[A-Za-z]\w*_\w+|\w+@\w+")
 PLACES = {
@@ -42,7 +43,8 @@ def told(name: str, next_to: str, one: Discrepancy) -> Iterator[str]:
         one.findings[0], effect=name, place=place, held_out=HELD_OUT, sentence="It shows.", motion="Move it.",
         parameters={}, alternatives=(other,), also_possible=(other,),
     )  # fmt: skip
-    links = [Link(step, 1.0, 0.5, "tau.elbow", 1.0, 0.5, "N·m") for step in ("identified", f"+ {name} at elbow")]
+    steps = (ChainStep("robot"), ChainStep("effect", name, place))
+    links = [Link(step, 1.0, 0.5, "tau.elbow", 1.0, 0.5, "N·m") for step in steps]
     made = dataclasses.replace(
         one, findings=(found,), chain=tuple(links), rejected=(other,), notes=(), unexplained=(), located=(),
         before_after={},
@@ -57,7 +59,7 @@ def told(name: str, next_to: str, one: Discrepancy) -> Iterator[str]:
 
 
 def test_no_sentence_on_an_effect_holds_an_identifier(one: Discrepancy) -> None:
-    names = list(EFFECTS)
+    names = list(words_of_effects())
     for name, next_to in zip(names, [*names[1:], names[0]], strict=True):
         for text in told(name, next_to, one):
             assert IDENTIFIER.search(text) is None, text
@@ -65,7 +67,7 @@ def test_no_sentence_on_an_effect_holds_an_identifier(one: Discrepancy) -> None:
 
 def test_the_words_of_every_effect_end_the_same_sentence() -> None:
     """`The identified model does not know of …`: nothing that begins a sentence, no article twice, no end."""
-    for name, words in EFFECTS.items():
+    for name, words in words_of_effects().items():
         assert re.fullmatch(r"(Stribeck|Coulomb|[a-z])[^.:]*", words), name
         assert not re.search(r"\b(an?|the) (an?|the)\b", words), name
         assert re.search(r"\b(a [aeiou]|an [^aeiou])", words) is None, name
@@ -73,26 +75,28 @@ def test_the_words_of_every_effect_end_the_same_sentence() -> None:
 
 def test_what_each_effect_says_of_itself_are_whole_sentences_without_identifiers() -> None:
     for effect in (*all_effects().values(), *missing_effects(), *band_effects().values()):
-        assert effect.name in EFFECTS
+        assert effect.name in words_of_effects()
         for text in (effect.sentence, getattr(effect, "needs", "Nothing.")):
             assert IDENTIFIER.search(text) is None, (effect.name, text)
             assert re.fullmatch(r"[A-Z].*[.]", text, re.S), (effect.name, text)
 
 
 def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
+    words = words_of_effects()
     for effect in missing_effects():
         place = place_of(effect.name)
-        for name in EFFECTS:
+        for name in words:
             others = [Alternative(name, place_of(name), 0.3, "explains less")]
             text = finding._sentence(place, effect, "1 N·m near rest", finding._falls(HELD_OUT), others)
             assert IDENTIFIER.search(text) is None, text
-            assert f"The next best, {EFFECTS[name]}" in text
+            assert f"The next best, {words[name]}" in text
             assert "the base: " not in text
             assert IDENTIFIER.search(band_finding._next(others)) is None
 
 
 def test_a_step_of_the_chain_is_told_in_words_whether_it_is_an_effect_or_its_own_curve() -> None:
-    assert step_words("+ load_coulomb at elbow") == "+ load-dependent friction at elbow"
-    assert step_words("+ own curve of load_coulomb at elbow") == "+ own curve of load-dependent friction at elbow"
-    assert step_words("+ remainder of load_coulomb at elbow") == "+ remainder of load-dependent friction at elbow"
-    assert step_words("identified model") == "identified model"
+    friction = "load_coulomb", Place("joint", "elbow")
+    assert step_words(ChainStep("effect", *friction)) == "+ load-dependent friction at elbow"
+    assert step_words(ChainStep("own_curve", *friction)) == "+ own curve of load-dependent friction at elbow"
+    assert step_words(ChainStep("remainder", *friction)) == "+ remainder of load-dependent friction at elbow"
+    assert step_words(ChainStep("robot")) == "identified model"

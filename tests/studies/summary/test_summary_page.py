@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from pypdf import PdfReader
 
-from exogauge.studies.page_model import Page, Table
-from exogauge.studies.summary_content import DETAILS, summary_content
-from exogauge.studies.summary_page import SummaryPage, summary_page
+from exogauge.studies.report.page_model import Page, Table
+from exogauge.studies.report.summary_content import DETAILS, summary_content
+from exogauge.studies.report.summary_page import SummaryPage, summary_page
 
 Evaluated = Callable[..., dict[str, Any]]
 A4 = (595.28, 841.89)  # [pt]

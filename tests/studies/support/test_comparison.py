@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from exogauge.devices.result import StiffnessResult
-from exogauge.studies.comparison import compare, verdict
-from exogauge.studies.comparison_tables import as_csv, as_latex
-from exogauge.studies.results import finite
-from exogauge.studies.stiffness_results import stiffness_entries
-from exogauge.studies.support_results import support_entries
+from exogauge.studies.results.comparison import compare, verdict
+from exogauge.studies.results.comparison_tables import as_csv, as_latex
+from exogauge.studies.results.document import finite
+from exogauge.studies.results.stiffness_results import stiffness_entries
+from exogauge.studies.results.support_results import support_entries
 from exogauge.support.result import SupportResult
 
 

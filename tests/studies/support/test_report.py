@@ -12,13 +12,13 @@ import pytest
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.identification.result import Identification
-from exogauge.studies.open import open_study
-from exogauge.studies.report import render_report
-from exogauge.studies.results import Evaluation
-from exogauge.studies.rounding import between, significant
-from exogauge.studies.stiffness_section import device_views, stiffness_sentence
-from exogauge.studies.support_figures import draw_support, outline, runs
-from exogauge.studies.support_section import motion_views, strongest, support_sentence
+from exogauge.studies.intake.open import open_study
+from exogauge.studies.report.stiffness_section import device_views, stiffness_sentence
+from exogauge.studies.report.support_figures import draw_support, outline, runs
+from exogauge.studies.report.support_section import motion_views, strongest, support_sentence
+from exogauge.studies.report.write import render_report
+from exogauge.studies.results.document import Evaluation
+from exogauge.studies.words.rounding import between, significant
 from exogauge.support.result import SupportResult
 
 Render = Callable[..., str]

@@ -16,11 +16,11 @@ import pytest
 from exogauge.devices.result import StiffnessResult
 from exogauge.identification.result import Identification
 from exogauge.studies.evaluate import write
-from exogauge.studies.open import open_study
-from exogauge.studies.results import Evaluation, finite, to_json
-from exogauge.studies.series import write_series
-from exogauge.studies.stiffness_results import stiffness_details, stiffness_entries, stiffness_table
-from exogauge.studies.support_results import main_joints, support_entries, support_table
+from exogauge.studies.intake.open import open_study
+from exogauge.studies.results.document import Evaluation, finite, to_json
+from exogauge.studies.results.stiffness_results import stiffness_details, stiffness_entries, stiffness_table
+from exogauge.studies.results.support_results import main_joints, support_entries, support_table
+from exogauge.studies.series.write import write_series
 from exogauge.support.result import SupportResult
 
 

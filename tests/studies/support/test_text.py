@@ -9,9 +9,9 @@ import pytest
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.published import published
-from exogauge.studies.results import finite
-from exogauge.studies.stiffness_results import stiffness_entries
-from exogauge.studies.support_results import support_entries
+from exogauge.studies.results.document import finite
+from exogauge.studies.results.stiffness_results import stiffness_entries
+from exogauge.studies.results.support_results import support_entries
 from exogauge.support.result import SupportResult
 from exogauge.support_text import stiffness_text, support_text
 

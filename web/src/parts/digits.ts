@@ -1,6 +1,6 @@
 /** How many digits a number deserves: two of its standard deviation, and the value to the same place.
 
-The rules are those of the report: `server/exogauge/studies/rounding.py`.
+The rules are those of the report: `server/exogauge/studies/words/rounding.py`.
 */
 
 export const NONE = "–";
@@ -41,7 +41,7 @@ export function figure(value: number | null | undefined, digits = 4): string {
 }
 
 /** An interval, both ends to the place of its half width's second digit: 190.71, 200.93 -> 190.7 … 200.9. */
-export function between(low: number | null | undefined, high: number | null | undefined): string {
+export function between([low, high]: (number | null)[]): string {
   if (!isNumber(low) || !isNumber(high) || high <= low) return "no bounds";
   const place = Math.max(0, 1 - Math.floor(Math.log10(0.5 * (high - low))));
   return `${fixed(low, place)} … ${fixed(high, place)}`;

@@ -50,7 +50,7 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
   const build = async () => {
     const nothing = { device_id: null, name: null, rows: null };
     const parts = used.map(({ log, role, motion }) => ({ ...nothing, log_id: log.id, role, motion: MOVES.includes(role) ? motion : null }));
-    const study = await create.mutateAsync({ name: name.trim(), robot_id: robotId, device_id: device || null, logs: parts, settings: null, steps: null });
+    const study = await create.mutateAsync({ name: name.trim(), robot_id: robotId, device_id: device || null, logs: parts, settings: null, steps: null, known: null });
     if (evaluate && !study.latest_job) await submit.mutateAsync({ study_id: study.id, kind: "evaluate", settings: {} });
     await navigate(`/studies/${study.id}`);
   };

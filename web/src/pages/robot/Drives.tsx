@@ -2,7 +2,7 @@ import { Anchor, Group, NativeSelect, Switch, Table, Text, Title } from "@mantin
 import { useState } from "react";
 import { Link } from "react-router";
 
-import { useStudyResults, type JointResult } from "../../api/results";
+import { useStudyResults, type Found } from "../../api/results";
 import type { Robot, RobotJoint } from "../../api/robots";
 import { useEveryStudy, type Study } from "../../api/studies";
 import { ProblemBox } from "../../parts/ProblemBox";
@@ -82,8 +82,8 @@ export function Drives({ robot, joints }: { robot: Robot; joints: RobotJoint[] }
   );
 }
 
-function Identified({ of }: { of: JointResult[string] }) {
-  if (!of || typeof of === "string" || of.value === null) return null;
+function Identified({ of }: { of: Found | undefined }) {
+  if (!of || of.value === null) return null;
   return (
     <div className={styles.identified} data-decided={of.identifiable || undefined}>
       {of.identifiable ? plusMinus(of.value, of.std) : "not decided"}

@@ -2,15 +2,14 @@ import { Text, Title } from "@mantine/core";
 
 import { isNumber, significant } from "../../parts/digits";
 import styles from "./Chain.module.css";
-import type { Finding, Link } from "./results";
-import { channelWords, lower, pointOf, titleOf } from "./words";
+import type { Link } from "./results";
+import { capital, channelWords } from "./words";
 
 const FLOORS = "floors";
-const FIRST = "identified model"; // of the robot's chain; that of the wear begins with bands
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
 
 /** One bar per model: grey what noise explains, coloured what is above it. */
-export function Chain({ id, title, chain, findings }: { id: string; title: string; chain: Link[]; findings: Finding[] }) {
+export function Chain({ id, title, chain }: { id: string; title: string; chain: Link[] }) {
   const floor = chain.at(-1)?.noise_floor ?? null;
   const lengths = [...chain.map((each) => each.rmse), floor].filter(isNumber);
   const others = Math.max(...lengths.slice(1), 1e-12);
@@ -22,13 +21,13 @@ export function Chain({ id, title, chain, findings }: { id: string; title: strin
       </Title>
       <Text size="sm" c="dimmed" mb="xs">
         RMSE of the channels in question{chain[0]?.unit === FLOORS && ", each in multiples of its noise floor"}, in steady motion on
-        held-out logs. {chain[0]?.step === FIRST && "Above the cut-off, of which the model says nothing, the noise alone counts. "}
+        held-out logs. {chain[0]?.what === "robot" && "Above the cut-off, of which the model says nothing, the noise alone counts. "}
         Grey: what noise explains; coloured: what is above it.{lengths.some((each) => each > end) && " The bar with a gap is longer than drawn."}
       </Text>
       <ol className={styles.chain}>
         {chain.map((each, k) => (
           <li key={k} className={styles.step}>
-            <Words name={stepName(each.step, findings)} note={worst(each)} />
+            <Words name={capital(each.step)} note={worst(each)} />
             <Bar length={each.rmse} floor={each.noise_floor} end={end} unit={each.unit} first={k === 0 && chain.length > 1} />
           </li>
         ))}
@@ -68,14 +67,6 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
       </span>
     </div>
   );
-}
-
-/** `+ stribeck at torso_pitch`, `+ own curve of stribeck at torso_pitch` in the words of the finding that it is about. */
-function stepName(step: string, findings: Finding[]): string {
-  const [, before = "", effect, place] = /^\+ (.* )?(\S+) at (.+)$/.exec(step) ?? [];
-  const finding = findings.find((each) => each.effect === effect && pointOf(each.where) === place);
-  if (finding) return `with ${before}${lower(titleOf(finding))}`;
-  return step.slice(0, 1).toUpperCase() + step.slice(1);
 }
 
 function worst({ worst: channel, worst_rmse, worst_floor, unit }: Link): string {

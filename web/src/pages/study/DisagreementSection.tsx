@@ -37,10 +37,10 @@ export function DisagreementSection({ study, job, results }: { study: Study; job
         </Text>
       </div>
       {found.chain.length > 0 && (
-        <Chain id="chain" title="From the first gap to the noise floor" chain={found.chain} findings={found.findings} />
+        <Chain id="chain" title="From the first gap to the noise floor" chain={found.chain} />
       )}
       {found.wear_chain && found.wear_chain.length > 0 && (
-        <Chain id="wear-chain" title="The model of the wear, down to the noise floor" chain={found.wear_chain} findings={found.findings} />
+        <Chain id="wear-chain" title="The model of the wear, down to the noise floor" chain={found.wear_chain} />
       )}
       {found.findings.map((each) => (
         <FindingStory key={each.rank} finding={each} jobId={job.id} />

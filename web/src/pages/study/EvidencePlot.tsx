@@ -22,7 +22,8 @@ export function EvidencePlot({ curve, channel, title }: Props) {
   const { name, unit } = curve.coordinate;
   const over = `${WORDS[name] ?? name.replaceAll("_", " ")}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
   const torque = /^(tau|support)\./.test(channel);
-  const lack = torque ? `Torque that acts on ${channelWords(channel)} and that the model lacks` : `What the model lacks of ${channelWords(channel)}`;
+  const way = curve.along_motion ? " along its motion" : "";
+  const lack = torque ? `Torque that acts on ${channelWords(channel)}${way} and that the model lacks` : `What the model lacks of ${channelWords(channel)}`;
   const own = torque ? "torque of the effect" : "the effect’s own part";
   return (
     <figure className={styles.figure}>

@@ -10,13 +10,6 @@ import { EvidencePlot } from "./EvidencePlot";
 import type { Finding, Measured } from "./results";
 import { channelWords, titleOf, typeset } from "./words";
 
-const MEANS: Record<string, Record<string, string>> = {
-  stribeck: {
-    tau_b: "friction at the lowest speed, above Coulomb’s",
-    v_s: "speed over which it falls",
-    delta: "how abruptly it falls",
-  },
-};
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
 
 /** A named effect: the sentence, its evidence, its parameters, what it beat, and what it may still be. */
@@ -46,9 +39,9 @@ export function FindingStory({ finding, jobId }: { finding: Finding; jobId: stri
             <Table.Tr key={name}>
               <Table.Th scope="row">
                 <Letter name={name} />
-                {MEANS[finding.effect]?.[name] && (
+                {finding.parameter_words?.[name] && (
                   <Text size="xs" c="dimmed" fw={400}>
-                    {MEANS[finding.effect]?.[name]}
+                    {finding.parameter_words[name]}
                   </Text>
                 )}
               </Table.Th>

@@ -201,7 +201,14 @@ function logWords({ logs }: Configuration): string {
 }
 
 function settingWords(settings: Record<string, unknown>): string {
-  const shown = (value: unknown) => (Array.isArray(value) ? value.join(", ") : typeof value === "number" ? figure(value) : String(value));
+  const shown = (value: unknown): string =>
+    Array.isArray(value)
+      ? value.join(", ")
+      : typeof value === "number"
+        ? figure(value)
+        : value && typeof value === "object"
+          ? Object.entries(value).map(([name, each]) => `${name} ${shown(each)}`).join(", ") || "none"
+          : String(value);
   return Object.entries(settings)
     .map(([key, value]) => `${key}: ${shown(value)}`)
     .join("; ");

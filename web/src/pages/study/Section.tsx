@@ -7,7 +7,7 @@ import { DisagreementSection } from "./DisagreementSection";
 import { FilesSection } from "./FilesSection";
 import { IdentificationSection } from "./IdentificationSection";
 import type { Job } from "./jobs";
-import { isEvaluation, type Results } from "./results";
+import { isEvaluation, type Answer } from "./results";
 import { RunSection } from "./RunSection";
 import { ScopeSection } from "./ScopeSection";
 import type { SectionKey } from "./sections";
@@ -18,7 +18,7 @@ import { SupportSection } from "./SupportSection";
 
 const PlotsSection = lazy(() => import("./PlotsSection"));
 
-type Props = { name: SectionKey; study: Study; job: Job; results?: Results };
+type Props = { name: SectionKey; study: Study; job: Job; results?: Answer };
 
 /** One part of the review. An address may end with a heading of it: `#parameters`. */
 export function Section(props: Props) {

@@ -63,7 +63,7 @@ function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; tru
           <Table.Td data-number>
             <Uncertain {...each.stiffness_n_per_m} />
           </Table.Td>
-          <Table.Td data-number>{between(...each.interval_95.stiffness_n_per_m)}</Table.Td>
+          <Table.Td data-number>{between(each.interval_95.stiffness_n_per_m)}</Table.Td>
           {truth && (
             <Table.Td data-number title={isNumber(each.truth_n_per_m) ? `true: ${significant(each.truth_n_per_m, 4)} N/m` : undefined}>
               {isNumber(each.error_percent) ? `${fixed(each.error_percent, Math.abs(each.error_percent) < 10 ? 2 : 0)} %` : NONE}
@@ -72,7 +72,7 @@ function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; tru
           <Table.Td data-number>
             <Uncertain {...each.natural_length_m} />
           </Table.Td>
-          <Table.Td data-number>{between(...each.interval_95.natural_length_m)}</Table.Td>
+          <Table.Td data-number>{between(each.interval_95.natural_length_m)}</Table.Td>
           <Table.Td>{remark(each)}</Table.Td>
         </Table.Tr>
       ))}

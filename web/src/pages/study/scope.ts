@@ -1,42 +1,14 @@
 /** `scope` and `configuration` of results.json: for what the results hold, and with what they were obtained. */
 
+import type { Schemas } from "../../api/client";
 import { fixed, significant } from "../../parts/digits";
 import type { Num } from "./results";
 
-export type Reach = { joint: string; moved: boolean; lowest: Num; highest: Num; top_speed: Num; unit: "rad" | "m" };
-
-export type Scope = {
-  sentence: string;
-  synthetic: boolean;
-  robot: string;
-  devices: string[];
-  identified: Reach[];
-  not_moved: string[];
-  motions: { device: string; motion: string; logs: string[]; joints: (Reach & { main: boolean })[] }[];
-  not_said: string[];
-};
-
-export type StatedBand = {
-  band: string;
-  group: string;
-  via_points: { link: string; xyz: number[] }[];
-  stiffness_n_per_m: Num;
-  natural_length_m: Num;
-  ground_truth: boolean;
-  law: string;
-};
-
-export type Told = Record<string, string | null>;
-
-export type Configuration = {
-  synthetic: string[];
-  conditions: Told;
-  robot: { name: string; base: string; moving_links: number; joints: { joint: string; actuation: string }[]; sensors: { name: string; role: string }[] };
-  devices: { device: string; file: string; logs: string[]; record: Told; bands: StatedBand[] }[];
-  logs: { log: string; role: string; motion: string | null; device: string | null; duration_s: Num; rate_hz: Num }[];
-  settings: Record<string, unknown>;
-  inputs_sha256: string;
-};
+export type Reach = Schemas["Reach"];
+export type Scope = Schemas["Scope"];
+export type StatedBand = Schemas["StatedBand"];
+export type Configuration = Schemas["Configuration"];
+export type Told = Configuration["conditions"];
 
 const DEGREES = 180 / Math.PI;
 

@@ -1,6 +1,6 @@
 /** The parts of a review, each with an address of its own below the study's. */
 
-import { isEvaluation, type Results } from "./results";
+import { isEvaluation, type Answer } from "./results";
 import type { Job } from "./jobs";
 
 export type SectionKey =
@@ -29,7 +29,7 @@ export const NAMES: Record<SectionKey, string> = {
 export type SectionLink = { key: SectionKey; name: string };
 
 /** A job that did not succeed has its run; one of another kind has no evaluation to show. */
-export function sectionsFor(job: Job, results: Results | undefined): SectionLink[] {
+export function sectionsFor(job: Job, results: Answer | undefined): SectionLink[] {
   const keys: SectionKey[] =
     job.state !== "succeeded"
       ? ["run"]

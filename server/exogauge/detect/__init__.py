@@ -1,0 +1,1 @@
+"""The detectors, in their order: stored filter, contact, missing effects, nominal values, the device."""

@@ -1,0 +1,124 @@
+"""A contact as a finding: which log, when, how hard, where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from exogauge.detect.contact.fit import Push
+from exogauge.devices.result import Estimate
+from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.identification.predict import BASE_CHANNELS
+from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.result import Identification
+from exogauge.identification.validate import unit_of
+from exogauge.robots.description import Robot
+from exogauge.search.locate import pooled
+
+SHOWN_S = 0.7  # before and after the push
+MOTION = (
+    "The same contact once more while all joints between these links and the base move at steady speed: a joint that "
+    "rests or turns does not show what pulls at it. A force/torque sensor below them tells more."
+)
+
+
+@final
+@dataclass(frozen=True)
+class Contact:
+    """Pushes at one link. body: the one that is likeliest for all of them. alike: (body, evidence that it lacks) of
+    those that nearly are. others: the same of the next ones."""
+
+    body: int
+    pushes: tuple[Push, ...]
+    alike: tuple[tuple[int, float], ...]
+    others: tuple[tuple[int, float], ...]
+
+
+def name_contact(rank: int, contact: Contact, before: Identification, after: Identification) -> Finding:
+    """before, after: identified with and without the time in which it happened."""
+    robot, bodies = after.model.robot, after.model.robot.tree.bodies
+    push, link = contact.pushes[0], bodies[contact.body]
+    held_out = _held_out(channels(robot)[push.kind], before, after, contact)
+
+    def other(body: int, reason: str) -> Alternative:
+        gain = next(each.gain for each in push.links if each.body == body)
+        score = push.share * float(np.clip(gain / max(push.best.gain, 1e-300), 0.0, 1.0))
+        return Alternative("contact", Place("link", bodies[body]), score, reason)
+
+    alike = tuple(other(body, "these data cannot tell it from what was named") for body, _ in contact.alike)
+    return Finding(
+        rank=rank,
+        effect="contact",
+        place=Place("link", link),
+        parameters=_parameters(contact),
+        held_out=held_out,
+        score=push.share,
+        sentence=_sentence(link, contact, held_out),
+        alternatives=(*alike, *(other(body, "explains less") for body, _ in contact.others)),
+        also_possible=alike,
+        motion=MOTION if alike else "",
+        evidence=_evidence(robot, push),
+    )
+
+
+def channels(robot: Robot) -> list[str]:
+    """Of the kinds of `LogRows`."""
+    base = list(BASE_CHANNELS) if robot.floating else []
+    on_axes = [f"tau.{joint.name}" for joint in robot.joints]
+    return [*base, *on_axes, *(name for sensor in robot.cuts for name in wrench_channels(sensor.name))]
+
+
+def _parameters(contact: Contact) -> dict[str, Estimate]:
+    """`force[id_1]`, `start[id_1]`, `duration[id_1]`: by the log's name, `id_1, 2` for its second push."""
+    found: dict[str, Estimate] = {}
+    for push in contact.pushes:
+        name, number = push.rows.name, 2
+        while f"force[{name}]" in found:
+            name, number = f"{push.rows.name}, {number}", number + 1
+        found[f"force[{name}]"] = Estimate(push.force, push.force_std, "N")
+        found[f"start[{name}]"] = Estimate(push.start, push.start_std, "s")
+        found[f"duration[{name}]"] = Estimate(push.duration, push.duration_std, "s")
+    return found
+
+
+def _sentence(link: str, contact: Contact, held_out: HeldOut) -> str:
+    said = [
+        f"{each.rows.name} from {each.start:.2f} s on for {each.duration:.2f} s, with "
+        f"{each.force:.1f} ± {each.force_std:.1g} N at its largest"
+        for each in contact.pushes
+    ]
+    push = contact.pushes[0]
+    inside = (push.time > push.start) & (push.time < push.stop) & (push.weight[:, push.kind] > 0.0)
+    lacks = float(np.max(np.abs(push.before[inside, push.kind]), initial=0.0))
+    return (
+        f"{link}: something touched it that no log tells of, in {' and in '.join(said)}. {held_out.channel} is off by "
+        f"up to {lacks:.2g} {held_out.unit} then, and one force at this link explains {100 * push.share:.0f} % of what "
+        "all channels show. Nothing like it comes at other moments. This time is left out of the fit and of the errors."
+    )
+
+
+def _held_out(channel: str, before: Identification, after: Identification, contact: Contact) -> HeldOut:
+    """Of held-out logs; where these say nothing of it, of the logs in which it happened."""
+    touched = list(dict.fromkeys(push.rows.name for push in contact.pushes))
+    for log in ("", ", ".join(touched)):
+        values = []
+        for each in (before, after):
+            fits = [fit for fit in each.validation if fit.channel == channel]
+            values.append(pooled([fit for fit in fits if (fit.log in touched if log else fit.held_out)]))
+        held = HeldOut(channel, unit_of(channel, before.model.robot), values[0][0], values[1][0], values[1][1], log)
+        if held.falls:
+            break
+    return held
+
+
+def _evidence(robot: Robot, push: Push) -> Evidence:
+    """Residuals of the channel that shows it best over the log's own time: torque that the joint gets and the model
+    lacks, what a sensor reads too much."""
+    first = (6 if robot.floating else 0) + len(robot.joints)
+    sign = -robot.cuts[(push.kind - first) // 6].sign if push.kind >= first else -1.0
+    near = (push.time > push.start - SHOWN_S) & (push.time < push.stop + SHOWN_S) & (push.weight[:, push.kind] > 0.0)
+    before, added = (sign * each[near, push.kind] for each in (push.before, push.added))
+    spread = 1.0 / np.sqrt(push.weight[near, push.kind])
+    return Evidence("time", "s", push.time[near], before, before - added, spread, added)

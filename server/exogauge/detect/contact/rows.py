@@ -1,0 +1,179 @@
+"""What a log's rows leave unexplained, weighed by what is usual there, and what a force at each link does to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.model import RobotModel
+from exogauge.identification.preparation import Prepared
+from exogauge.identification.settings import Recording
+from exogauge.robots.cut_rows import in_sensor
+from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.tree import RigidTree
+from exogauge.search.score import residual_memory
+
+Array = NDArray[np.float64]
+
+LEVEL_S = 4.0  # a running median over this is no burst: drifts, a load put down, an anchor that slipped
+SPEEDS = 5  # parts of an axis' speeds, in each of which its own error is usual
+FEWEST = 20  # rows of a kind, below which nothing is usual
+MAD = 1.4826  # to the standard deviation of a normal distribution
+MOST = 0.9, 1.645  # share of errors, and how many standard deviations hold it
+NEAREST = 0.03  # [m] standard deviation of where a link is pushed, at least
+OF_LENGTH = 0.3  # of a link's length, if that is more
+
+
+@final
+@dataclass(frozen=True)
+class LogRows:
+    """One log, all of it. kinds K: base axes if floating, actuator axes in steady motion, six for each sensor that
+    carries bodies.
+
+    time: (n,) [s] of the log's own clock. e: (n, K) y - A x less its running median, 0 where there is no row.
+    weight: (n, K) one over the usual square of e, per independent sample; 0 where there is no row.
+    """
+
+    recording: Recording
+    prepared: Prepared
+    time: Array
+    e: Array
+    weight: Array
+
+    @property
+    def name(self) -> str:
+        return self.recording.log.name
+
+
+def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows]:
+    """Spans that were left out are looked at as well."""
+    equations, x = model.equations, model.solution.unbounded.x
+    axes = len(model.robot.joints)
+    shown = [*range(equations.first_axis + axes), *range(equations.first_cut, equations.kinds)]
+    found = []
+    for recording in recordings:
+        whole = replace(recording.log, left_out=())
+        prepared = model.prepare(whole)
+        e = equations.residuals(prepared, x)[:, shown]
+        moving = slice(equations.first_axis, equations.first_axis + axes)
+        e[:, moving][~prepared.steady[prepared.kept]] = np.nan
+        step = float(np.median(np.diff(whole.time[prepared.kept]))) if len(prepared.kept) > 1 else LEVEL_S
+        found.append((recording, prepared, whole.time[prepared.kept], _without_level(e, round(LEVEL_S / step))))
+    ratios = _by_speed(model, [(prepared, e) for _, prepared, _, e in found])
+    return [
+        LogRows(recording, prepared, time, np.nan_to_num(e), _weights(model, prepared, e, ratios))
+        for recording, prepared, time, e in found
+    ]
+
+
+def force_columns(model: RobotModel, rows: LogRows) -> Array:
+    """(N, n, K, 6) what a unit force and a unit moment, in base axes, at the middle of each body take off the rows."""
+    robot, equations, tree = model.robot, model.equations, model.robot.tree
+    motion = rows.prepared.motion.rows(rows.prepared.kept)
+    sweep, carried = Kinematics(tree).sweep(motion), subtree(tree)
+    n, first, axes = len(rows.time), equations.first_axis, len(robot.joints)
+    to_axes = np.linalg.inv(robot.axes_from_joints).T
+    middle = middles(tree)
+    columns = np.zeros((len(tree.bodies), n, rows.e.shape[1], 6))
+    for body, out in enumerate(columns):
+        p = sweep.p[body] + np.einsum("ijt,j->it", sweep.R[body], middle[body])
+        W = np.zeros((n, 6, 6))  # force and moment about the base's origin
+        W[:, :3, :3] = W[:, 3:, 3:] = np.eye(3)
+        W[:, 3:, :3] = _skew(p)
+        if robot.floating:
+            out[:, :6] = -W
+        joints = np.zeros((n, axes, 6))
+        for k in np.flatnonzero(carried[:, body] & (tree.dof >= 0)):
+            joints[:, tree.dof[k]] = np.einsum("at,tak->tk", sweep.S[k], W)
+        out[:, first : first + axes] = -np.einsum("aj,tjk->tak", to_axes, joints)
+        for start, cut in zip(range(first + axes, rows.e.shape[1], 6), equations.cuts, strict=True):
+            if body in tree.cuts[cut.frame]:
+                out[:, start : start + 6] = -np.moveaxis(in_sensor(tree, cut.frame, sweep, np.moveaxis(W, 0, 2)), 2, 0)
+    return columns
+
+
+def middles(tree: RigidTree) -> Array:
+    """(N, 3) [m] where each body's mass has its centre, in its frame."""
+    mass = tree.phi[:, :1]
+    return np.asarray(np.where(mass > 0.0, tree.phi[:, 1:4] / np.where(mass > 0.0, mass, 1.0), 0.0))
+
+
+def reaches(tree: RigidTree) -> Array:
+    """(N,) [m] how far from its middle a body is pushed, as a standard deviation."""
+    length = 2.0 * np.linalg.norm(middles(tree), axis=1)
+    for k, parent in enumerate(tree.parent):
+        if parent >= 0:
+            length[parent] = max(length[parent], float(np.linalg.norm(tree.T_before[k].translation)))
+    return np.asarray(np.maximum(NEAREST, OF_LENGTH * length))
+
+
+def _without_level(e: Array, window: int) -> Array:
+    """(n, K) e less the median over `window` samples around each, NaN left out."""
+    if not len(e):
+        return e
+    half = max(window // 2, 1)
+    padded = np.pad(e, ((half, half), (0, 0)), constant_values=np.nan)
+    level = np.empty_like(e)
+    for kind in range(e.shape[1]):
+        near = np.sort(np.lib.stride_tricks.sliding_window_view(padded[:, kind], 2 * half + 1), axis=1)  # NaN last
+        count = np.isfinite(near).sum(axis=1)
+        at = np.maximum(count - 1, 0)
+        rows = np.arange(len(near))
+        level[:, kind] = 0.5 * (near[rows, at // 2] + near[rows, (at + 1) // 2])
+    return e - level
+
+
+def _usual(e: Array) -> float:
+    """A standard deviation that rare large values do not move."""
+    size = np.abs(e[np.isfinite(e)])
+    if len(size) < FEWEST:
+        return float("nan")
+    return max(MAD * float(np.median(size)), float(np.quantile(size, MOST[0])) / MOST[1])
+
+
+def _by_speed(model: RobotModel, logs: Sequence[tuple[Prepared, Array]]) -> list[tuple[Array, Array]]:
+    """Per axis: edges of its speeds, and (SPEEDS,) how much larger than usual errors are between them, all logs
+    together: what friction leaves at one speed it leaves whenever the axis is that fast."""
+    first, found = model.equations.first_axis, []
+    for axis in range(len(model.robot.joints)):
+        speeds, sizes = [], []
+        for prepared, e in logs:
+            usual = _usual(e[:, first + axis])
+            used = np.isfinite(e[:, first + axis])
+            if np.isfinite(usual) and usual > 0.0:
+                speeds.append(np.abs(prepared.axis_velocity[prepared.kept, axis])[used])
+                sizes.append(e[used, first + axis] / usual)
+        if not speeds:
+            found.append((np.zeros(0), np.ones(1)))
+            continue
+        speed, size = np.concatenate(speeds), np.concatenate(sizes)
+        edges = np.unique(np.quantile(speed, np.arange(1, SPEEDS) / SPEEDS))
+        part = np.searchsorted(edges, speed)
+        ratios = np.array([_usual(size[part == k]) for k in range(len(edges) + 1)])
+        found.append((edges, np.maximum(np.nan_to_num(ratios, nan=1.0), 1.0)))
+    return found
+
+
+def _weights(model: RobotModel, prepared: Prepared, e: Array, ratios: Sequence[tuple[Array, Array]]) -> Array:
+    first, weight = model.equations.first_axis, np.zeros_like(e)
+    for kind in range(e.shape[1]):
+        usual, axis = _usual(e[:, kind]), kind - first
+        if not np.isfinite(usual) or usual <= 0.0:
+            continue
+        std = np.full(len(e), usual)
+        if 0 <= axis < len(ratios):
+            edges, ratio = ratios[axis]
+            std *= ratio[np.searchsorted(edges, np.abs(prepared.axis_velocity[prepared.kept, axis]))]
+        weight[:, kind] = np.isfinite(e[:, kind]) / (std**2 * residual_memory(e[:, kind]))
+    return weight
+
+
+def _skew(p: Array) -> Array:
+    """(n, 3, 3) of p (3, n): skew(p) F = p x F."""
+    out = np.zeros((p.shape[1], 3, 3))
+    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -p[2], p[1], -p[0]
+    return out - np.swapaxes(out, 1, 2)

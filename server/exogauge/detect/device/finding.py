@@ -1,0 +1,212 @@
+"""An effect of a band that may be claimed, as a finding: its numbers, its evidence in words, what it beat."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.detect.device.baseline import Ground, weighed
+from exogauge.detect.device.evidence import band_evidence, strongest
+from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
+from exogauge.detect.device.logs import Wire
+from exogauge.detect.device.model import fit
+from exogauge.detect.device.nominal import Contradicted
+from exogauge.detect.device.score import BandScore, Scorer
+from exogauge.devices.result import Estimate
+from exogauge.effects.band import BandEffect
+from exogauge.effects.catalogue import band_effects
+from exogauge.effects.words import at_place
+from exogauge.findings.result import Alternative, Finding, HeldOut, Place
+
+Array = NDArray[np.float64]
+
+TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect
+NEARLY_SURE = 2.0  # standard errors, from which a rival is no worse an answer, though it could not be claimed alone
+SHIFT = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
+MUCH_LESS, LITTLE_LESS = 4.0, 0.5  # of the gain: it is moved less, or further, until it falls by something between
+MOST_STEPS = 16
+CHANNEL = "support."  # of a joint's supporting torque
+
+
+def place_of(wire: Wire) -> Place:
+    return Place(wire.course.kind, wire.course.name)
+
+
+def rejection(ground: Ground, judged: BandJudgement) -> Alternative:
+    wire = ground.setting.wires[judged.added.wire]
+    return Alternative(judged.added.effect.name, place_of(wire), max(judged.explained, 0.0), judged.objection)
+
+
+def name_effect(
+    rank: int, ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds, of: str
+) -> Finding:
+    """of: which wear, in words, where there are several; or ""."""
+    effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
+    held_out = held(ground, winner.joint, winner.before, winner.after)
+    rivals = [each for each in judged if each is not winner]
+    alike = [each for each in rivals if each.z > NEARLY_SURE and abs(apart(winner, each)) < TELL_APART]
+    others = [_alternative(ground, each, alike) for each in rivals]
+    shown = band_evidence(ground, wire, effect.coordinate, winner.joint, winner.before, winner.after)
+    words = "all logs" if winner.once else folds.words
+    return Finding(
+        rank=rank,
+        effect=effect.name,
+        place=place_of(wire),
+        parameters=parameters(ground, winner),
+        held_out=held_out,
+        score=held_out.explained,
+        sentence=(
+            f"{wire.course.name}{of}: {effect.sentence}{_moment(ground, winner)} Without it the model of the wear "
+            f"lacks up to {strongest(shown)} on {ground.joints[winner.joint]}. {_falls(held_out, words)}{_next(others)}"
+        ),
+        alternatives=tuple(others),
+        also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
+        motion=effect.needs if alike else "",
+        evidence=shown,
+    )
+
+
+def name_contradicted(rank: int, ground: Ground, found: Contradicted, scorer: Scorer, folds: Folds, of: str) -> Finding:
+    effect, wire = band_effects()[found.effect], ground.setting.wires[found.band]
+    held_out = held(ground, found.joint, found.before, found.after)
+    unit, word = ("N/m", "stiffness") if found.of == "stiffness" else ("m", "natural length")
+    shown = band_evidence(ground, wire, effect.coordinate, found.joint, found.before, found.after)
+    alike = tuple(_instead(ground, scorer, found))
+    percent = 100.0 * (found.value / found.stated - 1.0)
+    return Finding(
+        rank=rank,
+        effect=found.effect,
+        place=place_of(wire),
+        parameters={
+            found.of: Estimate(found.value, found.std, unit),
+            f"stated_{found.of}": Estimate(found.stated, 0.0, unit),
+        },
+        held_out=held_out,
+        score=held_out.explained,
+        sentence=(
+            f"{wire.course.name}{of}: {effect.sentence} Its {word} is {found.value:.4g} ± {found.std:.2g} {unit}, "
+            f"{found.stated:.4g} {unit} are stated ({percent:+.0f} %). {_falls(held_out, folds.words)}"
+        ),
+        alternatives=alike,
+        also_possible=alike,
+        motion=effect.needs if alike else "",
+        evidence=shown,
+    )
+
+
+def held(ground: Ground, joint: int, before: Array, after: Array) -> HeldOut:
+    channel = f"{CHANNEL}{ground.joints[joint]}"
+    return HeldOut(channel, "N·m", rmse(before, joint), rmse(after, joint), float(ground.floor[joint]))
+
+
+def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
+    """Coefficients and shapes in SI units."""
+    effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
+    found: dict[str, Estimate] = {}
+    for quantity, value, std in zip(effect.coefficients, winner.added.coefficients, winner.std, strict=True):
+        angular = wire.course.routing is None and quantity.unit == "N/m"
+        found[quantity.name] = Estimate(float(value), float(std), "N·m/rad" if angular else quantity.unit)
+    scorer = _beside_the_springs(ground, winner) if effect.shapes else None
+    for place, one in enumerate(effect.shapes):
+        size, offset, name, unit = _in_si(one.name, one.unit, wire)
+        if name:
+            assert scorer is not None
+            value = offset + size * winner.added.shape[place]
+            found[name] = Estimate(value, abs(size) * _sharpness(scorer, winner, place), unit)
+    return found
+
+
+def _beside_the_springs(ground: Ground, winner: BandJudgement) -> Scorer:
+    """Of the effect's shapes, errors counted by what is left with it."""
+    setting = weighed(ground, winner.fitted).setting
+    without = replace(winner.fitted.wear, added=winner.fitted.wear.added[:-1])
+    return Scorer(setting, replace(fit(setting, without), wear=without))
+
+
+def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
+    """size, offset, name, unit in which a shape is told; name "" where it says nothing that a coefficient does not."""
+    told = {
+        "moment": (wire.span, 0.0, "moment", "s"),
+        "lasting": (0.0, 0.0, "", ""),
+        "stick": (0.0, 0.0, "", ""),
+        "within": (0.0, 0.0, "", ""),
+        "slack": (wire.travel, wire.shortest, "natural_length", "m" if wire.course.routing is not None else "rad"),
+    }
+    return told.get(name, (1.0, 0.0, name, unit))
+
+
+def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
+    """Standard deviation of a shape: how far it must be moved for the gain to fall by one independent error, from both
+    sides together; inf where it does not fall within the shape's range."""
+    added, one = winner.added, winner.added.effect.shapes[place]
+    here = added.shape[place]
+
+    def gain(value: float) -> float:
+        shape = (*added.shape[:place], value, *added.shape[place + 1 :])
+        found: BandScore | None = scorer.score(added.effect, added.wire, shape)
+        return found.gain if found is not None else 0.0
+
+    best, step = gain(here), SHIFT * (one.high - one.low)
+    for _ in range(MOST_STEPS):
+        ends = [max(here - step, one.low), min(here + step, one.high)]
+        fallen = float(np.mean([best - gain(end) for end in ends]))
+        if fallen > MUCH_LESS:
+            step *= 0.5
+        elif fallen < LITTLE_LESS and step < one.high - one.low:
+            step *= 2.0
+        else:
+            break
+    return float(step / np.sqrt(fallen)) if fallen > 0.0 else float("inf")
+
+
+def _moment(ground: Ground, winner: BandJudgement) -> str:
+    """Where on the logs laid end to end an effect of one moment happens."""
+    if not winner.once:
+        return ""
+    logs = ground.setting.logs
+    moment = winner.added.shape[0] * logs.span
+    log = int(np.searchsorted(logs.starts, moment, side="right")) - 1
+    stays = ", and stays so in later logs" if winner.added.shape[1] >= 0.5 and log < len(logs.logs) - 1 else ""
+    return f" It happens {moment - logs.starts[log]:.1f} s into {logs.logs[log].name}{stays}."
+
+
+def _instead(ground: Ground, scorer: Scorer, found: Contradicted) -> list[Alternative]:
+    """Other laws that would bring the value back to what is stated, at nearly the same cost."""
+    result = []
+    for effect in band_effects().values():
+        if effect.name in _of(effect, found.effect):
+            scored = scorer.best(effect, found.band)[0]
+            if scored is not None and scored.gain > 0.5 * found.gain:
+                place = place_of(ground.setting.wires[found.band])
+                share = min(scored.gain / max(found.gain, 1e-300), 1.0)
+                result.append(Alternative(effect.name, place, share, "these data cannot tell it from what was named"))
+    return result
+
+
+def _of(effect: BandEffect, confounded: str) -> tuple[str, ...]:
+    return (effect.name,) if effect.sort == "law" and confounded in effect.confounds else ()
+
+
+def _alternative(ground: Ground, judged: BandJudgement, alike: Sequence[BandJudgement]) -> Alternative:
+    told = "these data cannot tell it from what was named" if judged in alike else judged.objection or "explains less"
+    return replace(rejection(ground, judged), reason=told)
+
+
+def _falls(held_out: HeldOut, where: str) -> str:
+    return (
+        f"Added, the error of the supporting torque on {where} falls from {held_out.rmse_before:.2g} to "
+        f"{held_out.rmse_after:.2g} {held_out.unit} RMSE (noise floor {held_out.noise_floor:.2g}), "
+        f"{100 * held_out.explained:.0f} % of the excess."
+    )
+
+
+def _next(others: Sequence[Alternative]) -> str:
+    best = max(others, key=lambda each: each.score, default=None)
+    if best is None or best.score < 0.005:
+        return ""
+    return (
+        f" The next best, {at_place(best.effect, best.place.kind, best.place.name)}, explains {100 * best.score:.0f} %."
+    )

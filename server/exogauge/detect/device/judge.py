@@ -1,0 +1,226 @@
+"""Whether an effect of a band may be claimed: on logs or parts of them that were left out of the fit, by blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.detect.device.baseline import Ground, weighed
+from exogauge.detect.device.doubt import deviations
+from exogauge.detect.device.logs import WearLogs
+from exogauge.detect.device.model import Added, Fitted, Setting, Wear, fit, residual
+from exogauge.detect.device.score import BandScore, evidence
+from exogauge.search.block_gains import summed, sureness
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+MOST_FOLDS = 5
+PARTS, SHORTEST_PART_S = 3, 6.0  # of a single log, each left out in turn
+FEWEST_BLOCKS = 5
+SURE = 3.0  # standard errors by which the error on what was left out must fall, and by which a coefficient is not zero
+SURE_ONCE = 6.0  # of the coefficient of an effect of one moment, which nothing that was left out can confirm
+EVIDENCE_ONCE = 40.0
+ACTS = 0.3  # of an effect's torque on the joint that feels it most, against each joint's noise
+SPREAD_ONCE = 2.0  # standard errors, by blocks: the gain must not be one moment's alone
+LEAST_OF_SUPPORT = 0.02  # of the supporting torque: a smaller effect is not worth a name
+LEAST = 0.05  # of the square error of the joint that shows it most
+WORSE = 3.0  # standard errors by which a regime may not get worse
+FEWEST_IN_REGIME = 30
+
+
+@final
+@dataclass(frozen=True)
+class Folds:
+    """left_out: (N,) masks, one per fit. words: what is left out in turn; "" where nothing can be."""
+
+    left_out: tuple[BoolArray, ...]
+    words: str
+
+
+@final
+@dataclass(frozen=True)
+class BandJudgement:
+    """One candidate, fitted with everything else. z: standard errors by which the square error on what was left out
+    falls; std: of its coefficients. before, after: (N, D) [N·m] residuals there, NaN where never left out. blocks: (B,)
+    gains by block, of samples that were left out; fitted_blocks: of all that are fitted, or of the logs in which an
+    effect of one moment acts. NaN: of none. joint: place of the one that shows it most."""
+
+    added: Added
+    fitted: Fitted
+    evidence: float
+    left: float
+    z: float
+    std: Array
+    before: Array
+    after: Array
+    blocks: Array
+    fitted_blocks: Array
+    joint: int
+    objection: str
+
+    @property
+    def once(self) -> bool:
+        return self.added.effect.once
+
+    @property
+    def gone(self) -> Array:
+        """(D,) [N·m] RMS of what is gone with it, by joint."""
+        square = [
+            np.nanmean(np.where(np.isfinite(e).any(axis=0), e, 0.0) ** 2, axis=0) for e in (self.before, self.after)
+        ]
+        return np.asarray(np.sqrt(np.maximum(square[0] - square[1], 0.0)))
+
+    @property
+    def explained(self) -> float:
+        """Share of the square error of that joint that goes."""
+        before, after = rmse(self.before, self.joint), rmse(self.after, self.joint)
+        return float(1.0 - (after / max(before, 1e-300)) ** 2)
+
+
+def folds_of(logs: WearLogs) -> Folds:
+    """The k-th log of every motion together; one log each where none is repeated; parts of a single log."""
+    motions = [each.motion for each in logs.logs]
+    place = np.array([motions[:k].count(motion) for k, motion in enumerate(motions)])
+    repeated = np.array([motions.count(motion) > 1 for motion in motions])
+    if repeated.any():
+        number, words = np.where(repeated, place % MOST_FOLDS, -1), "repetitions that were not fitted"
+    elif len(motions) > 1:
+        number, words = np.arange(len(motions)) % MOST_FOLDS, "motions that were not fitted"
+    else:
+        parts = int(min(PARTS, logs.time[-1] // SHORTEST_PART_S))
+        if parts < 2:
+            return Folds((), "")
+        part = np.minimum((logs.time / (logs.time[-1] / parts)).astype(np.intp), parts - 1)
+        return Folds(tuple(part == k for k in range(parts)), "parts of the log that were not fitted")
+    return Folds(tuple(number[logs.log] == k for k in range(number.max() + 1)), words)
+
+
+def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
+    """(N, D) [N·m] each sample by a fit that did not see it; NaN where it does not count or is never left out."""
+    e = np.full(setting.weight.shape, np.nan)
+    for left_out in folds.left_out:
+        weight = setting.weight * ~left_out[:, None]
+        own = fit(replace(setting, weight=weight), wear, held).wear
+        e[left_out] = residual(setting.logs, setting.bands, setting.wires, own)[left_out]
+    return np.where(setting.weight > 0.0, e, np.nan)
+
+
+def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
+    """Errors count as large, and as lasting, as they are once the effect is there: for the model without it, too."""
+    added, without = scored.added, ground.fitted.wear
+    after_all = weighed(ground, fit(ground.setting, without.with_added(added)))
+    setting, fitted = after_all.setting, after_all.fitted
+    base = fit(setting, without)
+    gain = base.cost - fitted.cost
+    chosen = len(added.coefficients) + len(added.shape)
+    left_out = [left_out_residual(setting, wear, folds) for wear in (base.wear, fitted.wear)]
+    used = setting.weight > 0.0
+    seen = [np.where(used, each.e, np.nan) for each in (base, fitted)]
+    gains, fitted_gains = ((was**2 - now**2) / after_all.sigma**2 for was, now in (left_out, seen))
+    by_joint = np.nansum(fitted_gains if added.effect.once else gains, axis=0)
+    by_joint = np.where(_acted_on(setting, fitted, len(added.coefficients)), by_joint, -np.inf)
+    if added.effect.once:  # logs before it can only dilute what those say in which it happens or lasts
+        acts = np.abs(fitted.A[:, :, -1]).sum(axis=1) > 0.0
+        own = np.isin(setting.logs.log, setting.logs.log[acts])
+        fitted_gains = np.where(own[:, None], fitted_gains, np.nan)
+    blocks, fitted_blocks = by_block(setting.logs, gains), by_block(setting.logs, fitted_gains)
+    before, after = seen if added.effect.once else left_out
+    judged = BandJudgement(
+        added=fitted.wear.added[-1],
+        fitted=fitted,
+        evidence=evidence(setting, gain, base.cost, chosen),
+        left=scored.left,
+        z=sureness(fitted_blocks if added.effect.once else blocks),
+        std=deviations(after_all, fitted)[-len(added.coefficients) :],
+        before=before,
+        after=after,
+        blocks=blocks,
+        fitted_blocks=fitted_blocks,
+        joint=int(np.argmax(by_joint)),
+        objection="",
+    )
+    return replace(judged, objection=_objection(judged, after_all))
+
+
+def _acted_on(setting: Setting, fitted: Fitted, width: int) -> BoolArray:
+    """(D,) joints on which the last effect acts more than by the way."""
+    coefficients = fitted.wear.theta[-width:]
+    size = np.sqrt(np.sum(setting.weight * (fitted.A[:, :, -width:] @ coefficients) ** 2, axis=0))
+    return np.asarray(size >= ACTS * max(float(size.max()), 1e-300))
+
+
+def by_block(logs: WearLogs, gains: Array) -> Array:
+    """(B,) sums over joints, by block of all logs. gains: (N, D). NaN: where nothing counts."""
+    counts, total = np.isfinite(gains).any(axis=1), np.full(int(logs.block.max()) + 1, np.nan)
+    total[np.unique(logs.block[counts])] = summed(np.nansum(gains[counts], axis=1), logs.block[counts])
+    return total
+
+
+def apart(one: BandJudgement, other: BandJudgement) -> float:
+    """Standard errors by which one explains more than another, on the blocks that both are known of."""
+    if one.once or other.once:
+        return sureness(one.fitted_blocks - other.fitted_blocks)
+    return sureness(one.blocks - other.blocks)
+
+
+def rmse(e: Array, joint: int) -> float:
+    """[N·m] of one joint, (N, D) with NaN where it does not count."""
+    own = e[:, joint]
+    return float(np.sqrt(np.nanmean(own**2))) if np.isfinite(own).any() else float("nan")
+
+
+def _objection(judged: BandJudgement, ground: Ground) -> str:
+    size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
+    sure = SURE_ONCE if judged.once else SURE
+    if float(size.max()) < sure:
+        return (
+            f"its size is not surely other than zero ({size.max():.1f} standard deviations, {sure:.0f} are asked for)"
+        )
+    if judged.once:
+        if judged.evidence < EVIDENCE_ONCE:
+            return "it happens once, so nothing can be held out, and the evidence is not overwhelming"
+    elif np.isfinite(judged.blocks).sum() < FEWEST_BLOCKS:
+        return "too little steady motion is left out of the fit to judge it"
+    needed = SPREAD_ONCE if judged.once else SURE
+    if judged.z < needed:
+        return f"the error does not fall surely ({judged.z:.1f} standard errors, {needed:.0f} are asked for)"
+    if rmse(judged.before, judged.joint) <= ground.floor[judged.joint]:
+        return "the error is no more than the noise floor without it"
+    if _size(judged, ground) < 1.0:
+        return f"it is less than the noise and {100 * LEAST_OF_SUPPORT:.0f} % of the support where it shows most"
+    if judged.explained < LEAST:
+        return f"it explains {100 * max(judged.explained, 0.0):.1f} % of the error: not worth a name"
+    gains = (judged.before**2 - judged.after**2) / ground.sigma**2
+    for name, inside in _regimes(ground, judged.added.wire):
+        own = np.where(inside[:, None], gains, np.nan)
+        if np.isfinite(own).any(axis=1).sum() >= FEWEST_IN_REGIME:
+            worse = sureness(by_block(ground.setting.logs, own))
+            if worse < -WORSE:
+                return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
+    return ""
+
+
+def _size(judged: BandJudgement, ground: Ground) -> float:
+    """RMS of what the effect adds on that joint, in what is worth a name."""
+    logs, joint = ground.setting.logs, judged.joint
+    used = logs.used[:, joint]
+    own = judged.fitted.A[used, joint, -len(judged.added.coefficients) :] @ judged.added.coefficients
+    support = float(np.sqrt(np.mean(logs.torque[used, joint] ** 2)))
+    return float(np.sqrt(np.mean(own**2)) / max(min(LEAST_OF_SUPPORT * support, ground.floor[joint]), 1e-300))
+
+
+def _regimes(ground: Ground, wire: int) -> Sequence[tuple[str, BoolArray]]:
+    own = ground.setting.wires[wire]
+    usual = float(np.median(own.length))
+    chosen: Mapping[str, Callable[[], BoolArray]] = {
+        "where the band is short": lambda: own.length < usual,
+        "where the band is long": lambda: own.length > usual,
+        "while the band lengthens": lambda: own.rate > 0.0,
+        "while the band shortens": lambda: own.rate < 0.0,
+    }
+    return [(name, np.asarray(inside())) for name, inside in chosen.items()]

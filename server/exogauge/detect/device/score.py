@@ -1,0 +1,129 @@
+"""What an effect of a band would gain with all bands' springs fitted again beside it: one small solve per shape."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.detect.device.logs import Wire
+from exogauge.detect.device.model import Added, Fitted, Setting
+from exogauge.effects.band import BandEffect
+from exogauge.effects.shaped import Shape
+from exogauge.search.bounded import bounded_least_squares
+
+Array = NDArray[np.float64]
+
+BLIND = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told
+NEARLY_ALL = 0.999
+REFINEMENTS = 2
+TRIED = 9  # shapes per refinement and value
+
+
+@final
+@dataclass(frozen=True)
+class BandScore:
+    """gain: of the cost, in independent errors. evidence: twice the log likelihood gained, less a price per value that
+    was chosen (BIC). left: share of the effect that the springs cannot take the place of, 0…1."""
+
+    added: Added
+    gain: float
+    evidence: float
+    left: float
+
+
+@final
+class Scorer:
+    """Candidates beside one fit."""
+
+    def __init__(self, setting: Setting, fitted: Fitted) -> None:
+        self.setting, self.fitted = setting, fitted
+        self._root = np.sqrt(setting.weight)
+        self._A = (fitted.A * self._root[:, :, None]).reshape(-1, fitted.A.shape[2])
+        self._e = (fitted.e * self._root).ravel()
+        self._H = fitted.hessian
+        self._square = float(self._e @ self._e)
+
+    def beside(self, wire: Wire) -> Scorer:
+        """The same with a further wire behind the others."""
+        other = object.__new__(Scorer)
+        other.__dict__.update(self.__dict__)
+        other.setting = replace(self.setting, wires=(*self.setting.wires, wire))
+        return other
+
+    def score(self, effect: BandEffect, wire: int, shape: tuple[float, ...]) -> BandScore | None:
+        """None where the springs take its place, or nothing of it shows."""
+        k, l_0 = self.fitted.wear.spring(wire)
+        X = self.setting.wires[wire].columns(effect, shape, k, l_0)
+        X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
+        own, cross = X.T @ X, self._A.T @ X
+        if np.any(np.diag(own) <= 0.0):
+            return None
+        size = np.sqrt(np.diag(own))
+        S = (own - cross.T @ np.linalg.lstsq(self._H, cross, rcond=1e-13)[0]) / np.outer(size, size)
+        left = float(np.min(np.linalg.eigvalsh(S)))
+        if left < BLIND:
+            return None
+        c = _bounded(S, (X.T @ self._e) / size, effect, size)
+        gain = float(2.0 * c @ (X.T @ self._e / size) - c @ S @ c)
+        chosen = X.shape[1] + len(effect.shapes)
+        added = Added(effect, wire, shape, c / size)
+        return BandScore(added, gain, evidence(self.setting, gain, self._square, chosen), left)
+
+    def best(self, effect: BandEffect, wire: int) -> tuple[BandScore | None, int]:
+        """The best shape of the grid, and how many were tried."""
+        shapes = list(itertools.product(*(one.grid for one in effect.shapes)))
+        found = [scored for shape in shapes if (scored := self.score(effect, wire, shape)) is not None]
+        return max(found, key=lambda each: each.evidence, default=None), len(shapes)
+
+    def refined(self, start: BandScore) -> BandScore:
+        """Shapes between their neighbours on the grid, one value after the other, each time closer."""
+        best, effect = start, start.added.effect
+        reach = [np.diff(one.grid).max(initial=0.0) for one in effect.shapes]
+        for _ in range(REFINEMENTS):
+            for place, one in enumerate(effect.shapes):
+                for value in _around(one, best.added.shape[place], float(reach[place])):
+                    shape = (*best.added.shape[:place], value, *best.added.shape[place + 1 :])
+                    tried = self.score(effect, best.added.wire, shape)
+                    if tried is not None and tried.evidence > best.evidence:
+                        best = tried
+            reach = [each / TRIED for each in reach]
+        return best
+
+
+def evidence(setting: Setting, gain: float, square: float, chosen: int) -> float:
+    share = float(np.clip(gain / max(square, 1e-300), 0.0, NEARLY_ALL))
+    return float(-setting.independent * np.log1p(-share) - chosen * np.log(max(setting.independent, 2.0)))
+
+
+def candidates(scorer: Scorer, effects: Mapping[str, BandEffect]) -> Iterator[tuple[BandEffect, int]]:
+    """Every other law at every declared band that it applies to and does not have yet."""
+    there = {each.key for each in scorer.fitted.wear.added}
+    for effect in (each for each in effects.values() if each.sort == "law"):
+        for wire in range(len(scorer.fitted.wear.k)):
+            k, l_0 = scorer.fitted.wear.spring(wire)
+            if (effect.name, wire) not in there and scorer.setting.wires[wire].applies(effect, k, l_0):
+                yield effect, wire
+
+
+def _around(one: Shape, value: float, reach: float) -> Iterator[float]:
+    if one.grid == (one.low, one.high):  # a choice between two, not a range
+        yield from one.grid
+        return
+    if one.low > 0.0:  # sizes over decades: by ratios
+        ratio = max(float(np.max(np.divide(one.grid[1:], one.grid[:-1]), initial=1.0)), 1.0)
+        ratio **= reach / max(float(np.diff(one.grid).max(initial=0.0)), 1e-300)
+        values = value * ratio ** np.linspace(-1.0, 1.0, TRIED)
+    else:
+        values = value + reach * np.linspace(-1.0, 1.0, TRIED)
+    yield from (float(v) for v in values if one.low <= v <= one.high)
+
+
+def _bounded(S: Array, g: Array, effect: BandEffect, size: Array) -> Array:
+    """(C,) least squares in scaled coefficients, each within its physical range."""
+    low, high = (np.array([getattr(each, end) for each in effect.coefficients]) * size for end in ("low", "high"))
+    return bounded_least_squares(S, g, low, high)

@@ -1,0 +1,326 @@
+"""Find what the model of the wear lacks: other laws than a spring, values not as stated, a band that nobody declared.
+
+Like the search on joints, on another torque: the supporting torque, of which the model is the wear. Every candidate is
+fitted with all bands' stiffness and natural length beside it, and must explain what was left out of the fit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
+from exogauge.detect.device.doubt import deviations
+from exogauge.detect.device.extra_band import further_wires, led_on
+from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
+from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
+from exogauge.detect.device.logs import BLOCK_S
+from exogauge.detect.device.model import Wear, fit
+from exogauge.detect.device.nominal import contradicted
+from exogauge.detect.device.score import BandScore, Scorer, candidates
+from exogauge.detect.device.shape import with_best_shape
+from exogauge.detect.device.uncovered_joints import Beyond
+from exogauge.devices.device import Device
+from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.effects.band import BandEffect
+from exogauge.effects.catalogue import band_effects
+from exogauge.findings.band_numbers import BandNumbers
+from exogauge.findings.result import Alternative, ChainStep, Discrepancy, Excess, Finding, Lineage, Link
+from exogauge.findings.verdict import ABOVE, Seen
+from exogauge.identification.model import RobotModel
+from exogauge.identification.settings import Progress
+from exogauge.search.block_gains import summed, sureness
+from exogauge.search.may_be_named import not_named, refused, told
+from exogauge.support.evaluate import Gathered
+
+Array = NDArray[np.float64]
+
+MOST_EFFECTS = 4  # on one wear
+WORTH_JUDGING = 6.0  # evidence (BIC)
+JUDGED = 8  # candidates per round
+SURE = 3.0  # standard errors above the floor
+REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
+OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
+CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
+LED_ON = 4  # times, as joints are weighed anew each time
+UNCLEAR = (
+    "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
+    "nothing is said of the other bands until it is."
+)
+
+
+@final
+@dataclass(frozen=True)
+class WearFindings:
+    """What the search says of one wear."""
+
+    findings: tuple[Finding, ...]
+    chain: tuple[Link, ...]
+    rejected: tuple[Alternative, ...]
+    unexplained: tuple[Excess, ...]
+    before_after: Mapping[str, tuple[Estimate, Estimate]]
+    tried: int
+    notes: tuple[str, ...]
+    seen: tuple[Seen, ...] = ()
+    cannot: tuple[str, ...] = ()
+    bands: tuple[BandNumbers, ...] = ()
+
+
+def find_band_effects(
+    model: RobotModel,
+    gathered: Gathered,
+    stiffness: Sequence[StiffnessResult],
+    so_far: Discrepancy,
+    beyond: Beyond | None = None,
+    effects: Mapping[str, BandEffect] | None = None,
+    progress: Progress = lambda _fraction, _phrase: None,
+) -> Discrepancy:
+    """so_far: what the joints' search says of the same model; it comes back with the findings of all wears appended.
+    gathered, stiffness: supporting torque and bands of the same logs. beyond: the same on joints that no declared band
+    crosses. effects: what may be missing, default all."""
+    effects = band_effects() if effects is None else effects
+    devices = {each.worn.device.name: each.worn.device for each in gathered.evidences}
+    found = so_far
+    for done, device in enumerate(devices.values()):
+        progress(done / len(devices), f"looking for effects of {device.name}")
+        of = f" of {device.name}" if len(devices) > 1 else ""
+        said = search_wear(model, gathered, device, stiffness, beyond, effects, len(found.findings), of)
+        found = appended(found, said)
+    progress(1.0, "compared")
+    return found
+
+
+def search_wear(
+    model: RobotModel,
+    gathered: Gathered,
+    device: Device,
+    stiffness: Sequence[StiffnessResult],
+    beyond: Beyond | None,
+    effects: Mapping[str, BandEffect],
+    named: int,
+    of: str,
+) -> WearFindings:
+    """One device. named: findings that there are already. of: words that tell it from other devices, or ""."""
+    ground = lay_ground(model, gathered, device, stiffness, beyond)
+    if ground is None:
+        return _unjudged(f"No log with {device.name} has steady motion to judge its bands by.")
+    folds = folds_of(ground.setting.logs)
+    if not folds.left_out:
+        return _unjudged(
+            f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
+        )
+    first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
+    wears, explained = [ground.fitted.wear], np.zeros(len(ground.joints))
+    while True:
+        ground, judged, count = _judged(ground, effects, folds)
+        judged = [each if each.objection else replace(each, objection=_remainder(each, explained)) for each in judged]
+        tried = max(tried, count)
+        rejected = [rejection(ground, each) for each in judged if each.objection]
+        winner = next((each for each in judged if not each.objection), None)
+        if winner is None or len(findings) >= MOST_EFFECTS:
+            break
+        sharpened, winner, judged = _sharpened(ground, winner, judged, folds)
+        finding = name_effect(named + len(findings) + 1, sharpened, winner, judged, folds, of)
+        if reason := refused(finding):
+            rejected.append(not_named(finding, reason))
+            break
+        ground = sharpened
+        findings.append(finding)
+        explained = np.maximum(explained, winner.gone)
+        ground = weighed(ground, winner.fitted)
+        wears.append(ground.fitted.wear)
+        unclear = (
+            winner.added.effect.sort == "wire" and rmse(winner.after, winner.joint) > CLEAR * ground.floor[winner.joint]
+        )
+        if unclear:
+            break
+    scorer = Scorer(ground.setting, ground.fitted)
+    for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
+        if effects.get(each.effect) is not None:
+            finding = name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of)
+            named_now, doubtful = told([finding])
+            findings += named_now
+            rejected += doubtful
+    return WearFindings(
+        findings=tuple(findings),
+        chain=_chain(ground, findings, wears, folds, of),
+        rejected=tuple(rejected),
+        unexplained=_unexplained(ground, folds),
+        seen=_seen(ground, folds),
+        before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
+        bands=_numbers(ground) if len(wears) > 1 else (),
+        tried=tried,
+        notes=(UNCLEAR.format(device.name),) if unclear else (),
+    )
+
+
+def _unjudged(why: str) -> WearFindings:
+    return WearFindings((), (), (), (), {}, 0, (why,), cannot=(f"cannot judge the bands: {why[0].lower()}{why[1:-1]}",))
+
+
+def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
+    """The whole run's answer with that of one wear behind it."""
+    findings, unexplained = (*found.findings, *said.findings), (*found.unexplained, *said.unexplained)
+    lines = list(found.lineage)
+    for each in said.findings:
+        parent = lines[-1].version if lines else None
+        label = f"{each.effect}@{each.place.name}"
+        lines.append(Lineage(f"{parent}+{label}" if parent else label, parent, label))
+    return replace(
+        found,
+        findings=findings,
+        wear_chain=(*found.wear_chain, *said.chain),
+        unexplained=unexplained,
+        rejected=(*found.rejected, *said.rejected),
+        lineage=tuple(lines),
+        candidates=found.candidates + said.tried,
+        notes=(*found.notes, *said.notes),
+        before_after={**found.before_after, **said.before_after},
+        seen=(*found.seen, *said.seen),
+        cannot=(*found.cannot, *said.cannot),
+        bands=(*found.bands, *said.bands),
+    )
+
+
+def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> tuple[Ground, list[BandJudgement], int]:
+    """The ground with further wires that are worth it, the candidates judged, with most evidence first, and how many
+    shapes were tried."""
+    scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
+    for effect, wire in candidates(scorer, effects):
+        best, count = scorer.best(effect, wire)
+        tried += count
+        if best is not None and best.evidence > WORTH_JUDGING:
+            worth.append(scorer.refined(best))
+    for effect in (each for each in effects.values() if each.sort == "wire"):
+        ground, scorer, scores, count = further_wires(ground, scorer, effect)
+        worth, tried = worth + [scorer.refined(each) for each in scores], tried + count
+    worth = sorted(worth, key=lambda each: -each.evidence)[:JUDGED]
+    judged = [judge(ground, each, folds) for each in worth]
+    likely = [each for each in judged if each.evidence > WORTH_JUDGING]
+    return ground, sorted(likely, key=lambda one: -one.evidence), tried
+
+
+def _sharpened(
+    ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds
+) -> tuple[Ground, BandJudgement, list[BandJudgement]]:
+    """The winner with its best shape, or on its best course, in its place among the others; and the ground with it."""
+    if winner.added.effect.sort == "wire":
+        ground, again = _on_best_course(ground, winner, folds)
+    else:
+        again = with_best_shape(ground, winner, folds)
+    return ground, again, [again if each is winner else each for each in judged]
+
+
+def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tuple[Ground, BandJudgement]:
+    """What leaves least of what was left out of the fit: the winner, a wire whose ends were led to where it explains
+    most, or that one led on with joints weighed by what it leaves on them.
+
+    By what a wire takes off, those that it pulls at hardly count once it is nearly right; by what it leaves, a wire
+    that is far from right looks for others.
+    """
+    wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
+    best = _leaves_least([(ground, winner), *((wider, judge(wider, scorer.refined(each), folds)) for each in scores)])
+    for _ in range(LED_ON):
+        further = [(wider, judge(wider, scorer.refined(score), folds)) for wider, scorer, score in led_on(*best)]
+        before, best = best, _leaves_least([best, *further])
+        if best is before:
+            break
+    return best
+
+
+def _leaves_least(found: Sequence[tuple[Ground, BandJudgement]]) -> tuple[Ground, BandJudgement]:
+    """Of the first and all that may be claimed."""
+
+    def left(each: tuple[Ground, BandJudgement]) -> float:
+        ground, judged = each
+        return float(np.sum([(rmse(judged.after, d) / max(floor, 1e-12)) ** 2 for d, floor in enumerate(ground.floor)
+                             if np.isfinite(judged.after[:, d]).any()]))  # fmt: skip
+
+    return min([found[0], *(each for each in found[1:] if not each[1].objection)], key=left)
+
+
+def _remainder(judged: BandJudgement, explained: Array) -> str:
+    """Why it may be what an effect that was named leaves because real bands follow no formula, or "". explained: (D,)
+    [N·m] RMS that the largest of those explained."""
+    share = OF_A_WIRE if judged.added.effect.sort == "wire" else REMAINDER
+    if judged.gone[judged.joint] < share * explained[judged.joint]:
+        return "it is small beside what was named before, and may be what that one's formula does not hold"
+    return ""
+
+
+def _chain(
+    ground: Ground, findings: Sequence[Finding], wears: Sequence[Wear], folds: Folds, of: str
+) -> tuple[Link, ...]:
+    """RMSE of the supporting torque of the joints in question, version by version; nothing where nothing was named."""
+    if len(wears) < 2:
+        return ()
+    joints = sorted({ground.joints.index(each.held_out.channel.removeprefix(CHANNEL)) for each in findings})
+    floor = float(np.sqrt(np.mean(ground.floor[joints] ** 2)))
+    links = []
+    for k, wear in enumerate(wears):
+        e = left_out_residual(ground.setting, fit(ground.setting, wear).wear, folds)
+        each = np.array([rmse(e, joint) for joint in joints])
+        worst = joints[int(np.argmax(each / np.maximum(ground.floor[joints], 1e-12)))]
+        step = ChainStep("effect", findings[k - 1].effect, findings[k - 1].place) if k else ChainStep("bands")
+        channel = f"{CHANNEL}{ground.joints[worst]}"
+        links.append(
+            Link(step, float(np.sqrt(np.mean(each**2))), floor, channel, rmse(e, worst), float(ground.floor[worst]))
+        )
+    return tuple(links)
+
+
+def _unexplained(ground: Ground, folds: Folds) -> tuple[Excess, ...]:
+    """Joints on which the wear's model errs by more than repeated runs do."""
+    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Excess]()
+    for joint, name in enumerate(ground.joints):
+        error, floor = rmse(e, joint), float(ground.floor[joint])
+        used = np.isfinite(e[:, joint])
+        if floor > 0.0 and used.any() and error > ABOVE * floor:
+            count = summed(used[used].astype(float), ground.setting.logs.block[used])
+            z = sureness(summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (ABOVE * floor) ** 2)
+            if z > SURE:
+                found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z, "with the wear on"))
+    return tuple(found)
+
+
+def _seen(ground: Ground, folds: Folds) -> tuple[Seen, ...]:
+    """Joints that the wear acts on, as `_unexplained` looks at them, by blocks that were left out of the fit. A joint
+    that the robot's own search asked for motion is not asked for it again."""
+    e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Seen]()
+    for joint, name in enumerate(ground.joints):
+        used = np.isfinite(e[:, joint])
+        if ground.floor[joint] > 0.0 and used.any():
+            seconds = BLOCK_S * len(np.unique(ground.setting.logs.block[used]))
+            found.append(Seen(f"{CHANNEL}{name}", rmse(e, joint) / float(ground.floor[joint]), seconds, 0.0))
+    return tuple(found)
+
+
+def _numbers(ground: Ground) -> tuple[BandNumbers, ...]:
+    """Of every band, with what was named."""
+    theta, std, W = ground.fitted.wear.theta, deviations(ground, ground.fitted), len(ground.device.bands)
+    return tuple(
+        BandNumbers(
+            ground.device.name,
+            ground.approach,
+            band.name,
+            Estimate(float(theta[b]), float(std[b]), "N/m"),
+            Estimate(float(theta[W + b]), float(std[W + b]), "m"),
+        )
+        for b, band in enumerate(ground.device.bands)
+    )
+
+
+def _before_after(first: Ground, last: Ground, of: str) -> Mapping[str, tuple[Estimate, Estimate]]:
+    """Stiffness and natural length of every band, as springs alone and with what was named."""
+    told: dict[str, tuple[Estimate, Estimate]] = {}
+    W, was, now = len(first.device.bands), deviations(first, first.fitted), deviations(last, last.fitted)
+    for b, band in enumerate(first.device.bands):
+        for place, what, unit in ((b, "stiffness", "N/m"), (W + b, "natural length", "m")):
+            pair = [(first.fitted.wear.theta, was), (last.fitted.wear.theta, now)]
+            one, other = (Estimate(float(theta[place]), float(std[place]), unit) for theta, std in pair)
+            told[f"{what} of {band.name}{of}, without and with the wear's effects"] = one, other
+    return told

@@ -1,0 +1,1 @@
+"""Nominal values of the maker that the logs contradict."""

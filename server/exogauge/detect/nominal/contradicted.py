@@ -1,0 +1,109 @@
+"""Numbers of the maker that the data contradict by more than he doubts them: a payload, a part that was changed, a
+motor that gives other than its data sheet says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from exogauge.detect.nominal.nominal_values import Array, Stated, stated_numbers
+from exogauge.detect.nominal.tilting import tilting
+from exogauge.identification.model import RobotModel
+from exogauge.logs.model import Log
+from exogauge.search.correlation_time import row_memory
+
+SURE = 9.0  # twice the log likelihood ratio: odds of 90, and some twenty numbers are looked at
+SIGNIFICANT = 2.0  # standard deviations of the mass or the gain: no number that may as well be none is named
+TELL_APART = 6.0  # by which the best number must stand above another one
+MOST = 2
+
+
+@final
+@dataclass(frozen=True)
+class Change:
+    """A number that is let go. evidence: twice the log likelihood ratio for that. value, std: (k,) of the change, of a
+    link its ten parameters [kg, kg·m, kg·m²], of a gain its share."""
+
+    stated: Stated
+    evidence: float
+    value: Array
+    std: Array
+
+    @property
+    def of_link(self) -> bool:
+        return self.stated.sort in ("load", "scaled")
+
+    @property
+    def significant(self) -> bool:
+        return bool(abs(self.value[0]) >= SIGNIFICANT * self.std[0])
+
+
+@final
+@dataclass(frozen=True)
+class Contradiction:
+    """The number whose change explains best why the data lie far from the prior, and those that would do as well.
+
+    or_all_gains: one factor on all gains would, too.
+    """
+
+    best: Change
+    alike: tuple[Change, ...]
+    others: tuple[Change, ...]
+    or_all_gains: bool
+
+
+def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
+    """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
+
+    A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
+    measured acceleration, which the residual holds too. Where one factor on all gains explains more than any of them,
+    none is to blame.
+    """
+    numbers, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
+    found: list[Contradiction] = []
+    while len(found) < min(MOST, len({_key(each) for each in numbers if each.sort != "gains"})):
+        changes = []
+        for stated in numbers:
+            let = data.let(stated.columns)
+            changes.append(_change(model, stated, let.evidence, let.change * stated.broad, let.std * stated.broad))
+        ordered, common = _best_of_each(changes)
+        best = ordered[0]
+        if not _is_sure(best) or (not best.of_link and common > best.evidence):
+            break
+        alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < TELL_APART)
+        others = tuple(each for each in ordered[1:3] if each not in alike)
+        found.append(Contradiction(best, alike, others, best.evidence - common < TELL_APART))
+        data = data.without(best.stated.columns)
+        numbers = [each for each in numbers if _key(each) != _key(best.stated)]
+    return found
+
+
+def _change(model: RobotModel, stated: Stated, evidence: float, value: Array, std: Array) -> Change:
+    if stated.sort == "scaled":
+        own = model.robot.tree.phi[stated.index]
+        value, std = value * own, std * np.abs(own)
+    return Change(stated, evidence, value, std)
+
+
+def _best_of_each(changes: Sequence[Change]) -> tuple[list[Change], float]:
+    """Of every link the change that explains more, of those that say whether it is heavier where there are such, most
+    evidence first; and the evidence for all gains alike."""
+    first: dict[tuple[bool, int], Change] = {}
+    common = -np.inf
+    for each in sorted(changes, key=lambda each: (not _is_sure(each), -each.evidence)):
+        if each.stated.sort == "gains":
+            common = each.evidence
+        else:
+            first.setdefault(_key(each.stated), each)
+    return sorted(first.values(), key=lambda each: -each.evidence), common
+
+
+def _is_sure(change: Change) -> bool:
+    return change.evidence >= SURE and change.significant
+
+
+def _key(stated: Stated) -> tuple[bool, int]:
+    return stated.sort in ("load", "scaled"), stated.index

@@ -1,0 +1,190 @@
+"""The maker's numbers that can be wrong without a residual: what links weigh, what motors give per ampere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.detect.nominal.bayes_factor import IntArray, LettingGo
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.estimation.prior import Prior
+from exogauge.identification.equations import Equations
+from exogauge.identification.model import RobotModel
+from exogauge.identification.solution import Solution
+from exogauge.robots.parameters import inertia_by_first_moment
+
+Array = NDArray[np.float64]
+Sort = Literal["load", "scaled", "gain", "gains"]
+
+MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from its frame: std of a broad belief
+BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3), *([MASS_KG * REACH_M**2] * 6)])
+BROAD_SHARE = 0.5  # of a link that is as described but of another density
+BROAD_GAIN = 0.25
+LEAST_OF_DOUBT = 0.1  # of a first moment's doubt, that is about where the centre lies
+SECOND_MOMENTS = 2.0  # times rho: how far the model's prior lets inertias go
+TORQUE_DOUBT = 0.02  # relative, of a logged torque: what a calibration leaves, of which no maker writes
+
+
+@final
+@dataclass(frozen=True)
+class Stated:
+    """sort: `load` ten parameters, mass [kg] first, on top of body `index`; `scaled` that body denser by a share;
+    `gain` the motor of axis `index` gives more by a share; `gains` all of them alike. columns: among `LettingGo`'s.
+    broad: (k,) std of each change before the data."""
+
+    sort: Sort
+    index: int
+    columns: IntArray
+    broad: Array
+
+
+def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> tuple[list[Stated], LettingGo]:
+    """bodies: links in question. memory: (rows,) samples of each kind of row that count as one.
+
+    Gains only where something fixes the scale of all torques: else a common factor would fall on one of them.
+    """
+    rows, phi = _Rows(model, memory), model.robot.tree.phi
+    numbers: list[Stated] = []
+
+    def add(sort: Sort, index: int, broad: Array) -> None:
+        first = rows.width - len(broad)
+        numbers.append(Stated(sort, index, np.arange(first, rows.width), broad))
+
+    seen = model.solution.prior.seen
+    for body in bodies:
+        rows.moved(seen[:, 10 * body : 10 * body + 10] * BROAD)
+        add("load", body, BROAD)
+        if phi[body, 0] > 0.0:
+            rows.moved(BROAD_SHARE * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
+            add("scaled", body, np.array([BROAD_SHARE]))
+    driven = [a for a, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
+    places = gain_columns(model.equations)
+    if not driven or not places or not model.known_scale:
+        return numbers, rows.letting_go()
+    logged = list[tuple[int, float]]()
+    for axis in driven:
+        if model.robot.joints[axis].actuation == "torque":
+            rows.torque_logged(axis, places[axis])
+            logged.append((rows.width - 1, TORQUE_DOUBT / BROAD_GAIN))
+        else:
+            unit = np.zeros((model.equations.size, 1))
+            unit[places[axis]] = BROAD_GAIN * model.solution.prior.seen_mean[places[axis]]
+            rows.moved(unit)
+        add("gain", axis, np.array([BROAD_GAIN]))
+    doubted = _doubted(rows.letting_go(), logged)
+    gains = np.concatenate([each.columns for each in numbers if each.sort == "gain"])
+    return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([BROAD_GAIN]))], _alike(doubted, gains)
+
+
+def as_stated(model: RobotModel) -> Prior:
+    """The model's prior with what a maker means by a doubted link: one that is heavier is so in all its moments, and
+    where its centre lies elsewhere all of its inertia lies there.
+
+    Ten independent doubts of the same sizes leave moments free that no link can have. Beside the mass, doubted by the
+    share rho, what is in doubt is the centre by rho g and by rho the inertia about it, g the radius of gyration.
+    """
+    prior = model.solution.prior
+    mean, std, seen = prior.mean.copy(), prior.std.copy(), prior.seen.copy()
+    for body, phi in enumerate(model.robot.tree.phi):
+        mass, first, second = 10 * body, slice(10 * body + 1, 10 * body + 4), slice(10 * body + 4, 10 * body + 10)
+        if phi[0] <= 0.0 or std[mass] <= 0.0:
+            continue
+        centre, share = phi[1:4] / phi[0], np.where(std[mass + 1 : mass + 10] > 0.0, phi[1:] / phi[0], 0.0)
+        shift = np.where(std[second, None] > 0.0, inertia_by_first_moment(centre), 0.0)
+        seen[:, mass] += prior.seen[:, mass + 1 : mass + 10] @ share
+        seen[:, first] += prior.seen[:, second] @ shift
+        mean[first] -= share[:3] * mean[mass]
+        mean[second] -= share[3:] * mean[mass] + shift @ mean[first]
+        spread = (std[first] / std[mass]) ** 2  # g² + c²
+        of_lengths = 1.0 - np.mean(centre @ centre / np.maximum(spread, 1e-300))  # g² of it
+        least = LEAST_OF_DOUBT**2
+        std[first] *= np.sqrt(max(of_lengths, least))
+        std[second] *= max(of_lengths, least) / SECOND_MOMENTS
+    return replace(prior, mean=mean, std=std, seen=seen)
+
+
+def _doubted(data: LettingGo, doubts: Sequence[tuple[int, float]]) -> LettingGo:
+    """doubts: columns, and the share of their broad belief that nobody would be surprised at."""
+    if not doubts:
+        return data
+    return data.without(np.array([column for column, _ in doubts]), np.array([share for _, share in doubts]))
+
+
+def gain_columns(equations: Equations) -> list[int]:
+    """Index in x of every axis' motor gain; none where no effect of the model has one."""
+    for k, effect in enumerate(equations.effects):
+        if effect.name == "motor_gain":
+            return [int(equations.effect_columns(axis)[k]) for axis in range(len(equations.robot.joints))]
+    return []
+
+
+def _alike(each: LettingGo, columns: IntArray) -> LettingGo:
+    """With one more column: all of these together."""
+    S = np.block([[each.S, each.S[:, columns].sum(axis=1)[:, None]], [np.zeros((1, len(each.g) + 1))]])
+    S[-1, :-1], S[-1, -1] = S[:-1, -1], S[columns, -1].sum()
+    return LettingGo(S, np.append(each.g, each.g[columns].sum()))
+
+
+@final
+class _Rows:
+    """Collects columns u as their products with A, with each other and with what is left of y, in weighted rows."""
+
+    def __init__(self, model: RobotModel, memory: Array) -> None:
+        solution: Solution = model.solution
+        self.equations, self.statistics = model.equations, solution.statistics
+        self.weights = solution.weights / memory
+        self.data = PriorLeastSquares(self.statistics.square_root(self.weights), as_stated(model), 1.0)
+        self.G, g, _ = self.statistics.normal(self.weights)
+        self.slope = g - self.G @ self.data.x
+        self.A_u, self.own, self.left = list[Array](), list[Array](), list[float]()
+        self.moves = list[Array | None]()
+
+    @property
+    def width(self) -> int:
+        return len(self.left)
+
+    def moved(self, p: Array) -> None:
+        """u = A p, (P, k): what is changed moves parameters of the model."""
+        for column in p.T:
+            self._take(self.G @ column, float(column @ self.G @ column), float(column @ self.slope), column)
+
+    def torque_logged(self, axis: int, place: int) -> None:
+        """u: the torque that the model calls for on an axis whose torque is logged.
+
+        The logged one holds the noise that the residual holds, which a free gain would shrink away.
+        """
+        A_u, own, left = np.zeros(self.equations.size), 0.0, 0.0
+        for kind in (self.equations.first_axis + axis + k * len(self.equations.robot.joints) for k in range(2)):
+            w, columns = self.weights[kind], self.statistics.columns[kind]
+            if w <= 0.0:
+                continue
+            k = int(np.flatnonzero(columns == place)[0])
+            squares, slope, G = self.statistics.around(kind, self.data.x)
+            A_u[columns] += w * (G[:, k] + slope)
+            own += w * (G[k, k] + 2.0 * slope[k] + squares)
+            left += w * (slope[k] + squares)
+        self._take(BROAD_GAIN * A_u, BROAD_GAIN**2 * own, BROAD_GAIN * left, None)
+
+    def _take(self, A_u: Array, own: float, left: float, move: Array | None) -> None:
+        """The product of two columns is p^T A^T u where one of them moves parameters; logged torques of two axes share
+        no row."""
+        products = [
+            float(move @ other) if move is not None else float(p @ A_u) if p is not None else 0.0
+            for other, p in zip(self.A_u, self.moves, strict=True)
+        ]
+        self.own.append(np.array([*products, own]))
+        self.A_u.append(A_u)
+        self.moves.append(move)
+        self.left.append(left)
+
+    def letting_go(self) -> LettingGo:
+        K = self.width
+        B, Q = np.array(self.A_u).reshape(K, self.equations.size).T, np.zeros((K, K))
+        for k, products in enumerate(self.own):
+            Q[k, : k + 1] = Q[: k + 1, k] = products
+        S = Q - B.T @ self.data.divided(B)
+        return LettingGo(0.5 * (S + S.T), np.array(self.left))

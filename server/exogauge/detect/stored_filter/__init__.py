@@ -1,0 +1,1 @@
+"""Signals that were low-passed before they were stored."""

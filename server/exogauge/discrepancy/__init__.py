@@ -1,1 +1,0 @@
-"""Where simulation and measurement disagree, which missing effect explains it, and how far the gap shrinks with it."""

@@ -1,0 +1,1 @@
+"""Motions that would tell apart what these data cannot."""

@@ -1,0 +1,261 @@
+"""Which motion would tell a finding from what else it may be, computed before anybody moves the robot.
+
+What sets two effects apart is what is left of one once the whole baseline and the other one, in whichever of its shapes
+fits best, are fitted again. Every motion adds its rows, by the model's own regressor, to those of the logs; the Schur
+complement of both together then says what would be left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.order import LOG
+from exogauge.experiment.motion_choices import Choice, choices
+from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
+from exogauge.experiment.workspace_limits import Room, room
+from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion, not_told
+from exogauge.logs.model import Log
+from exogauge.search.ambiguity import Undecided
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+AMPLY = 3.0  # times what is enough: what is found is never quite as was expected
+SHORTEST = 20.0  # [s] that a recording lasts
+SWALLOWED = 1e-9  # share of a column that counts as none
+NOTHING = 1e-12  # of the largest information
+MUCH_SMALLER = 0.1  # square sum of a rival over that of the finding, below which it is none of the two that may be true
+OVER_TIME = ("time", "temperature")  # coordinates of effects that need minutes
+SEARCHED = 6  # halvings of that time
+CSV_RATE = 50.0  # [Hz] of the motion that is handed out
+
+
+@final
+@dataclass(frozen=True)
+class Outcome:
+    """pairs: one for every rival. motions: that tell those apart that can be told apart, one where one will do."""
+
+    pairs: tuple[Apart, ...]
+    motions: tuple[PlannedMotion, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What to do, and what no motion helps with."""
+        never = [not_told(each) for each in self.pairs if each.seconds is None]
+        return " ".join([*(each.sentence for each in self.motions), *never])
+
+
+def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:
+    """logs: that were fitted. None where no motion can be planned: the joint carries the robot, only one log has the
+    effect, or the logs move too little to say what the robot may do."""
+    if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
+        return None
+    here, model = room(doubt.model, logs), with_next_log(doubt.model)
+    sites = [each.candidate.site for each in doubt.contenders]
+    slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in doubt.contenders)
+    known = _Known.of(doubt)
+    tried = []
+    for choice in choices(model, here, sites, slow_change):
+        rows = new_rows(doubt, model, here, choice, known.kept)
+        if rows is not None:
+            tried.append(_Tried.of(known, choice, rows))
+    if not tried:
+        return None
+    everyone = range(1, len(doubt.contenders))
+    left = {k for k in everyone if any(each.repeats[k] is not None for each in tried)}
+    apart = {k: known.pair(k, _closest(tried, k), 1) for k in everyone if k not in left}
+    motions: list[PlannedMotion] = []
+    while left:
+        best = min(tried, key=lambda each: each.cost(left))
+        told = {k for k in left if best.repeats[k] is not None}
+        repeats = int(np.ceil(max(SHORTEST / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
+        apart |= {k: known.pair(k, best, repeats) for k in told}
+        motions.append(_motion(doubt, here, best, repeats, [apart[k] for k in sorted(told)]))
+        left -= told
+    return Outcome(tuple(apart[k] for k in everyone), tuple(motions))
+
+
+@final
+@dataclass(frozen=True)
+class _Known:
+    """What the logs say, over the R parameters that the rows in question hold; kept: (R,) which.
+
+    root: (R, R) of their covariance from data and prior, all other parameters fitted. taken: (R, C) by how much
+    the baseline moves for each column. now: (C, C) products of what it leaves of them.
+    """
+
+    doubt: Undecided
+    kept: IntArray
+    root: Array
+    taken: Array
+    now: Array
+
+    @staticmethod
+    def of(doubt: Undecided) -> _Known:
+        model = doubt.model
+        own, free = model.equations.columns(), model.solution.prior.free
+        kinds = {kind for each in doubt.contenders for kind in each.candidate.site.kinds(model.equations)}
+        kept = np.intersect1d(np.concatenate([own[kind] for kind in sorted(kinds)]), free)
+        unit = np.zeros((model.equations.size, len(kept)))
+        unit[kept, np.arange(len(kept))] = 1.0
+        covariance = model.solution.unbounded.divided(unit)[kept]
+        size, B = np.sqrt(np.diag(covariance)), doubt.B[kept]
+        scaled, V = np.linalg.eigh(covariance / np.outer(size, size))
+        root = size[:, None] * V * np.sqrt(np.maximum(scaled, 0.0))
+        taken = root @ (root.T @ B)
+        return _Known(doubt, kept, root, taken, doubt.S - B.T @ taken)
+
+    def after(self, rows: NewRows) -> _After:
+        """What repeats of a motion would leave. What its rows say is what the logs did not foretell."""
+        G, fresh = rows.A @ self.root, rows.c - rows.A @ self.taken
+        if len(G) <= G.shape[1]:
+            D, U = np.linalg.eigh(G @ G.T)
+            along = U.T @ fresh
+        else:
+            D, V = np.linalg.eigh(G.T @ G)
+            along = (V.T @ (G.T @ fresh)) / np.sqrt(np.maximum(D, NOTHING * float(D.max())))[:, None]
+        return _After(self.now, fresh.T @ fresh - along.T @ along, np.maximum(D, 0.0), along)
+
+    def evidence(self, k: int, L: Array) -> float:
+        """That sets rival k apart from the finding [twice the log likelihood], whichever of the two is true."""
+        left = min(self._apart(true, instead, L)[0] for true, instead in self._truths(k))
+        return left / (self.doubt.noise * self.doubt.memory)
+
+    def _truths(self, k: int) -> list[tuple[int, int]]:
+        """(true, instead); a rival that is fitted much smaller than the finding is not what there is."""
+        as_large = self._apart(k, 0, self.now)[1] > MUCH_SMALLER * self._apart(0, k, self.now)[1]
+        return [(0, k), (k, 0)] if as_large else [(0, k)]
+
+    def _apart(self, true: int, instead: int, L: Array) -> tuple[float, float]:
+        """Square sum that is left of the true one beside the other one's best shape, and without the other one."""
+        contender, rival, parts = self.doubt.contenders[true], self.doubt.contenders[instead], self.doubt.parts
+        own = slice(parts[true].start, parts[true].start + contender.candidate.width)
+        theta, wide = contender.coefficients, rival.candidate.width
+        whole, lost = float(theta @ L[own, own] @ theta), 0.0
+        for start in range(parts[instead].start, parts[instead].stop, wide):
+            other = slice(start, start + wide)
+            size = np.sqrt(np.maximum(np.diag(self.doubt.S)[other], 1e-300))
+            U, g = L[other, other] / np.outer(size, size), (L[other, own] @ theta) / size
+            instead_of = np.linalg.pinv(U, rcond=SWALLOWED, hermitian=True) @ g
+            if wide == 1 and U[0, 0] > SWALLOWED:  # a friction that would have to push is no rival
+                (range_,) = rival.candidate.effect.coefficients
+                instead_of = np.clip(g / U[0], range_.low * size, range_.high * size)
+            lost = max(lost, float(2.0 * g @ instead_of - instead_of @ U @ instead_of))
+        return max(whole - lost, 0.0), whole
+
+    def pair(self, k: int, tried: _Tried, repeats: int) -> Apart:
+        rival, then = self.doubt.contenders[k].candidate, tried.after.left(repeats)
+        true, instead = min(self._truths(k), key=lambda both: self._apart(both[0], both[1], then)[0])
+        (left_now, whole_now), (left_then, whole_then) = (self._apart(true, instead, L) for L in (self.now, then))
+        now, needed = self.evidence(k, self.now), tried.repeats[k]
+        return Apart(
+            rival=rival.effect.name,
+            place=".".join(each for each in rival.site.label(self.doubt.model.equations)[1:] if each),
+            left_now=left_now / whole_now if whole_now > 0.0 else 0.0,
+            left_then=left_then / whole_then if whole_then > 0.0 else 0.0,
+            evidence_now=now,
+            evidence=self.evidence(k, then) - now,
+            rate=10.0 * tried.gain[k] / tried.seconds,
+            seconds=None if needed is None else needed * tried.seconds,
+        )
+
+
+@final
+@dataclass(frozen=True)
+class _After:
+    """What any number of repeats of one motion would leave.
+
+    now: (C, C) products of columns that the logs leave. gain: (D,) information of one repeat over that of the logs, by
+    direction. along: (D, C) what the logs did not foretell of the columns there; beyond: (C, C) products of the rest.
+    """
+
+    now: Array
+    beyond: Array
+    gain: Array
+    along: Array
+
+    def left(self, repeats: float) -> Array:
+        """(C, C) products of what the baseline leaves of all columns."""
+        kept = repeats / (1.0 + repeats * self.gain)
+        return np.asarray(self.now + repeats * self.beyond + (self.along.T * kept) @ self.along)
+
+
+@final
+@dataclass(frozen=True)
+class _Tried:
+    """A motion and what it would do. seconds: of one repeat. gain: rival -> evidence of one repeat. repeats: rival ->
+    how many until it is sure, or None."""
+
+    choice: Choice
+    seconds: float
+    after: _After
+    gain: dict[int, float]
+    repeats: dict[int, float | None]
+
+    @staticmethod
+    def of(known: _Known, choice: Choice, rows: NewRows) -> _Tried:
+        after, everyone = known.after(rows), range(1, len(known.doubt.contenders))
+        gain = {k: known.evidence(k, after.left(1.0)) - known.evidence(k, known.now) for k in everyone}
+        repeats = {k: _needed(known, after, rows.seconds, k, gain[k]) for k in everyone}
+        return _Tried(choice, rows.seconds, after, gain, repeats)
+
+    def cost(self, rivals: set[int]) -> tuple[int, float, float]:
+        """How many it does not tell apart; [s] until it does the others amply, with what is awkward of it; and, of what
+        takes as long, first what says more. A motion is moved as a whole: what is ample anyway need not be fast."""
+        told = [k for k in rivals if self.repeats[k] is not None]
+        needed = max((AMPLY * (self.repeats[k] or 0.0) for k in told), default=0.0)
+        worth = min((self.gain[k] for k in told), default=0.0) / self.seconds
+        return len(rivals) - len(told), max(needed, 1.0) * self.seconds * self.choice.price, -worth
+
+
+def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -> float | None:
+    """Repeats until the evidence has grown by `SURE`; None where that takes more than `LONGEST`."""
+    if once >= SURE:
+        return SURE / once
+    now = known.evidence(k, known.now)
+
+    def enough(n: float) -> bool:
+        return known.evidence(k, after.left(n)) - now >= SURE
+
+    low, high = 1.0, max(LONGEST / seconds, 1.0)
+    if not enough(high):
+        return None
+    for _ in range(SEARCHED):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return high
+
+
+def _closest(tried: Sequence[_Tried], k: int) -> _Tried:
+    """The motion that leaves most between the finding and rival k, though not enough."""
+    return max(tried, key=lambda each: each.gain[k] / each.seconds)
+
+
+def _in_one_log(shapes: Sequence[object], values: Sequence[float]) -> bool:
+    return any(getattr(shape, "name", "") == LOG and value >= 0.0 for shape, value in zip(shapes, values, strict=True))
+
+
+def _motion(doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart]) -> PlannedMotion:
+    robot, choice = doubt.model.robot, best.choice
+    log = as_log(doubt.model, here, choice, CSV_RATE)
+    names = tuple(joint.name for joint in robot.joints)
+    body = int(np.flatnonzero(robot.tree.dof == choice.lead)[0])
+    return PlannedMotion(
+        joint=names[choice.lead],
+        companion="" if choice.companion is None else names[choice.companion],
+        companion_range=choice.companion_range,
+        sweep=choice.sweep,
+        unit="m" if robot.tree.prismatic[body] else "rad",
+        repeats=repeats,
+        duration=repeats * best.seconds,
+        pairs=tuple(pairs),
+        legs_rest=robot.floating,
+        time=log.time,
+        joints=names,
+        q=log.stack([f"q.{name}" for name in names]),
+    )

@@ -1,0 +1,150 @@
+"""The motions that are considered when one is planned: a joint swept over several ranges and speeds, alone or beside
+another one that changes its load."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.experiment.workspace_limits import Room
+from exogauge.findings.sweeps import Sweep
+from exogauge.identification.model import RobotModel
+from exogauge.identification.site import AxisSite, Site
+from exogauge.robots.motion import Motion
+
+Array = NDArray[np.float64]
+
+SLOW = 4.0  # thresholds of rest: slower motion is none that a log shows
+SLOW_SHARE = 0.02  # of the top speed
+LEAST = 0.02  # [rad or m] amplitude worth a motion
+SINE_S, LONG_S = 20.0, 300.0  # [s] of one repeat
+SHORTEST_PERIOD = 1.0  # [s]
+FAR = 1.1  # times the range or speed of the logs, from which on a motion counts as another
+WIDER, FASTER, BESIDE = 1.5, 2.5, 1.3  # prices of leaving the range or speed of the logs, and of moving two joints
+LEADS, COMPANIONS = 3, 2  # joints that are swept where no joint is in question; that are moved beside
+
+
+@final
+@dataclass(frozen=True)
+class Choice:
+    """sweep: of joint `lead`. companion: joint that moves slowly over `companion_range`, or None.
+
+    price: by which its time is multiplied when choices are compared: what leaves the range or speed of the logs, or
+    moves two joints, costs more.
+    """
+
+    lead: int
+    sweep: Sweep
+    companion: int | None
+    companion_range: tuple[float, float]
+    price: float
+
+    def positions(self, posture: Array, rate_hz: float) -> Array:
+        """(T, J) of one repeat."""
+        lead = self.sweep.position(rate_hz)
+        q = np.tile(posture, (len(lead), 1))
+        q[:, self.lead] = lead
+        if self.companion is not None:
+            low, high = self.companion_range
+            turn = 2.0 * np.pi * np.arange(len(lead)) / len(lead)
+            q[:, self.companion] = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(turn)
+        return q
+
+
+def choices(model: RobotModel, room: Room, sites: Sequence[Site], slow_change: bool) -> list[Choice]:
+    """sites: of the effects in question. slow_change: whether one of them needs minutes."""
+    kinds = sorted({kind for site in sites for kind in site.kinds(model.equations)})
+    swept = [site.axis for site in sites if isinstance(site, AxisSite)]
+    felt = _felt(model, room, kinds)
+    by_weight = [int(joint) for joint in np.argsort(-felt) if felt[joint] > 0.0]
+    leads = list(dict.fromkeys(swept)) or by_weight[:LEADS]
+    found: list[Choice] = []
+    for lead in leads:
+        if room.free[lead]:
+            beside = [joint for joint in by_weight if joint != lead][:COMPANIONS]
+            found += _of(model, room, lead, beside, slow_change)
+    return found
+
+
+def _of(model: RobotModel, room: Room, lead: int, beside: Sequence[int], slow_change: bool) -> Iterator[Choice]:
+    usual, top = float(room.seen_speed[lead]), float(room.top_speed[lead])
+    slowest = max(SLOW * float(model.at_rest.threshold[lead]), SLOW_SHARE * usual)
+    if not slowest < 0.5 * usual:
+        return
+    seen, wide = _span(room.seen_low[lead], room.seen_high[lead]), _span(room.low[lead], room.high[lead])
+    wider = wide[1] > FAR * seen[1]
+    faster = top > FAR * usual
+    alone: list[tuple[Sweep | None, float]] = []
+    for (offset, size), price in ((seen, 1.0), *(((wide, WIDER),) if wider else ())):
+        alone += [
+            (_speeds(offset, size, slowest, usual), price),
+            (_speeds(offset, size, slowest, 0.25 * usual), price),
+            (_sine(offset, size, usual), price),
+            (_small(offset, size, slowest), 1.05 * price),
+        ]
+        if faster:
+            alone += [(_speeds(offset, size, slowest, top), FASTER * price), (_sine(offset, size, top), FASTER * price)]
+    alone += [(_speeds(wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual), WIDER) for side in (-1.0, 1.0)]
+    if slow_change:
+        alone += [(_sine(*seen, usual, LONG_S), 1.0), (_speeds(*seen, slowest, usual, LONG_S), 1.0)]
+    for sweep, price in alone:
+        if sweep is not None:
+            yield Choice(lead, sweep, None, (0.0, 0.0), price)
+    for other in beside:
+        span = (float(room.seen_low[other]), float(room.seen_high[other]))
+        pairs = [(_speeds(*seen, slowest, usual), BESIDE), (_sine(*seen, usual), BESIDE)]
+        if other == beside[0] and (wider or faster):
+            pairs += [(_speeds(*wide, slowest, top), WIDER * FASTER * BESIDE)]
+        for sweep, price in pairs:
+            if sweep is not None and span[1] - span[0] > LEAST:
+                yield Choice(lead, sweep, other, span, price)
+
+
+def _span(low: float, high: float) -> tuple[float, float]:
+    """Middle, and how far to either side."""
+    return 0.5 * float(low + high), 0.49 * float(high - low)
+
+
+def _speeds(offset: float, size: float, slowest: float, fastest: float, seconds: float = 1.0) -> Sweep | None:
+    if size < LEAST or fastest < 2.0 * slowest:
+        return None
+    return Sweep("speeds", size, offset, slowest, fastest, seconds)
+
+
+def _sine(offset: float, size: float, fastest: float, seconds: float = SINE_S) -> Sweep | None:
+    period = max(2.0 * np.pi * size / max(fastest, 1e-9), SHORTEST_PERIOD)
+    if size < LEAST or period > seconds:
+        return None
+    return Sweep("sine", size, offset, 0.0, 2.0 * np.pi * size / period, seconds, period)
+
+
+def _small(offset: float, size: float, slowest: float) -> Sweep | None:
+    return Sweep.small(offset, size, slowest) if size >= LEAST else None
+
+
+def _felt(model: RobotModel, room: Room, kinds: Sequence[int]) -> Array:
+    """(J,) how much the rows of these kinds change, in their own noise, when each joint is posed from end to end of
+    what the logs hold; 0 for joints that carry the robot."""
+    equations, joints = model.equations, len(room.posture)
+    q = np.tile(room.posture, (3 * joints, 1))
+    for joint in range(joints):
+        span = (room.seen_low[joint], room.posture[joint], room.seen_high[joint])
+        q[3 * joint : 3 * joint + 3, joint] = span
+    still, n = np.zeros_like(q), np.zeros((len(q), 3))
+    upwards = np.array([0.0, 0.0, 9.81])
+    if model.robot.T_base_imu is not None:
+        upwards = model.robot.T_base_imu.rotation @ np.array([room.resting[f"acc.{axis}"] for axis in "xyz"])
+    motion = Motion(q, still, still, np.tile(upwards, (len(q), 1)), n, n)
+    rows = np.zeros((len(q), equations.kinds))
+    phi = equations.base.regroup @ model.identified.phi.ravel()
+    rows[:, : equations.first_axis + joints] = equations.blocks.predict(motion, phi)
+    for index, cut in enumerate(equations.cuts):
+        for row, (block, own) in enumerate(zip(cut.fill(motion), cut.columns, strict=True)):
+            rows[:, equations.first_cut + 6 * index + row] = block @ phi[own]
+    told = rows[:, kinds] * np.sqrt(model.solution.weights[list(kinds)])
+    change = np.abs(told.reshape(joints, 3, -1) - told.reshape(joints, 3, -1)[:, 1:2]).max(axis=(1, 2))
+    return np.asarray(np.where(room.free & (change > 1e-6 * max(float(change.max()), 1e-300)), change, 0.0))

@@ -1,0 +1,1 @@
+"""What was found, as data: findings, what is left, what cannot be told, what to do next."""

@@ -1,0 +1,51 @@
+"""One cause on every joint, or on every axis of a sensor, is one finding: a delay of the whole drive, not six."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from exogauge.effects.catalogue import missing_effects
+from exogauge.effects.flags import common_cause
+from exogauge.findings.result import Finding, Place
+
+ALL = "all"
+FEWEST = 3  # joints
+MOST = 0.5  # of the joints
+AXES = 4  # of its six
+
+
+def merged(findings: Sequence[Finding], joints: int) -> tuple[Finding, ...]:
+    """Findings of a shared effect on at least half of the joints become one, at the place of the first."""
+    result: list[Finding] = []
+    for name in dict.fromkeys(each.effect for each in findings):
+        same = [each for each in findings if each.effect == name]
+        if name in _shared("joint") and len(same) >= max(FEWEST, MOST * joints):
+            where = ", ".join(each.place.name for each in same)
+            sentence = f"All joints alike ({where}): {same[0].sentence}"
+            result.append(replace(same[0], place=Place("joint", ALL), sentence=sentence))
+        else:
+            result += same
+    result = _of_sensors(result)
+    ordered = sorted(result, key=lambda each: each.rank)
+    return tuple(replace(each, rank=number) for number, each in enumerate(ordered, 1))
+
+
+def _of_sensors(findings: Sequence[Finding]) -> list[Finding]:
+    """The same on most axes of one sensor is one finding, at the place of the first."""
+    result = list(findings)
+    for name, sensor in dict.fromkeys(
+        (each.effect, each.place.name) for each in findings if each.place.kind == "sensor"
+    ):
+        same = [each for each in result if (each.effect, each.place.name) == (name, sensor)]
+        if name in _shared("sensor") and len(same) >= AXES:
+            axes = ", ".join(each.place.part for each in same)
+            one = replace(same[0], place=Place("sensor", sensor, ALL), also_possible=(), motion="",
+                          sentence=f"All axes alike ({axes}): {same[0].sentence}")  # fmt: skip
+            result = [one if each is same[0] else each for each in result if each is same[0] or each not in same]
+    return result
+
+
+def _shared(place: str) -> set[str]:
+    """Effects of this place that have one cause where most of its kind have them."""
+    return {each.name for each in missing_effects() if each.place == place and common_cause(each)}

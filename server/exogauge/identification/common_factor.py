@@ -1,0 +1,111 @@
+"""The factor common to torques, masses, friction and k_T that currents leave open, and what fixes it.
+
+Without a measured force (φ, ξ) times any factor explains currents as well ([Evaluator] 3.1; rank deficit of exactly
+one). A contact wrench on the base rows, what a sensor carries, or a joint torque fixes it; so does a weighed load that
+some of the fitted logs carry: what the currents are in these logs more than in the others is what it weighs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.identification.equations import Equations
+from exogauge.identification.gain_scale import gain_scale
+from exogauge.identification.load_columns import MASS, inseparable_loads
+from exogauge.identification.solution import Solution
+from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
+
+FIXED = 0.5  # a load fixes the factor where it leaves at most this share of the std that the stated values leave
+NEVER_WEIGHED = 10.0  # times its mass: std of a load that tells nothing of any scale
+
+SCALE_UNKNOWN = (
+    "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
+    "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load in "
+    "some of the logs and state it (`known` in study.yaml). What is listed as not identifiable is so even if that "
+    "factor were known; errors are told in N·m by the stated k_T."
+)
+
+
+@final
+@dataclass(frozen=True)
+class CommonFactor:
+    """measured: a force or torque fixes it. std: of its logarithm; unweighed: what it would be if no load were known;
+    both None where it is measured. A doubt of the whole is none that is worth halving."""
+
+    measured: bool = True
+    std: float | None = None
+    unweighed: float | None = None
+
+    @property
+    def known(self) -> bool:
+        return self.measured or (
+            self.std is not None and self.unweighed is not None and self.std <= FIXED * min(self.unweighed, 1.0)
+        )
+
+
+def scale_is_measured(robot: Robot) -> bool:
+    """Whether a measured force or torque fixes the scale of all torques."""
+    contact = robot.floating and bool(robot.contacts)
+    return contact or bool(robot.cuts) or any(joint.actuation == "torque" for joint in robot.joints)
+
+
+def common_factor(equations: Equations, solution: Solution, meat: Array) -> CommonFactor:
+    """meat: (P, P) covariance of the weighted score (`uncertainty`)."""
+    if scale_is_measured(equations.robot) or not len(solution.gains.columns):
+        return CommonFactor(measured=scale_is_measured(equations.robot))
+    std = _std(solution.unbounded.covariance(meat) + solution.gains.doubt, solution)
+    masses = [e for e, column in enumerate(equations.added) if column.name == MASS]
+    if not masses:
+        return CommonFactor(False, std, std)
+    prior, places = solution.prior, np.array(masses) - len(equations.added) + len(solution.prior.std)
+    broad = prior.std.copy()
+    broad[places] = NEVER_WEIGHED * prior.mean[places]
+    data = solution.statistics.square_root(solution.weights)
+    nearest = PriorLeastSquares(data, replace(prior, std=broad), solution.strength)
+    gains = gain_scale(equations, solution.statistics, solution.weights, nearest)
+    return CommonFactor(False, std, _std(nearest.covariance(meat) + gains.doubt, solution))
+
+
+def _std(covariance: Array, solution: Solution) -> float:
+    """Of the mean logarithm of all k_T that are fitted."""
+    columns = solution.gains.columns
+    mean = 1.0 / (len(columns) * solution.solved.x[columns])
+    return float(np.sqrt(max(float(mean @ covariance[np.ix_(columns, columns)] @ mean), 0.0)))
+
+
+def said_of_the_factor(robot: Robot, factor: CommonFactor, fitted: Sequence[str]) -> list[str]:
+    """Warnings: that it is open, once, and why each load that was stated does not fix it. fitted: recordings."""
+    if factor.measured:
+        return []
+    warnings = [] if factor.known else [SCALE_UNKNOWN]
+    inseparable = inseparable_loads(robot, fitted)
+    for load in robot.loads:
+        what = f"The known load of {load.mass:.4g} kg at {load.name}"
+        if not set(load.logs) & set(fitted):
+            advice = "Name one with role identification among its `logs`."
+            warnings.append(f"{what} is in none of the logs that are fitted, so it does not fix that factor. {advice}")
+        elif load.name in inseparable:
+            advice = "Record one without it, or with another mass, on the same axes."
+            warnings.append(
+                f"{what} is carried in every log that is fitted: it cannot be told from its link's own mass, counts as "
+                f"uncertain as that, and does not fix that factor. {advice}"
+            )
+        elif not factor.known:
+            advice = "Carry a heavier one further out, through postures in which more joints feel it."
+            warnings.append(
+                f"{what} is felt too little to fix that factor: it takes its doubt from {_percent(factor.unweighed)} "
+                f"to {_percent(factor.std)}. {advice}"
+            )
+    return warnings
+
+
+def _percent(share: float | None) -> str:
+    return "unknown" if share is None else f"{100 * share:.2g} %"

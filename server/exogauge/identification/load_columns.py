@@ -1,0 +1,107 @@
+"""Known loads as added columns: ten coefficients each, with what was stated of them, in the logs that carry it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.effect import Quantity
+from exogauge.identification.added_column import AddedColumn
+from exogauge.robots.body_rows import body_rows
+from exogauge.robots.description import Robot
+from exogauge.robots.kinematics import subtree
+from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import SYMBOLS, UNITS
+
+Array = NDArray[np.float64]
+
+PREFIX = "load."
+MASS = PREFIX + "m"
+
+
+def kinds_of_body(robot: Robot, body: int) -> tuple[int, ...]:
+    """Row kinds (`Equations`) that feel a body: base rows, axes on the way to the base, sensors that carry it."""
+    above = subtree(robot.tree)[:, body] & (robot.tree.dof >= 0)
+    acts = robot.axes_from_joints[:, robot.tree.dof[above]] != 0.0
+    first_axis, axes = 6 if robot.floating else 0, len(robot.joints)
+    felt = [
+        first_axis + axis for axis, joint in enumerate(robot.joints) if acts[axis].any() and joint.actuation != "none"
+    ]
+    cuts = [
+        first_axis + 2 * axes + 6 * index + row
+        for index, sensor in enumerate(robot.cuts)
+        if body in robot.tree.cuts[sensor.frame]
+        for row in range(6)
+    ]
+    return (*range(first_axis), *felt, *cuts)
+
+
+def load_columns(robot: Robot) -> tuple[AddedColumn, ...]:
+    """`load.m[flange]` … of every load."""
+    return tuple(
+        AddedColumn(
+            PREFIX + symbol,
+            load.name,
+            kinds_of_body(robot, load.body),
+            Quantity(PREFIX + symbol, unit, low=0.0 if symbol == "m" else -np.inf),
+            (float(value), float(std)),
+        )
+        for load in robot.loads
+        for symbol, unit, value, std in zip(SYMBOLS, UNITS, load.mean, load.doubt, strict=True)
+    )
+
+
+def load_entries(robot: Robot, recording: str, motion: Motion) -> Array:
+    """(T, entries) what these columns take off their rows per unit: a load is something to hold. Of low-passed motion,
+    as the columns of the bodies, and not low-passed again."""
+    entries = [np.zeros((motion.samples, 0))]
+    axes, first = len(robot.joints), 6 if robot.floating else 0
+    for load in robot.loads:
+        kinds = np.array(kinds_of_body(robot, load.body), dtype=np.intp)
+        place = np.where(kinds >= first + 2 * axes, kinds - axes, kinds)  # rows at rest are those of their axis
+        if recording not in load.logs:
+            entries.append(np.zeros((motion.samples, 10 * len(kinds))))
+            continue
+        cuts = [sensor.frame for sensor in robot.cuts]
+        rows = body_rows(robot.tree, robot.axes_from_joints, motion, load.body, cuts)[:, place] @ load.columns
+        entries.append(-rows.transpose(0, 2, 1).reshape(motion.samples, -1))
+    return np.hstack(entries)
+
+
+def of_loads(added: Sequence[AddedColumn], values: Array) -> Array:
+    """(loads, 10) of the values (E,) of added columns."""
+    own = [e for e, column in enumerate(added) if column.name.startswith(PREFIX)]
+    return np.asarray(values[own].reshape(-1, 10))
+
+
+def parts_of_links(robot: Robot, recordings: Sequence[str], relative_std: Array) -> Robot:
+    """The robot, with loads that the fitted recordings cannot tell from their links as uncertain as these links are.
+
+    What a link carries in all of them is regrouped with its own mass, of which the maker's doubt is a share. As sure as
+    it was weighed, it would tell the factor that currents leave open by how little the maker gave that link, and what
+    he left out there would be taken for a wrong factor. relative_std: (N,) of the bodies.
+    """
+    if not robot.loads:
+        return robot
+    inseparable = inseparable_loads(robot, recordings)
+    loads = (
+        replace(load, std=max(load.std, float(relative_std[load.body]) * load.mass))
+        if load.name in inseparable
+        else load
+        for load in robot.loads
+    )
+    return replace(robot, loads=tuple(loads))
+
+
+def inseparable_loads(robot: Robot, recordings: Sequence[str]) -> tuple[str, ...]:
+    """Loads of bodies that carry the same mass in all of the recordings, by name."""
+    found = []
+    for load in robot.loads:
+        same = [other for other in robot.loads if other.body == load.body]
+        total = [sum(other.mass for other in same if name in other.logs) for name in recordings]
+        if np.ptp(total) <= np.sqrt(sum(other.std**2 for other in same)):
+            found.append(load.name)
+    return tuple(found)

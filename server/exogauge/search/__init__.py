@@ -1,0 +1,1 @@
+"""One search over one problem: screen candidates, refine, validate, add, prune, correct."""

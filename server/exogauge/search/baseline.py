@@ -1,0 +1,149 @@
+"""The ground that candidates are tried on: one pass over all logs, after which none is needed to rank them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.order import about, begins_among
+from exogauge.effects.shaped import AxisSignals
+from exogauge.identification.model import RobotModel
+from exogauge.identification.seen import seen_by
+from exogauge.identification.settings import Recording
+from exogauge.identification.site import AxisSite, Effect, Seen, Site
+from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
+from exogauge.search.score import Score, residual_memory, score_all
+from exogauge.search.sums import Sums
+
+Array = NDArray[np.float64]
+Tick = Callable[[float, str], None]
+
+SLOW = 3  # order of the polynomial that a drift over a log is taken for
+FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
+
+
+@final
+@dataclass(frozen=True)
+class AxisMotion:
+    """Of one axis at the n kept samples of a log: position [rad], velocity [rad/s], load [N·m], (n,) each."""
+
+    position: Array
+    velocity: Array
+    load: Array
+
+
+@final
+@dataclass(frozen=True)
+class LogResiduals:
+    """What is left of one log at its n kept samples.
+
+    residual: kind of row -> (n,), NaN where there is no row. time: (n,) [s]. axes: actuator axis -> what it did then.
+    """
+
+    log: str
+    held_out: bool
+    time: Array
+    residual: Mapping[int, Array]
+    axes: Mapping[int, AxisMotion]
+
+
+@final
+@dataclass(frozen=True)
+class Ground:
+    """candidates: site -> those that any fitted log holds what they need for. summed: those, and all others that the
+    model has not; fitted: sums of their columns, in order. memory: kind of row -> samples of the fitted logs
+    that count as one. scores: of every candidate that the baseline does not swallow, best first."""
+
+    model: RobotModel
+    candidates: Mapping[Site, Sequence[Candidate]]
+    summed: Mapping[Site, Sequence[Candidate]]
+    fitted: Sums
+    memory: Mapping[int, float]
+    residuals: tuple[LogResiduals, ...]
+    scores: tuple[Score, ...]
+
+
+def lay_ground(
+    model: RobotModel,
+    recordings: Sequence[Recording],
+    effects: Sequence[Effect],
+    tick: Tick,
+    only: int | None = None,
+    at: Site | None = None,
+) -> Ground:
+    """Pass over the logs, then score every candidate on the fitted ones. only: number of the log that candidates must
+    begin with, or sit in. at: the only place that is tried."""
+    x, fitted = model.solution.unbounded.x, Sums()
+    numbers = [model.order.get(each.log.name, -1) for each in recordings if not each.held_out]
+    everywhere = {site: _all_at(model, site, effects, numbers, only) for site in sites(model) if at in (None, site)}
+    everywhere = {site: candidates for site, candidates in everywhere.items() if candidates}
+    shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
+    residuals: list[LogResiduals] = []
+    order = sorted(recordings, key=lambda each: each.held_out)
+    for number, recording in enumerate(order):
+        tick(number / len(order), f"trying what may be missing in {recording.log.name}")
+        prepared = model.prepare(recording.log)
+        axes = [site for site in sites(model) if isinstance(site, AxisSite)]
+        needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
+        seen = seen_by(model, prepared, needed)
+        columns: dict[Site, Array] = {}
+        for site in () if recording.held_out else everywhere:
+            shown[site] |= {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}
+            columns[site] = columns_of(everywhere[site], seen[site], prepared, len(site.kinds(model.equations)))
+        left = (Sums() if recording.held_out else fitted).take(model.equations, prepared, x, columns)
+        time = recording.log.time[prepared.kept] - recording.log.time[0]
+        moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
+        residuals.append(LogResiduals(recording.log.name, recording.held_out, time, left, moved))
+    memory = {kind: _memory(residuals, kind) for kind in range(model.equations.kinds)}
+    tried = {
+        site: [each for each in candidates if each.effect.name in shown[site]]
+        for site, candidates in everywhere.items()
+    }
+    scores = [
+        each
+        for site, sums in fitted.by_site.items()
+        for each in score_all(model, everywhere[site], sums, memory)
+        if each.gain > 0.0 and each.candidate.effect.name in shown[site]
+    ]
+    ranked = tuple(sorted(scores, key=lambda each: -each.evidence))
+    return Ground(model, tried, everywhere, fitted, memory, tuple(residuals), ranked)
+
+
+def _all_at(
+    model: RobotModel, site: Site, effects: Sequence[Effect], numbers: Sequence[int], only: int | None
+) -> list[Candidate]:
+    """An effect sits at a site once, and begins between the first and the last of the fitted logs, if it begins."""
+    there = {each.effect.name for each in model.extension.effects if each.site == site} if model.extension else set()
+    fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
+    every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
+    every = [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
+    return [each for each in every if only is None or about(each.effect.shapes, each.shape, only)]
+
+
+def _moved(signals: AxisSignals, at: NDArray[np.intp]) -> AxisMotion:
+    return AxisMotion(signals.position[at], signals.velocity[at], signals.load[at])
+
+
+def _applies(effect: Effect, seen: Seen) -> bool:
+    return bool(effect.applies(seen.signals))
+
+
+def _without_trend(log: LogResiduals, kind: int) -> Array:
+    """What is left once a slow drift is taken off: that is what is sought, and no memory of the noise."""
+    e = log.residual[kind].copy()
+    used = np.isfinite(e)
+    if used.sum() >= FEWEST:
+        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, SLOW)
+        e[used] -= slow[used] @ np.linalg.lstsq(slow[used], e[used], rcond=None)[0]
+    return e
+
+
+def _memory(residuals: Sequence[LogResiduals], kind: int) -> float:
+    """Median of the fitted logs in which there are such rows; a log in which an axis rests knows nothing of it."""
+    fitted = [_without_trend(each, kind) for each in residuals if not each.held_out and kind in each.residual]
+    known = [residual_memory(e) for e in fitted if np.isfinite(e).sum() >= FEWEST]
+    return float(np.median(known)) if known else 1.0

@@ -1,0 +1,83 @@
+"""How well an effect's numbers are known: coefficients and shapes together, the baseline fitted beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.result import Estimate
+from exogauge.identification.model import RobotModel
+from exogauge.identification.site import Effect
+from exogauge.search.score import Score, residual_memory
+from exogauge.search.site_rows import SiteRows
+from exogauge.search.sums import KindSums
+
+Array = NDArray[np.float64]
+
+STEP = 0.02  # of a shape's value, for its slope
+
+
+def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Mapping[str, Estimate]:
+    """Name -> value, standard deviation, unit; shapes in units of the axis are given in SI units. Without those that
+    make no difference here, such as one that asks for a thermometer where there is none."""
+    candidate, effect = found.candidate, found.candidate.effect
+    weights, own = model.solution.weights, model.equations.columns()
+    fitted = [each for each in rows if not each.held_out]
+    total: dict[int, KindSums] = {}
+    square, memories, count = 0.0, list[float](), 0
+    for each in fitted:
+        left = each.after(effect, candidate.shape, found.coefficients, found.step, own)
+        slopes = [
+            each.columns(effect, candidate.shape),
+            *shape_slopes(effect, candidate.shape, found.coefficients, each),
+        ]
+        for kind, e in left.items():
+            if weights[kind] > 0.0:
+                c = np.hstack([one[kind] for one in slopes])
+                total.setdefault(kind, KindSums.empty(c.shape[1], each.rows[kind].A.shape[1])).add(
+                    each.rows[kind].A, c, e
+                )
+                square, count = square + weights[kind] * float(e @ e), count + len(e)
+                memories.append(residual_memory(e))
+    size = candidate.width + len(_free(found))
+    B, S = np.zeros((model.equations.size, size)), np.zeros((size, size))
+    for kind, sums in total.items():
+        B[own[kind]] += weights[kind] * sums.cross.T
+        S += weights[kind] * sums.own
+    squares = np.diag(S).copy()
+    S -= B.T @ model.solution.unbounded.divided(B)
+    scale = float(np.median(memories)) * square / max(count, 1)
+    std = np.sqrt(np.maximum(np.diag(np.linalg.pinv(S, hermitian=True)), 0.0) * scale)
+    names = [*(each.name for each in effect.coefficients), *_free(found)]
+    doubt = dict(zip(names, std, strict=True))
+    idle = {name for name, own_square in zip(names, squares, strict=True) if own_square == 0.0 and name in _free(found)}
+    named = [(each.name, each.unit) for each in effect.coefficients] + [(one.name, one.unit) for one in effect.shapes]
+    estimates = {}
+    for (name, own_unit), value in zip(named, [*found.coefficients, *candidate.shape], strict=True):
+        if name in idle:
+            continue
+        factor, unit = candidate.site.in_si(model, own_unit, candidate.shape)
+        estimates[name] = Estimate(float(value) * factor, float(doubt.get(name, 0.0)) * factor, unit)
+    return estimates
+
+
+def _free(found: Score) -> list[str]:
+    """Shapes that are not a choice."""
+    return [one.name for one in found.candidate.effect.shapes if not one.choice]
+
+
+def shape_slopes(
+    effect: Effect, shape: tuple[float, ...], coefficients: Array, rows: SiteRows
+) -> list[Mapping[int, Array]]:
+    """Per free shape: kind -> (n, 1) change of what the effect takes off the row with it."""
+    slopes: list[Mapping[int, Array]] = []
+    for k, (value, one) in enumerate(zip(shape, effect.shapes, strict=True)):
+        if one.choice:
+            continue
+        step = STEP * (abs(value) or one.high - one.low)
+        low, high = max(value - step, one.low), min(value + step, one.high)
+        below, above = (rows.columns(effect, (*shape[:k], end, *shape[k + 1 :])) for end in (low, high))
+        slopes.append({kind: ((above[kind] - below[kind]) @ coefficients / (high - low))[:, None] for kind in above})
+    return slopes

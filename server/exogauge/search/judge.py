@@ -1,0 +1,193 @@
+"""Whether a candidate may be claimed: on logs that were not fitted, block by block, regime by regime."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.order import bounded
+from exogauge.effects.shaped import AxisSignals
+from exogauge.identification.model import RobotModel
+from exogauge.search.block_gains import sureness
+from exogauge.search.score import Score
+from exogauge.search.site_rows import SiteRows
+
+Array = NDArray[np.float64]
+Blocks = Mapping[tuple[str, int], float]  # (log, block of time) -> sum
+
+BLOCK_S = 1.0  # length of the parts that count as independent
+FEWEST_BLOCKS = 5
+SURE = 3.0  # standard errors by which held-out error must fall
+CLEAR = 60.0  # evidence of the fitted logs from which held-out ones have one claim left to confirm, not one of many
+SURE_IF_CLEAR = 2.5
+SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
+ONCE = 6.0  # standard errors asked of what sits in one fitted log and so cannot be held out
+ONCE_IF_CLEAR, NEARLY_ALL = 4.0, 0.9  # the same where this share of the square error of these logs goes with it
+LEAST = 0.05  # of the held-out square error
+WORSE = 3.0  # standard errors by which a regime may not get worse
+FEWEST_IN_REGIME = 30
+
+
+@final
+@dataclass(frozen=True)
+class Judgement:
+    """z: standard errors by which the held-out square error falls; z_fitted: the same in the fitted logs.
+
+    kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
+    [N·m or N]; of_kinds: the same of all that it acts on. blocks: by how much the weighted square error falls in each
+    held-out block, for comparing candidates with each other. logs: that all of this is about, the held-out ones.
+    objection: why it may not be claimed, or "".
+    once: what sits in fitted logs alone cannot be held out: then it is about these, and more is asked.
+    """
+
+    score: Score
+    kind: int
+    z: float
+    z_fitted: float
+    before: float
+    after: float
+    of_kinds: Mapping[int, tuple[float, float]]
+    blocks: Blocks
+    logs: tuple[str, ...]
+    once: bool
+    objection: str
+
+    @property
+    def explained(self) -> float:
+        """Share of the held-out square error that goes."""
+        return 1.0 - (self.after / max(self.before, 1e-300)) ** 2
+
+    def shown_by(self, kind: int) -> Judgement:
+        before, after = self.of_kinds[kind]
+        return replace(self, kind=kind, before=before, after=after)
+
+
+@final
+@dataclass(frozen=True)
+class _Change:
+    """One kind of row in one log. before, after: (n,) residuals. acts: whether the effect does anything in the log."""
+
+    rows: SiteRows
+    kind: int
+    before: Array
+    after: Array
+    acts: bool
+
+    @property
+    def gain(self) -> Array:
+        return np.asarray(self.before**2 - self.after**2)
+
+    def blocks(self, weight: float, inside: NDArray[np.bool_] | None = None) -> Iterator[tuple[tuple[str, int], float]]:
+        """Sums of the weighted gain over blocks of `BLOCK_S` of the log's time."""
+        chosen = np.ones(len(self.before), dtype=bool) if inside is None else inside
+        block = np.floor(self.rows.time[self.rows.rows[self.kind].samples[chosen]] / BLOCK_S).astype(np.intp)
+        places, number = np.unique(block, return_inverse=True)
+        total = np.bincount(number, self.gain[chosen], minlength=len(places))
+        for place, value in zip(places, total, strict=True):
+            yield (self.rows.log, int(place)), weight * float(value)
+
+
+def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float = SURE) -> Judgement:
+    """rows: of the candidate's site, in all logs. sure: standard errors by which held-out error must fall."""
+    candidate, weights = score.candidate, model.solution.weights
+    own = model.equations.columns()
+    changes = []
+    for each in rows:
+        left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
+        acts = any(bool(c.any()) for c in each.columns(candidate.effect, candidate.shape).values())
+        changes += [
+            _Change(each, kind, each.rows[kind].e, after, acts) for kind, after in left.items() if weights[kind] > 0
+        ]
+    out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))
+    there, elsewhere = ({each.rows.log for each in changes if each.acts is acts} for acts in (True, False))
+    once = bounded(candidate.effect.shapes) and not any(each.acts for each in out) and bool(there and elsewhere - there)
+    if once:
+        out = [each for each in fitted if each.rows.log in there]
+    blocks, blocks_fitted = _summed(out, weights), _summed(fitted, weights)
+    z, z_fitted = (sureness(np.array(list(each.values()))) for each in (blocks, blocks_fitted))
+    by_kind = {kind: weights[kind] * sum(float(each.gain.sum()) for each in out or fitted if each.kind == kind)
+               for kind in {each.kind for each in out or fitted}}  # fmt: skip
+    kind = max(by_kind, key=lambda one: by_kind[one])
+    of_kinds = {each: _errors([change for change in out if change.kind == each]) for each in by_kind}
+    before, after = of_kinds[kind]
+    explained = 1.0 - (after / max(before, 1e-300)) ** 2
+    asked = min(sure, SURE_IF_CLEAR) if score.evidence > CLEAR else sure
+    if once:
+        asked = ONCE_IF_CLEAR if explained > NEARLY_ALL else ONCE
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once)
+    logs = tuple(dict.fromkeys(each.rows.log for each in out))
+    return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
+
+
+def _errors(changes: Sequence[_Change]) -> tuple[float, float]:
+    if not changes:
+        return float("nan"), float("nan")
+    every = ([each.before for each in changes], [each.after for each in changes])
+    before, after = (float(np.sqrt(np.mean(np.concatenate(values) ** 2))) for values in every)
+    return before, after
+
+
+def apart(one: Judgement, other: Judgement) -> float:
+    """Standard errors by which one candidate explains more than another one, block by block."""
+    every = one.blocks.keys() | other.blocks.keys()
+    return sureness(np.array([one.blocks.get(each, 0.0) - other.blocks.get(each, 0.0) for each in sorted(every)]))
+
+
+def _summed(changes: Sequence[_Change], weights: Array) -> dict[tuple[str, int], float]:
+    total: dict[tuple[str, int], float] = {}
+    for change in changes:
+        for place, value in change.blocks(float(weights[change.kind])):
+            total[place] = total.get(place, 0.0) + value
+    return total
+
+
+def _objection(
+    z: float,
+    z_fitted: float,
+    explained: float,
+    blocks: int,
+    out: Sequence[_Change],
+    weights: Array,
+    sure: float,
+    once: bool,
+) -> str:
+    if blocks < FEWEST_BLOCKS:
+        there = f"{blocks * BLOCK_S:.0f} of {FEWEST_BLOCKS * BLOCK_S:.0f} s"
+        return f"too little steady motion in logs that were not fitted to judge it: {there}"
+    if z_fitted < SURE_FITTED:
+        return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
+    if explained < LEAST:
+        return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
+    if z < sure:
+        where = "in the log that has it" if once else "on held-out logs"
+        return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.2g} are asked for)"
+    for name, chosen in REGIMES.items():
+        moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
+        inside = [chosen(each) for each in moving]
+        if sum(int(mask.sum()) for mask in inside) < FEWEST_IN_REGIME:
+            continue
+        change = dict(
+            pair for each, mask in zip(moving, inside, strict=True) for pair in each.blocks(weights[each.kind], mask)
+        )
+        worse = sureness(np.array(list(change.values())))
+        if worse < -WORSE:
+            return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
+    return ""
+
+
+def _velocity(each: _Change) -> Array:
+    """(n,) in units of the axis' usual speed."""
+    signals: AxisSignals = each.rows.seen.signals
+    return np.asarray(signals.velocity[each.rows.rows[each.kind].samples] / max(signals.speed_scale, 1e-12))
+
+
+REGIMES: dict[str, Callable[[_Change], NDArray[np.bool_]]] = {
+    "at low speed": lambda each: np.abs(_velocity(each)) < 0.5,
+    "at high speed": lambda each: np.abs(_velocity(each)) > 1.2,
+    "in positive motion": lambda each: _velocity(each) > 0.0,
+    "in negative motion": lambda each: _velocity(each) < 0.0,
+}

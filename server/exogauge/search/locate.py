@@ -1,0 +1,156 @@
+"""Which channels are off by more than their sensors' noise, on logs that were not fitted, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.findings.result import Excess
+from exogauge.findings.verdict import ABOVE, Seen
+from exogauge.identification.equations import Equations
+from exogauge.identification.predict import BASE_CHANNELS
+from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.result import ChannelFit, Identification
+from exogauge.identification.validate import unit_of
+from exogauge.search.baseline import LogResiduals
+
+Array = NDArray[np.float64]
+
+SURE = 3.0  # standard errors
+BLOCK_S = 1.0
+PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
+MOMENTS, OF_ALL = 0.1, 2.0 / 3.0  # share of all blocks that hold this share of the square error: it sits in moments
+RESOLVED = 1e-9  # of the largest error: a lower floor is that of rounding
+FEWEST = 10  # rows that say anything
+MEMORY = 2.5  # rows that count as one: they stand 2.5 to a period of the cut-off
+
+
+def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
+    """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
+    result = []
+    for kind, channel in all_channels(equations).items():
+        fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
+        rmse, floor = pooled(fits)
+        if not np.isfinite(rmse) or rmse < ABOVE * floor:
+            continue
+        z = _sureness(found, residuals, channel, kind, fits)
+        if z > SURE:
+            where = _where([each for each in residuals if each.held_out], kind, kind - equations.first_axis)
+            result.append(Excess(channel, unit_of(channel, equations.robot), rmse, floor, z, where))
+    return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
+
+
+def seen(equations: Equations, found: Identification) -> tuple[Seen, ...]:
+    """Every channel that was looked at on logs that were not fitted; none where none was held out."""
+    result = []
+    for channel in all_channels(equations).values():
+        fits = [fit for fit in found.validation if fit.channel == channel]
+        held_out = [fit for fit in fits if fit.held_out]
+        if held_out:
+            rmse, floor = pooled(held_out)
+            ratio = rmse / floor if floor > 0.0 else float("nan")
+            steady_s, moved_s = sum(fit.steady_s for fit in held_out), sum(fit.moved_s for fit in fits)
+            result.append(Seen(channel, ratio, steady_s, moved_s))
+    return tuple(result)
+
+
+def all_channels(equations: Equations) -> dict[int, str]:
+    """Kind of row -> channel: those of `channels`, and on a floating robot the wrench on its base."""
+    return dict(enumerate(BASE_CHANNELS[: equations.first_axis])) | channels(equations)
+
+
+def channels(equations: Equations) -> dict[int, str]:
+    """Kind of row -> channel of joint torques and of the sensors that carry bodies."""
+    robot, first = equations.robot, equations.first_axis
+    found = {first + axis: f"tau.{joint.name}" for axis, joint in enumerate(robot.joints)}
+    names = [name for sensor in robot.cuts for name in wrench_channels(sensor.name)]
+    return found | dict(enumerate(names, equations.first_cut))
+
+
+def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
+    """RMSE in steady motion and noise floor over several logs; NaN where no log has any."""
+    moving = [(fit.rmse_moving, fit.noise_floor) for fit in fits if fit.rmse_moving is not None]
+    if not moving:
+        return float("nan"), float("nan")
+    rmse, floor = np.array(moving).T
+    return float(np.sqrt(np.mean(rmse**2))), float(np.sqrt(np.mean(floor**2)))
+
+
+def _sureness(
+    found: Identification, residuals: Sequence[LogResiduals], channel: str, kind: int, fits: Sequence[ChannelFit]
+) -> float:
+    """Standard errors by which the mean square error of the rows stands above what noise alone would leave in as many.
+
+    Of noise, and not of the error itself: one jolt that stands far above all would make that as large as the mean.
+    """
+    floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
+    predictions = {prediction.log: prediction for prediction in found.predictions}
+    relative: list[Array] = []
+    for each in residuals:
+        if not each.held_out or each.log not in floor or kind not in each.residual:
+            continue
+        prediction = predictions[each.log]
+        time = prediction.time - prediction.time[0]
+        at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
+        error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
+        least = RESOLVED * float(np.max(np.abs(error), initial=1e-300))
+        relative.append((error / max(floor[each.log], least)) ** 2)
+    squares = np.concatenate(relative) if relative else np.zeros(0)
+    if len(squares) < FEWEST:
+        return 0.0
+    independent = len(squares) / MEMORY
+    return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
+
+
+def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
+    """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
+    positions, in which it is largest; in words."""
+    known = [each for each in residuals if kind in each.residual]
+    moments = _moments(known, kind)
+    if moments:
+        return moments
+    e = np.concatenate([each.residual[kind] for each in known])
+    used = np.isfinite(e)
+    if used.sum() < 30:
+        return "throughout"
+    square = e[used] ** 2
+    words = {"time since the start": (np.concatenate([each.time for each in known])[used], "s")}
+    if all(axis in each.axes for each in known):
+
+        def of_axis(name: str) -> Array:
+            return np.asarray(np.concatenate([getattr(each.axes[axis], name) for each in known])[used])
+
+        words |= {
+            "speed": (np.abs(of_axis("velocity")), "rad/s"),
+            "position": (of_axis("position"), "rad"),
+            "load": (np.abs(of_axis("load")), "N·m"),
+        }
+    best, said = PART, "throughout"
+    for name, (values, unit) in words.items():
+        low, high = np.quantile(values, [1 / 3, 2 / 3])
+        for phrase, part in (
+            (f"at a {name} below {low:.3g} {unit}", values <= low),
+            (f"at a {name} above {high:.3g} {unit}", values >= high),
+        ):
+            if part.any() and square[part].mean() / square.mean() > best:
+                best, said = float(square[part].mean() / square.mean()), phrase
+    return said
+
+
+def _moments(residuals: Sequence[LogResiduals], kind: int) -> str:
+    """`in a few moments: at 12 s of val_1, …`; "" where the error is spread wider."""
+    blocks: list[tuple[float, str]] = []
+    for each in residuals:
+        square = each.residual[kind] ** 2
+        used = np.isfinite(square)
+        starts, number = np.unique(np.floor(each.time[used] / BLOCK_S), return_inverse=True)
+        at = [f"{start * BLOCK_S:.0f} s of {each.log}" for start in starts]
+        blocks += zip(np.bincount(number, square[used]).tolist(), at, strict=True)
+    blocks.sort(reverse=True)
+    held = np.cumsum([total for total, _ in blocks])
+    needed = int(np.searchsorted(held, OF_ALL * held[-1])) + 1 if blocks else 0
+    if not 0 < needed <= MOMENTS * len(blocks):
+        return ""
+    return f"in a few moments: at {', '.join(at for _, at in blocks[:needed])}"

@@ -1,0 +1,57 @@
+"""What begins with a held-out log, or sits in it alone: no fitted log has it, so that log joins the fitted ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from exogauge.findings.verdict import ABOVE
+from exogauge.identification.identify import identify
+from exogauge.identification.result import ChannelFit
+from exogauge.identification.settings import Recording
+from exogauge.search.search import Search
+
+ODD = 1.5  # times the fitted logs' error on the same channel
+
+JOINED = (
+    "{log} was held out and had to be fitted: something begins with it, or is in no other log. What is said of "
+    "held-out logs is about the others."
+)
+
+
+def look_into_odd_logs(search: Search) -> tuple[Search, tuple[str, ...]]:
+    """What it finds once a log that differs from all others is fitted, and notes; or the same search."""
+    for recording in odd_logs(search):
+        joined = [replace(each, held_out=False) if each is recording else each for each in search.recordings]
+        number = search.base.model.order.get(recording.log.name, -1)
+        base = identify(search.base.model.robot, joined, search.settings)
+        again = replace(search, base=base, recordings=joined, steps=[], rejected=list(search.rejected), only=number)
+        again.resume(search.steps)
+        if len(again.steps) > len(search.steps):
+            return again, (JOINED.format(log=recording.log.name),)
+    return search, ()
+
+
+def odd_logs(search: Search) -> Iterator[Recording]:
+    """Held-out ones, in the order of the study, in which some channel errs more than noise and more than where it was
+    fitted."""
+    order = search.base.model.order
+    fits = search.current.validation
+    fitted = {fit.channel: _mean_square([each for each in fits if each.channel == fit.channel and not each.held_out])
+              for fit in fits}  # fmt: skip
+    for recording in sorted(search.recordings, key=lambda each: order.get(each.log.name, -1)):
+        own = [fit for fit in fits if fit.log == recording.log.name and fit.rmse_moving is not None]
+        if recording.held_out and any(_is_odd(fit, fitted[fit.channel]) for fit in own):
+            yield recording
+
+
+def _is_odd(fit: ChannelFit, fitted: float) -> bool:
+    assert fit.rmse_moving is not None
+    return fit.rmse_moving > ABOVE * fit.noise_floor and fit.rmse_moving**2 > ODD**2 * fitted
+
+
+def _mean_square(fits: list[ChannelFit]) -> float:
+    moving = [fit.rmse_moving for fit in fits if fit.rmse_moving is not None]
+    return float(np.mean(np.square(moving))) if moving else 0.0

@@ -1,0 +1,74 @@
+"""Shapes between the values of a grid: those with which the candidate explains most of the fitted logs.
+
+Near a shape that the baseline swallows the predicted gain is all rounding; the evidence, which counts what the rows
+really gain, falls there, and the search turns back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from exogauge.identification.model import RobotModel
+from exogauge.search.score import Score, score
+from exogauge.search.site_rows import SiteRows, sums_of
+
+Array = NDArray[np.float64]
+
+TRIALS = 40  # of the search, per shape
+
+
+@final
+@dataclass(frozen=True)
+class Pace:
+    """first, last: step of a shape, in shares of its range. last_gain: of the gain, that a last step is worth."""
+
+    first: float
+    last: float
+    last_gain: float
+
+
+BROADLY = Pace(0.08, 0.01, 1e-3)
+CLOSELY = Pace(0.004, 1e-4, 1e-5)  # a wave's length over a wide range must be known far better than to a hundredth
+
+
+def refined(
+    model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float], pace: Pace = BROADLY
+) -> Score:
+    """The candidate with its shapes searched from those it has, within their bounds."""
+    candidate = first.candidate
+    shapes = candidate.effect.shapes
+    free = [k for k, one in enumerate(shapes) if not one.choice]
+    if not free:
+        return first
+
+    def at(values: Array) -> Score | None:
+        shape = list(candidate.shape)
+        for k, u in zip(free, values, strict=True):
+            shape[k] = shapes[k].at(u)
+        sums = sums_of(rows, candidate.effect, tuple(shape))
+        return score(model, replace(candidate, shape=tuple(shape)), sums, memory)
+
+    def cost(values: Array) -> float:
+        found = at(np.clip(values, 0.0, 1.0))
+        return 0.0 if found is None or found.evidence < first.evidence else -found.gain
+
+    start = np.array([shapes[k].share(candidate.shape[k]) for k in free])
+    simplex = np.vstack(
+        [
+            start,
+            *(start + (pace.first if u < 0.9 else -pace.first) * np.eye(len(start))[k] for k, u in enumerate(start)),
+        ]
+    )
+    best = minimize(
+        cost, start, method="Nelder-Mead", options={"maxfev": TRIALS * len(free), "initial_simplex": simplex,
+                                                    "xatol": pace.last, "fatol": pace.last_gain * first.gain},
+    )  # fmt: skip
+    found = at(np.clip(best.x, 0.0, 1.0))
+    better = found is not None and found.evidence >= first.evidence and found.gain > first.gain
+    return found if found is not None and better else first

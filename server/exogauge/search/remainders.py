@@ -1,0 +1,58 @@
+"""What is left at a place where something was named and looks like another effect, too small beside it for a name.
+
+It is no reason to leave it in the residual: it goes into the model without a name, if held-out logs ask for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from exogauge.effects.words import effect_words
+from exogauge.identification.site import AxisSite, SensorSite, Site
+from exogauge.search.baseline import lay_ground
+from exogauge.search.effect_size import gone
+from exogauge.search.finding import channel_of
+from exogauge.search.residual_correction import LEAST, Bend, held_out_rmse
+from exogauge.search.search import Search, Step, as_added, judge_best
+
+ABOVE = 1.1  # noise floors: below, nothing is left to look at
+LOOKS_LIKE = (
+    " What is left beside it looks like {}, and is too small for a name. With that in the model the error is {:.2g} "
+    "{}: {:.0f} % of the excess is gone."
+)
+
+
+def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
+    """At most one for each place, after the effects' own curves."""
+    every = list(bends)
+    last: dict[Site, Step] = {each.added.site: each for each in search.steps}
+    for site, step in last.items():
+        if isinstance(site, AxisSite | SensorSite):
+            every += _remainder(search, step, every)
+    return every[len(bends) :]
+
+
+def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
+    before = bends[-1].found if bends else search.current
+    finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
+    rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
+    if rmse < ABOVE * floor:
+        return []
+    site = step.added.site
+    ground = lay_ground(before.model, search.recordings, search.effects, lambda _fraction, _phrase: None, at=site)
+    judged, _ = judge_best(ground, search.recordings, search.effects, site)
+    best = next((each for each in judged if not each.objection), None)
+    if best is None:
+        return []
+    added = as_added(best.score.candidate)
+    there = [*(each.added for each in search.steps), *(each.added for each in bends)]
+    after = search.identified([*there, added])
+    channel = channel_of(before.model.equations, best.kind)
+    sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
+    if gone(*(rmse for rmse, _ in sizes)) < LEAST * sizes[1][1]:
+        return []
+    held = replace(finding.held_out, rmse_after=held_out_rmse(finding, finding.held_out.channel, after)[0])
+    told = LOOKS_LIKE.format(effect_words(added.effect.name), held.rmse_after, held.unit, 100 * held.explained)
+    finding = replace(finding, held_out=held, score=held.explained, sentence=finding.sentence + told)
+    return [Bend(step, added, finding, after, "remainder")]

@@ -1,0 +1,122 @@
+"""What the formulas of the named effects do not hold: no real curve is a formula, and the rest of it is no effect.
+
+Once nothing more qualifies for a name, each effect of a joint or of a sensor's axis may be bent (`OwnCurve`), by as
+many terms as the fitted logs pay for. A bend must lower the error of the held-out logs like anything else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from exogauge.effects.own_curve import OwnCurve, possible_terms
+from exogauge.findings.result import Finding, What
+from exogauge.identification.added import AddedEffect
+from exogauge.identification.result import Identification
+from exogauge.identification.site import AxisSite, SensorSite
+from exogauge.search.candidates import Candidate
+from exogauge.search.doubt import parameters
+from exogauge.search.effect_size import gone
+from exogauge.search.finding import channel_of
+from exogauge.search.judge import judge
+from exogauge.search.locate import pooled
+from exogauge.search.score import Score, score
+from exogauge.search.search import WORTH_JUDGING, Search, Step
+from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
+
+SURE = 2.0  # standard errors by which held-out error must fall: few bends are tried, and none gets a name
+LEAST = 0.25  # of the noise floor, that a bend must take off the held-out error
+BENT = (
+    " Its curve is not quite that of the formula. With one of its own the error is {:.2g} {}: {:.0f} % of the excess "
+    "is gone."
+)
+
+
+@final
+@dataclass(frozen=True)
+class Bend:
+    """of: the effect's step. finding: that of the effect, with its bend. found: the robot with all effects and bends so
+    far. what: its sort, as the chain of gaps has it."""
+
+    of: Step
+    added: AddedEffect
+    finding: Finding
+    found: Identification
+    what: What
+
+
+def own_curves(search: Search) -> list[Bend]:
+    """One after the other, in the order in which the effects were added; none where nothing is gained by it."""
+    bends: list[Bend] = []
+    effects = [each.added for each in search.steps]
+    for step in search.steps:
+        before = bends[-1].found if bends else search.current
+        scored, rows = _bent(search, step, before)
+        if scored is None or (judged := judge(before.model, scored, rows, SURE)).objection:
+            continue
+        candidate = scored.candidate
+        added = AddedEffect(candidate.effect, candidate.site, candidate.shape)
+        after = search.identified([*effects, *(each.added for each in bends), added])
+        finding = _told(step.finding, before, after, scored, rows)
+        channel = channel_of(before.model.equations, judged.kind)
+        sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
+        if gone(*(rmse for rmse, _ in sizes)) > LEAST * sizes[1][1]:
+            bends.append(Bend(step, added, finding, after, "own_curve"))
+    return bends
+
+
+def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | None, Sequence[SiteRows]]:
+    """The best bend, the term that explains most first, or None; and the rows of its site."""
+    effect, site, shape = step.added.effect, step.added.site, step.added.shape
+    if not isinstance(site, AxisSite | SensorSite) or search.last is None:
+        return None, ()
+    rows = collect_rows(found.model, search.recordings, [site])[site]
+    sizes = _sizes(step.added, rows)
+    best: Score | None = None
+    chosen: tuple[int, ...] = ()
+    while True:
+        tried = [
+            each
+            for term in range(len(possible_terms(effect)))
+            if term not in chosen
+            for curve in (OwnCurve(effect, sizes, (*chosen, term)),)
+            if (each := score(found.model, Candidate(curve, site, shape), sums_of(rows, curve, shape),
+                              search.last.memory)) is not None
+        ]  # fmt: skip
+        better = max(tried, key=lambda each: each.evidence, default=None)
+        if better is None or better.evidence < (best.evidence if best else WORTH_JUDGING):
+            return best, rows
+        best, chosen = better, tuple(better.candidate.effect.terms)  # type: ignore[attr-defined]
+
+
+def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
+    """(C,) rms of each column over the fitted logs, where the effect does anything."""
+    effect: Any = added.effect  # of a joint or of a sensor's axis
+    every = np.concatenate([effect.columns(each.seen.signals, added.shape) for each in rows if not each.held_out])
+    acts = np.maximum(np.count_nonzero(every, axis=0), 1)
+    return tuple(float(size) or 1.0 for size in np.sqrt(np.sum(every**2, axis=0) / acts))
+
+
+def _told(
+    finding: Finding, before: Identification, after: Identification, scored: Score, rows: Sequence[SiteRows]
+) -> Finding:
+    held = replace(finding.held_out, rmse_after=held_out_rmse(finding, finding.held_out.channel, after)[0])
+    names = [each.name for each in scored.candidate.effect.coefficients]
+    every = parameters(before.model, scored, rows)
+    return replace(
+        finding,
+        held_out=held,
+        score=held.explained,
+        parameters={**finding.parameters, **{name: every[name] for name in names}},
+        sentence=finding.sentence + BENT.format(held.rmse_after, held.unit, 100 * held.explained),
+    )
+
+
+def held_out_rmse(finding: Finding, channel: str, found: Identification) -> tuple[float, float]:
+    """RMSE of a channel in the logs that the finding is told of, and its noise floor."""
+    fits = [fit for fit in found.validation if fit.channel == channel]
+    logs = finding.held_out.log.split(", ") if finding.held_out.log else [fit.log for fit in fits if fit.held_out]
+    return pooled([fit for fit in fits if fit.log in logs])

@@ -1,0 +1,154 @@
+"""What a candidate would gain: the baseline fitted again beside it, by one small solve in the sums."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.model import RobotModel
+from exogauge.search.bounded import bounded_least_squares
+from exogauge.search.candidates import Candidate
+from exogauge.search.sums import KindSums
+
+Array = NDArray[np.float64]
+
+BLIND = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
+NEARLY_ALL = 0.999  # of the square sum: no candidate is credited with more
+
+
+@final
+@dataclass(frozen=True)
+class Score:
+    """gain: reduction of the fitted cost [weighted squares]. evidence: twice the log likelihood that rows gain, with
+    coloured residuals, less what the prior loses and a price per value that was chosen (BIC). coefficients: (C,).
+    step: (P,) what the baseline moves by. left: share that the baseline cannot take its place in, 0…1.
+    elsewhere: whether most of what rows gain lies in rows that it is not in, through the baseline that it sets right.
+    """
+
+    candidate: Candidate
+    gain: float
+    evidence: float
+    coefficients: Array
+    step: Array
+    left: float
+    elsewhere: bool = False
+
+
+def score(
+    model: RobotModel, candidate: Candidate, sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> Score | None:
+    """sums: of the candidate's columns over the fitted logs, by kind of row. memory: kind -> samples that count as one.
+
+    None where the baseline swallows it, or nothing weighs.
+    """
+    return next(iter(score_all(model, [candidate], sums, memory)), None)
+
+
+def score_all(
+    model: RobotModel, candidates: Sequence[Candidate], sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> Iterator[Score]:
+    """Those of one site that the baseline does not swallow, by one solve for all. sums: of their columns, in order."""
+    weights, own = model.solution.weights, model.equations.columns()
+    live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
+    if not live:
+        return
+    C = sum(candidate.width for candidate in candidates)
+    B, squares, g = np.zeros((model.equations.size, C)), np.zeros((C, C)), np.zeros(C)
+    for kind, each in live.items():
+        B[own[kind]] += weights[kind] * each.cross.T
+        squares += weights[kind] * each.own
+        g += weights[kind] * each.with_residual
+    V = model.solution.unbounded.divided(B)
+    start, fitted = 0, list[_Fitted]()
+    for candidate in candidates:
+        part = slice(start, start + candidate.width)
+        start += candidate.width
+        size = np.sqrt(np.maximum(np.diag(squares)[part], 1e-300))
+        S = (squares[part, part] - B[:, part].T @ V[:, part]) / np.outer(size, size)
+        left = float(np.min(np.linalg.eigvalsh(S)))
+        if left < BLIND:
+            continue
+        theta = _within_range(S, g[part] / size, candidate, size)
+        gain = float(2.0 * (g[part] / size) @ theta - theta @ S @ theta)
+        coefficients = theta / size
+        fitted.append(_Fitted(candidate, part, gain, coefficients, -V[:, part] @ coefficients, left))
+    for one, (evidence, elsewhere) in zip(fitted, _evidence(model, fitted, live, memory), strict=True):
+        yield Score(one.candidate, one.gain, evidence, one.coefficients, one.step, one.left, elsewhere)
+
+
+@final
+@dataclass(frozen=True)
+class _Fitted:
+    """A candidate fitted beside the baseline. part: its columns among those of the site."""
+
+    candidate: Candidate
+    part: slice
+    gain: float
+    coefficients: Array
+    step: Array
+    left: float
+
+
+def _evidence(
+    model: RobotModel, fitted: Sequence[_Fitted], sums: Mapping[int, KindSums], memory: Mapping[int, float]
+) -> list[tuple[float, bool]]:
+    """Of each: what every kind of row gains in log likelihood, its variance estimated anew, less what the prior loses;
+    and whether more than half of the gain lies elsewhere than in its own rows.
+
+    The baseline moves with the candidate, so rows gain and lose that it is not in.
+    """
+    if not fitted:
+        return []
+    solution, own = model.solution, model.equations.columns()
+    steps = np.stack([each.step for each in fitted], axis=1)  # (P, n)
+    total, explained, independent = np.zeros(len(fitted)), np.zeros(len(fitted)), 0.0
+    in_own_rows = np.zeros(len(fitted))
+    for kind, weight in enumerate(solution.weights):
+        rows = int(solution.statistics.count[kind])
+        if weight <= 0.0 or not rows:
+            continue
+        before, slope, curvature = solution.around[kind]
+        D = steps[own[kind]]
+        change = np.sum(D * (curvature @ D), axis=0) - 2.0 * slope @ D
+        if kind in sums:
+            for n, one in enumerate(fitted):
+                theta, part = one.coefficients, sums[kind].part(one.part)
+                with_rows = part.cross @ D[:, n] - part.with_residual
+                change[n] += float(2.0 * theta @ with_rows + theta @ part.own @ theta)
+            independent += sums[kind].rows / memory[kind]
+        left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - NEARLY_ALL, None)
+        gained = -rows / memory[kind] * np.log(left)
+        total += gained
+        in_own_rows += gained if kind in sums else 0.0
+        explained -= weight * change
+    prior = np.maximum(explained - np.array([each.gain for each in fitted]), 0.0)
+    price = np.array([each.candidate.width + len(each.candidate.shape) for each in fitted])
+    evidence = total - prior - price * np.log(max(independent, 2.0))
+    elsewhere = in_own_rows < 0.5 * total
+    return [(float(value), bool(other)) for value, other in zip(evidence, elsewhere, strict=True)]
+
+
+def _within_range(S: Array, g: Array, candidate: Candidate, size: Array) -> Array:
+    """(C,) least squares in scaled coefficients, each within its physical range."""
+    quantities = candidate.effect.coefficients
+    low, high = (np.array([getattr(each, end) for each in quantities]) * size for end in ("low", "high"))
+    return bounded_least_squares(S, g, low, high)
+
+
+def residual_memory(residuals: Array) -> float:
+    """Samples of one kind of row's residuals (n,) that count as one: their integral correlation time. NaN: gaps."""
+    e = np.nan_to_num(residuals)
+    used = np.isfinite(residuals)
+    n = len(e)
+    if used.sum() < 20:
+        return 1.0
+    e = np.where(used, e - e[used].mean(), 0.0)
+    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[: n // 2] for x in (e, used.astype(float)))
+    rho = products / np.maximum(pairs, 1.0)
+    rho = rho / max(float(rho[0]), 1e-300)
+    positive = np.cumprod(rho > 0.0)
+    return float(1.0 + 2.0 * np.sum(rho[1:] * positive[1:]))

@@ -1,0 +1,85 @@
+"""What the doubt of a named effect's shape makes of all that is fitted beside it, such as its joint's friction.
+
+An identification takes shapes as given. Where a shape may as well be another one by its own deviation, the parameters
+beside it move along: with A their columns, c the change of the effect's torque with its shapes, W the weights and H the
+normal matrix with the prior, dx/dshape = -H⁻¹ Aᵀ W c, and the covariance of x gains (dx/dshape) C (dx/dshape)ᵀ, C that
+of the shapes with all else free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.added import AddedEffect
+from exogauge.identification.model import RobotModel
+from exogauge.identification.parameters import DECIDED
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording
+from exogauge.search.doubt import shape_slopes
+from exogauge.search.score import residual_memory
+from exogauge.search.site_rows import SiteRows, collect_rows
+
+Array = NDArray[np.float64]
+
+
+def with_doubt_of_shapes(
+    found: Identification, added: Sequence[AddedEffect], recordings: Sequence[Recording]
+) -> Identification:
+    """added: the named effects, all in the model of `found`."""
+    free = [each for each in added if any(not one.choice for one in each.effect.shapes)]
+    if not free:
+        return found
+    model, more = found.model, np.zeros_like(found.model.covariance)
+    rows = collect_rows(model, recordings, list(dict.fromkeys(each.site for each in free)))
+    for each in free:
+        more += _of_shapes(model, each, [one for one in rows[each.site] if not one.held_out])
+    lift = model.solution.prior.lift_covariance
+    before, after = np.diag(lift(model.covariance)), np.diag(lift(model.covariance + more))
+    gained = np.maximum(after - before, 0.0)
+    parameters = list(found.parameters)
+    for i, grown in enumerate(gained):
+        one = parameters[i]
+        std = float(np.sqrt(one.std**2 + grown))
+        decided = one.identifiable and std <= DECIDED * one.prior_std
+        parameters[i] = replace(one, std=std, identifiable=decided)
+    return replace(
+        found,
+        parameters=tuple(parameters),
+        unidentifiable=tuple(one.name for one in parameters if not one.identifiable),
+        model=replace(model, covariance=model.covariance + more),
+    )
+
+
+def _of_shapes(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows]) -> Array:
+    """(P, P) that one effect's shapes add to the covariance."""
+    weights, own = model.solution.weights, model.equations.columns()
+    width = sum(not one.choice for one in added.effect.shapes)
+    B, S = np.zeros((model.equations.size, width)), np.zeros((width, width))
+    square, memories, count = 0.0, list[float](), 0
+    for each in rows:
+        slopes = shape_slopes(added.effect, added.shape, coefficients(model, added), each)
+        for kind, part in each.rows.items():
+            if weights[kind] > 0.0 and kind in slopes[0]:
+                c = np.hstack([one[kind] for one in slopes])
+                B[own[kind]] += weights[kind] * (part.A.T @ c)
+                S += weights[kind] * (c.T @ c)
+                square, count = square + weights[kind] * float(part.e @ part.e), count + len(part.e)
+                memories.append(residual_memory(part.e))
+    if not count:
+        return np.zeros((len(B), len(B)))
+    x = model.solution.unbounded.divided(B)
+    scale = float(np.median(memories)) * square / count
+    return np.asarray(x @ (scale * np.linalg.pinv(S - B.T @ x, hermitian=True)) @ x.T)
+
+
+def coefficients(model: RobotModel, added: AddedEffect) -> Array:
+    """(C,) of one effect of the model, in its own units."""
+    effects = model.extension.effects if model.extension else ()
+    widths = [len(each.effect.coefficients) for each in effects]
+    which = effects.index(added)
+    start = len(model.identified.added) - sum(widths[which:])
+    return np.asarray(model.identified.added[start : start + widths[which]])

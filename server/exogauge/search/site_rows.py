@@ -1,0 +1,112 @@
+"""The rows that one site touches, log by log: what refining a shape and judging a candidate need beyond sums."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.model import RobotModel
+from exogauge.identification.seen import seen_by
+from exogauge.identification.settings import Recording
+from exogauge.identification.site import Effect, Seen, Site
+from exogauge.logs.decimating import low_passed_at
+from exogauge.logs.filtering import LowPass
+from exogauge.search.sums import KindSums
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@final
+@dataclass(frozen=True)
+class KindRows:
+    """Rows of one kind in one log. samples: (n,) of the log. A: (n, k), e: (n,) y - A x."""
+
+    samples: IntArray
+    A: Array
+    e: Array
+
+
+@final
+@dataclass(frozen=True)
+class SiteRows:
+    """One log as a site sees it. kinds: of the site, all of them. rows: by kind, those that the log has.
+
+    position of a kind in `kinds` is its place in `Seen.columns`.
+    """
+
+    log: str
+    held_out: bool
+    time: Array
+    seen: Seen
+    low_pass: LowPass
+    kinds: tuple[int, ...]
+    rows: Mapping[int, KindRows]
+
+    def columns(self, effect: Effect, shape: tuple[float, ...]) -> Mapping[int, Array]:
+        """Kind -> (n, C) the effect's columns as the rows see them."""
+        channels = self.seen.channels(effect, [shape])
+        by_kind = channels.reshape(-1, len(self.kinds), channels.shape[1])
+        return {
+            kind: low_passed_at(self.low_pass, np.ascontiguousarray(by_kind[:, self.kinds.index(kind)]), rows.samples)
+            for kind, rows in self.rows.items()
+        }
+
+    def after(
+        self, effect: Effect, shape: tuple[float, ...], coefficients: Array, step: Array, own: Sequence[IntArray]
+    ) -> Mapping[int, Array]:
+        """Kind -> (n,) what is left with the effect in the model. step: (P,) by which the baseline moves; own: its
+        parameters in the rows of each kind."""
+        columns = self.columns(effect, shape)
+        return {
+            kind: rows.e - rows.A @ step[own[kind]] + columns[kind] @ coefficients for kind, rows in self.rows.items()
+        }
+
+
+def collect_rows(
+    model: RobotModel, recordings: Sequence[Recording], sites: Sequence[Site], eyes: RobotModel | None = None
+) -> Mapping[Site, tuple[SiteRows, ...]]:
+    """Site -> its rows in every log that has any. Sites share the rows that they have in common. eyes: the model whose
+    loads its effects see, if it is not the same."""
+    found: dict[Site, list[SiteRows]] = {site: [] for site in sites}
+    if not sites:
+        return {}
+    equations, x = model.equations, model.solution.unbounded.x
+    own, needed = equations.columns(), {kind for site in sites for kind in site.kinds(model.equations)}
+    for recording in recordings:
+        prepared = model.prepare(recording.log)
+        parts: dict[int, list[tuple[IntArray, Array, Array]]] = {}
+        for _, chunks in equations.rows(prepared, x):
+            for chunk in chunks:
+                if chunk.kind in needed:
+                    A, y = chunk.block[:, :-1].copy(), chunk.block[:, -1]
+                    e = y - A @ x[own[chunk.kind]]
+                    parts.setdefault(chunk.kind, []).append((prepared.kept[chunk.samples], A, e))
+        rows = {kind: KindRows(*(np.concatenate(each) for each in zip(*part, strict=True)))
+                for kind, part in parts.items()}  # fmt: skip
+        mine = {site: {kind: rows[kind] for kind in site.kinds(equations) if kind in rows} for site in sites}
+        seen = seen_by(eyes or model, prepared, [site for site in sites if mine[site]])
+        time = recording.log.time - recording.log.time[0]
+        for site, looks in seen.items():
+            kinds, own_rows = site.kinds(equations), mine[site]
+            found[site].append(
+                SiteRows(recording.log.name, recording.held_out, time, looks, prepared.low_pass, kinds, own_rows)
+            )
+    return {site: tuple(each) for site, each in found.items()}
+
+
+def sums_of(rows: Sequence[SiteRows], effect: Effect, shape: tuple[float, ...]) -> Mapping[int, KindSums]:
+    """Over the fitted logs, by kind."""
+    total: dict[int, KindSums] = {}
+    for each in rows:
+        if each.held_out:
+            continue
+        columns = each.columns(effect, shape)
+        for kind, own in each.rows.items():
+            width = columns[kind].shape[1]
+            total.setdefault(kind, KindSums.empty(width, own.A.shape[1])).add(own.A, columns[kind], own.e)
+    return total

@@ -1,0 +1,1 @@
+"""Devices and robots as resources: content, changes, pictures, what-if."""

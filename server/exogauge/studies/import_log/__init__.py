@@ -1,0 +1,1 @@
+"""A foreign log becomes a mapping: what its columns may be."""

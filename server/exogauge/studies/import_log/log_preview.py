@@ -1,0 +1,202 @@
+"""A first look at a foreign log, before a mapping says what it holds: columns, ranges, first rows, what each may be.
+
+With a mapping that is complete, also what the doctor says of the log that it makes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadInput, BadLog, Fault
+from exogauge.logs.channels import parse_channel, shorten
+from exogauge.logs.limits import MAX_COLUMNS
+from exogauge.logs.mapping import LogMapping, read_mapped
+from exogauge.logs.model import Array, Log
+from exogauge.logs.open_table import open_table
+from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
+from exogauge.studies.import_log.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
+from exogauge.studies.import_log.column_guess import guess
+from exogauge.studies.import_log.column_words import axis_in, kinds_in, words_of
+from exogauge.studies.import_log.mapping_proposal import proposal
+
+if TYPE_CHECKING:  # what examines a log is imported when there is one: it takes longer than the look
+    from exogauge.logs.findings import Expectation
+    from exogauge.robots.description import Robot
+
+FIRST_ROWS = 20
+AROUND = 200  # samples to each side of a finding
+MOST_TEXT_COLUMNS = 40
+TEXT = ("not_a_number",)
+NO_LOG: dict[str, Any] = {"faults": [], "findings": [], "channels": [], "clock": None}
+
+
+def preview(path: Path, file: str, robot: Robot | None, layout: TextLayout | None = None) -> dict[str, Any]:
+    """{file, rows, header, columns, mapping, proposal}; mapping: of what is sure, proposal: of all suggestions.
+
+    A column has name, dtype, shape, min, max, missing, samples (its first rows), suggestion and advice. Raises BadLog.
+    """
+    table, header = _opened(path, file, layout)
+    names = read_names(table)
+    values, texts = _values(table, names)
+    flat = {name: each for name, each in values.items() if np.squeeze(each).ndim <= 1}
+    seen = [_seen(name, np.atleast_1d(np.squeeze(each))) for name, each in flat.items()]
+    found = guess(seen, wearer(robot), _norms(flat))
+    columns = [
+        _text_column(texts[name]) | {"name": name} if name in texts else _column(name, values[name], found.get(name))
+        for name in names
+    ]
+    sure = {name: each for name, each in found.items() if isinstance(each, Suggestion) and each.sure}
+    every = {name: each for name, each in found.items() if isinstance(each, Suggestion)}
+    return {
+        "file": file,
+        "rows": max((each.shape[0] for each in flat.values()), default=0),
+        "header": header,
+        "columns": columns,
+        "mapping": proposal(file, sure, header),
+        "proposal": proposal(file, every, header),
+    }
+
+
+def judged(
+    path: Path, file: str, rules: LogMapping, joints: Sequence[str], gears: Array, expected: Expectation
+) -> dict[str, Any]:
+    """{faults, findings, channels, clock}: what keeps the mapping from making a log, else what the doctor finds in it.
+
+    clock: {samples, duration_s, rate_hz} wherever there is one, so that a wrong unit of time is seen.
+    """
+    from exogauge.studies.intake.admit import impossible_rate
+
+    try:
+        log = read_mapped({file: path}, rules, joints=joints, motor_from_joint=gears, name=file, allow_gaps=True)
+    except BadInput as bad:
+        return NO_LOG | {"faults": [asdict(fault) for fault in bad.faults]}
+    clock = {"samples": log.samples, "duration_s": float(log.time[-1] - log.time[0]), "rate_hz": log.rate_hz}
+    if wrong := impossible_rate(log):
+        return NO_LOG | {"faults": [asdict(fault) for fault in wrong], "clock": clock}
+    return {"faults": [], "findings": findings(log, expected), "channels": list(log.channels), "clock": clock}
+
+
+def findings(log: Log, expected: Expectation) -> list[dict[str, Any]]:
+    """As results.json has them, with the sample's index from 0 and its time [s] where one is meant, and the samples
+    around it."""
+    from exogauge.logs.doctor import examine
+    from exogauge.studies.results.document import finite
+
+    return [
+        finite(
+            asdict(each)
+            | {
+                "index": None if each.row is None else each.row - 1,
+                "t": None if each.row is None else float(log.time[each.row - 1]),
+                "around": None if each.row is None else _around(log, each.channel, each.row - 1),
+            }
+        )
+        for each in examine(log, expected)
+    ]
+
+
+def _around(log: Log, channel: str, index: int) -> dict[str, Any] | None:
+    """What to draw of a channel: `AROUND` samples to each side, exactly as they are; None of the clock."""
+    values = log.channels.get(channel)
+    if values is None:
+        return None
+    part = slice(max(index - AROUND, 0), index + AROUND + 1)
+    return {"unit": parse_channel(channel).unit, "t": log.time[part].tolist(), "values": values[part].tolist()}
+
+
+def wearer(robot: Robot | None) -> Wearer:
+    if robot is None:
+        return Wearer()
+    tree = robot.tree
+    limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
+    facts = {name: JointFacts(name, lower, upper, velocity) for name, lower, upper, velocity in limits}
+    joints = tuple(facts.get(joint.name, JointFacts(joint.name)) for joint in robot.joints)
+    return Wearer(joints, tuple(sensor.name for sensor in robot.sensors))
+
+
+def _opened(path: Path, file: str, layout: TextLayout | None) -> tuple[Table, bool]:
+    """The table, and whether it names its columns; a table of bare numbers has them counted."""
+    if layout is not None:
+        return open_table(path, file, layout), layout.header
+    try:
+        return open_table(path, file), True
+    except BadLog as bad:
+        if [fault.rule for fault in bad.faults] != ["no_header"] or bad.faults[0].value is None:
+            raise
+        return open_table(path, file, replace(TextLayout(), header=False)), False
+
+
+def _values(table: Table, names: Sequence[str]) -> tuple[dict[str, RawArray], dict[str, Fault]]:
+    """Columns of numbers, and the first cell that is none of the others."""
+    texts = dict[str, Fault]()
+    by_label = {shorten(name): name for name in names}
+    while True:
+        left = [name for name in names if name not in texts]
+        try:
+            return table.read(left) if left else {}, texts
+        except BadLog as bad:
+            new = {by_label.get(fault.column or "", ""): fault for fault in reversed(bad.faults) if fault.rule in TEXT}
+            if not new or "" in new or len(texts) > min(MOST_TEXT_COLUMNS, MAX_COLUMNS):
+                raise
+            texts |= new
+
+
+def _seen(name: str, values: RawArray) -> Seen:
+    finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values
+    if not finite.size:
+        return Seen(name, 0.0, 0.0)
+    step = None
+    if finite.size == values.size > 1 and values.dtype.kind in "fiu":
+        steps = np.diff(values.astype(np.float64) if values.dtype.kind == "f" else values.astype(np.int64))
+        step = float(np.median(steps)) if (steps > 0).all() else None
+    return Seen(name, float(finite.min()), float(finite.max()), step)
+
+
+def _column(name: str, values: RawArray, found: Suggestion | Advice | None) -> dict[str, Any]:
+    numbers = np.asarray(values, np.float64)
+    finite = numbers[np.isfinite(numbers)]
+    first = numbers.reshape(-1)[:FIRST_ROWS] if numbers.ndim <= 1 else np.empty(0)
+    whole = bool(finite.size) and bool((finite == np.floor(finite)).all())
+    many = "Name its components under `arrays`, `vectors` or `wrenches` of the mapping."
+    advice = many if numbers.ndim > 1 and found is None else None
+    return {
+        "name": name,
+        "dtype": "array" if numbers.ndim > 1 else "whole" if whole else "number",
+        "shape": list(numbers.shape),
+        "min": float(finite.min()) if finite.size else None,
+        "max": float(finite.max()) if finite.size else None,
+        "missing": int(numbers.size - finite.size),
+        "samples": [float(value) if np.isfinite(value) else None for value in first],
+        "suggestion": asdict(found) if isinstance(found, Suggestion) else None,
+        "advice": found.text if isinstance(found, Advice) else advice,
+    }
+
+
+def _text_column(fault: Fault) -> dict[str, Any]:
+    place = f" (row {fault.row}: {fault.value})" if fault.row is not None else ""
+    advice = f"It holds text{place}, which no channel is made of: list it under `ignore`, or correct the cell."
+    empty: dict[str, Any] = {"shape": [], "min": None, "max": None, "missing": 0, "samples": [], "suggestion": None}
+    return {"name": "", "dtype": "text", "advice": advice, **empty}
+
+
+def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:
+    """Median size of each accelerometer's vector, by each of its columns."""
+    triples: dict[tuple[str, ...], dict[str, str]] = {}
+    for name in values:
+        tokens = words_of(name).tokens
+        axis = axis_in(tokens)
+        if axis is not None and (axis[0] == "acc" or "acc" in kinds_in(tokens)):
+            stem = tuple(token for token in tokens if axis_in((token,)) is None)
+            triples.setdefault(stem, {})[axis[1]] = name
+    found: dict[str, float] = {}
+    for members in triples.values():
+        if len(members) == 3:
+            vectors: NDArray[np.float64] = np.stack([np.asarray(values[name], np.float64) for name in members.values()])
+            found |= dict.fromkeys(members.values(), float(np.nanmedian(np.linalg.norm(vectors, axis=0))))
+    return found

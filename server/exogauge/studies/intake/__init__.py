@@ -1,0 +1,1 @@
+"""Files in: study, robot, device, logs and mappings, read and checked."""

@@ -1,0 +1,1 @@
+"""The report, the summary page and its PDF."""

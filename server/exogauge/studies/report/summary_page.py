@@ -1,0 +1,41 @@
+"""summary.html and summary.pdf: the whole evaluation on one sheet of A4, from one content."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, final
+
+from exogauge.studies.report.page_model import Page
+from exogauge.studies.report.summary_content import DETAILS, summary_content
+from exogauge.studies.report.summary_html import render_html
+from exogauge.studies.report.summary_pdf import render_pdf
+
+SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
+
+
+@final
+@dataclass(frozen=True)
+class SummaryPage:
+    """content: what both say. fits: all of it is on the sheet."""
+
+    html: bytes
+    pdf: bytes
+    content: Page
+    fits: bool
+
+
+def summary_page(results: Mapping[str, Any]) -> SummaryPage:
+    """results: the content of results.json. First the letters get smaller, then less is told and the rest counted."""
+    for detail in DETAILS:
+        content = summary_content(results, detail)
+        smallest = _printed(content, SCALES[-1])
+        if smallest.fits:
+            break
+    larger = (_printed(content, scale) for scale in SCALES[:-1])
+    return next((page for page in larger if page.fits), smallest)
+
+
+def _printed(content: Page, scale: float) -> SummaryPage:
+    pdf, fits = render_pdf(content, scale)
+    return SummaryPage(render_html(content, scale).encode(), pdf, content, fits)

@@ -1,0 +1,55 @@
+"""The doctor's visit to a study's logs: what the robot lets one expect, and the findings as entries of results.json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from exogauge.identification.settings import Recording
+from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
+from exogauge.plausibility.examine import examine_against_robot
+from exogauge.robots.description import Robot
+from exogauge.studies.results.document import finite
+from exogauge.support.settings import WornLog
+
+STANDARD_GRAVITY = 9.80665
+OF_THE_BASE = ("acc", "gyro", "ft.*", "t")  # where these are wrong, so is what every joint should bear
+
+
+def examine_logs(robot: Robot, recordings: Sequence[Recording], worn: Sequence[WornLog] = ()) -> list[dict[str, Any]]:
+    """{log, severity, channel, rule, detail, advice, row, value}: first what the robot's description contradicts, then
+    log by log what its signals show, worst first. worn: with a device, whose share no description of the robot knows.
+    """
+    expected = expectation(robot)
+    logs = [*(each.log for each in recordings), *(each.log for each in worn)]
+    alone = [(log.name, finding) for log in logs for finding in examine(log, expected)]
+    doubtful = {log for log, finding in alone if finding.severity == "error" and finding.channel in OF_THE_BASE}
+    trusted = [each.log for each in recordings if each.log.name not in doubtful]
+    return [_entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted), *alone)]
+
+
+def _entry(log: str, finding: Finding) -> dict[str, Any]:
+    return {
+        "log": log,
+        "severity": finding.severity,
+        "channel": finding.channel,
+        "rule": finding.rule,
+        "detail": finding.detail,
+        "advice": finding.advice,
+        "row": finding.row,
+        "value": finite(finding.value),
+    }
+
+
+def expectation(robot: Robot) -> Expectation:
+    """Limits from the URDF; the weight where the contact sensors carry a robot with a floating base."""
+    tree = robot.tree
+    contacts = {sensor.name: sensor.sign for sensor in robot.sensors if sensor.role == "contact"}
+    limits = zip(tree.joints, tree.lower.tolist(), tree.upper.tolist(), tree.velocity_limit.tolist(), strict=True)
+    return Expectation(
+        joints={name: JointLimits(lower, upper, velocity) for name, lower, upper, velocity in limits},
+        weight_n=tree.mass * STANDARD_GRAVITY if tree.floating and contacts else None,
+        contacts=contacts if tree.floating else {},
+        actuation={joint.name: joint.actuation for joint in robot.joints},
+        noise=robot.noise,
+    )

@@ -1,0 +1,181 @@
+"""`support`, `stiffness` and `stiffness_details` of results.json: what the device does, and its bands."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, final
+
+from pydantic import Field
+
+from exogauge.studies.results.schema.values import PAIR, Measured, MotionEquality, Number, Part, maybe
+
+Approach = Literal["A", "B", "prior", "band_model"]
+
+
+@final
+class Headline(Measured):
+    """One number of the whole motion, by the best approach that there is."""
+
+    approach: Approach = Field(description="A where there is one, else B")
+
+
+class Effort(Part):
+    """Torque of one approach; positive along the joint."""
+
+    peak: Measured = Field(description="largest mean over 0.2 s, with its sign [N·m]")
+    mean: Measured = Field(description="[N·m]")
+    integral: Measured = Field(description="[N·m·s]")
+
+
+@final
+class WholeEffort(Effort):
+    """The same over the whole motion."""
+
+    spread: Number = Field(description="standard deviation of the mean between trials [N·m]; null with one trial")
+
+
+@final
+class ByApproach(Part):
+    """A: run without minus run with the device; B: model minus measurement; prior: B with the maker's values;
+    band_model: what the bands of the device file give."""
+
+    A: WholeEffort = maybe("where a run without the device was compared")
+    B: WholeEffort = maybe("model minus measurement")
+    prior: WholeEffort = maybe("B with the maker's values")
+    band_model: WholeEffort = maybe("where the bands' values are known")
+
+
+@final
+class PhaseByApproach(Part):
+    """As `ByApproach`, of one phase."""
+
+    A: Effort = maybe("where a run without the device was compared")
+    B: Effort = maybe("model minus measurement")
+    prior: Effort = maybe("B with the maker's values")
+    band_model: Effort = maybe("where the bands' values are known")
+
+
+@final
+class Phase(Part):
+    """One part of a motion."""
+
+    phase: str = Field(description="lowering, holding, raising or standing")
+    duration_s: Number = Field(description="mean over the trials [s]")
+    approaches: PhaseByApproach = Field(description="torque by approach")
+
+
+@final
+class TrialEquality(Part):
+    """How alike one run with the device and its reference are."""
+
+    log: str = Field(description="with the device")
+    reference: str = Field(description="without it")
+    lag_s: Number = Field(description="how much later the same motion comes in the reference [s]")
+    q_rms: Number = Field(description="of the difference [rad or m]")
+    dq_rms: Number = Field(description="of the difference [rad/s or m/s]")
+    dq_share: Number = Field(description="dq_rms over the joint's own rms velocity; 0 where it hardly moves")
+    verdict: MotionEquality = Field(description="by the limits in `configuration.settings`")
+
+
+@final
+class EqualityUnits(Part):
+    """Of a joint that turns; of one that slides m and m/s."""
+
+    q_rms: str = Field(description="rad")
+    dq_rms: str = Field(description="rad/s")
+
+
+@final
+class Equality(Part):
+    """How alike the compared motions are, pooled over the trials."""
+
+    q_rms: Number = Field(description="of the difference [rad or m]")
+    dq_rms: Number = Field(description="of the difference [rad/s or m/s]")
+    dq_share: Number = Field(description="dq_rms over the joint's own rms velocity")
+    units: EqualityUnits = Field(description="of these")
+    verdict: MotionEquality = Field(description="the worst of the trials'")
+    lag_s: Number = Field(description="the largest of the trials' [s]")
+    trials: list[TrialEquality] = Field(description="each")
+
+
+@final
+class ByPair(Part):
+    """A number of A and one of B."""
+
+    a: Number = Field(description="[N·m]")
+    b: Number = Field(description="[N·m]")
+
+
+@final
+class ByTriple(Part):
+    """A number of A, of B, and of B with the maker's values."""
+
+    a: Number = Field(description="[N·m]")
+    b: Number = Field(description="[N·m]")
+    prior: Number = Field(description="[N·m]")
+
+
+@final
+class Support(Part):
+    """Supporting torque on one joint in one motion with one device, over all trials."""
+
+    device: str = Field(description="its name")
+    motion: str = Field(description="its name")
+    joint: str = Field(description="its name")
+    unit: str = Field(description="N·m")
+    main: bool = Field(description="one of the one or two moving joints with the largest torque")
+    logs: list[str] = Field(description="with the device")
+    references: list[str] = Field(description="without it")
+    rmse_a: Number = Field(description="of A against the band model, all samples [N·m]")
+    rmse_b: Number = Field(description="of B against the band model, all samples [N·m]")
+    rmse_prior: Number = Field(description="of B with the maker's values against the band model, all samples [N·m]")
+    rmse_steady: ByTriple = Field(description="the same where both runs move steadily [N·m]")
+    motion_equality: Equality | None = Field(description="null without A")
+    peak: Headline | None = Field(description="of the whole motion [N·m]")
+    mean: Headline | None = Field(description="of the whole motion [N·m]")
+    integral: Headline | None = Field(description="of the whole motion [N·m·s]")
+    approaches: ByApproach = Field(description="the whole motion")
+    phases: list[Phase] = Field(description="its parts")
+    null: ByPair = Field(description="RMS of what an approach finds on logs without the device, where the truth is 0")
+    masked_share: Number = Field(description="of A's samples not used, 0…1")
+    rest_share: Number = Field(description="of samples at rest, 0…1")
+    rest_half_width: Number = Field(description="half of B's interval at rest [N·m]")
+    band_model: str | None = Field(description="where the values of the band model come from, in words")
+
+
+@final
+class BandIntervals(Part):
+    """95 %, [low, high]; null where it is open."""
+
+    stiffness_n_per_m: Annotated[list[Number], PAIR] = Field(description="[N/m]")
+    natural_length_m: Annotated[list[Number], PAIR] = Field(description="[m]")
+
+
+@final
+class BandStiffness(Part):
+    """One band of one device by one approach."""
+
+    device: str = Field(description="its name")
+    approach: Literal["A", "B", "prior"] = Field(description="as in `support`")
+    band: str = Field(description="its name")
+    group: str = Field(description="of bands that share stiffness and law")
+    stiffness_n_per_m: Measured = Field(description="[N/m]")
+    natural_length_m: Measured = Field(description="[m]")
+    interval_95: BandIntervals = Field(description="of both")
+    truth_n_per_m: Number = Field(description="where `ground_truth: true` [N/m]")
+    error_percent: Number = Field(description="of the stiffness against the truth [%]")
+    identifiable: bool = Field(description="whether the data decide the stiffness")
+    length_identifiable: bool = Field(description="whether the data decide the natural length")
+    note: str = Field(description="why not, in words, or empty")
+
+
+@final
+class StiffnessFit(Part):
+    """How all bands of one device were fitted by one approach."""
+
+    device: str = Field(description="its name")
+    approach: Literal["A", "B", "prior"] = Field(description="as in `support`")
+    parameters: list[str] = Field(description="`stiffness[group]`, `natural_length[band]`, in the order of correlation")
+    correlation: list[list[Number]] = Field(description="of the parameters, -1…1")
+    rms: dict[str, Number] = Field(description="by joint: what the bands leave unexplained [N·m]")
+    samples: int = Field(description="used")
+    notes: list[str] = Field(description="what to keep in mind, in sentences")

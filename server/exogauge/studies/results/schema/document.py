@@ -1,0 +1,81 @@
+"""The whole of results.json."""
+
+from __future__ import annotations
+
+from typing import Literal, final
+
+from pydantic import Field
+
+from exogauge.studies.results.schema.device import BandStiffness, StiffnessFit, Support
+from exogauge.studies.results.schema.discrepancy import Discrepancy
+from exogauge.studies.results.schema.identification import Identification
+from exogauge.studies.results.schema.scope import Configuration, Scope, Settings
+from exogauge.studies.results.schema.values import Number, Part, later, maybe
+
+
+@final
+class InputFile(Part):
+    """A file that was read."""
+
+    file: str = Field(description="relative to the study")
+    sha256: str = Field(description="of its bytes")
+    bytes: int = Field(description="its size")
+
+
+@final
+class StepDone(Part):
+    """One step of the evaluation."""
+
+    step: str = Field(description="identify, discrepancy, support or stiffness")
+    status: Literal["done", "skipped", "failed"] = Field(description="what became of it")
+    reason: str = maybe("why it was skipped, or failed")
+
+
+@final
+class SignalDoubt(Part):
+    """One thing that the doctor saw in a log."""
+
+    log: str = Field(description="its name")
+    severity: Literal["error", "warning", "note"] = Field(
+        description="error: results would be wrong; warning: they may be; note: good to know"
+    )
+    channel: str | None = Field(description="`t` for the clock, `ft.*` for all contact sensors")
+    rule: str = Field(description="a stable short code")
+    detail: str = Field(description="what was seen, in words")
+    advice: str = Field(description="what to do, in words")
+    row: int | None = Field(description="data row from 1")
+    value: Number = Field(description="the number behind it; its unit is in the detail")
+
+
+@final
+class Reading(Part):
+    """Sentences on how to read numbers."""
+
+    steady: str = Field(description="the column of steady motion")
+    steady_seconds: str = Field(description="the table of steady seconds")
+    support_table: str = Field(description="the tables of supporting torque")
+    support_interval: str = Field(description="a range at rest")
+
+
+@final
+class StudyResults(Part):
+    """results.json: all that an evaluation found."""
+
+    version: Literal[1] = Field(description="of this form")
+    name: str = Field(description="of the study")
+    robot: str = Field(description="its name")
+    scope: Scope = later("for what the results hold")
+    configuration: Configuration = later("with what they were obtained")
+    software: dict[str, str] = Field(description="versions that may change a number")
+    inputs: list[InputFile] = Field(description="every file that was read")
+    steps: list[StepDone] = Field(description="in order")
+    settings: Settings = Field(description="as study.yaml has them")
+    warnings: list[str] = Field(description="in sentences")
+    doctor: list[SignalDoubt] = Field(description="worst first, log by log")
+    identification: Identification = Field(description="the robot")
+    support: list[Support] = Field(description="by device, motion and joint; empty without a device")
+    stiffness: list[BandStiffness] = Field(description="by device, approach and band; empty without a device")
+    stiffness_details: list[StiffnessFit] = Field(description="by device and approach")
+    discrepancy: Discrepancy | None = Field(description="null where the step was skipped or failed")
+    reading: Reading = later("how to read numbers")
+    files: dict[str, str] = Field(description="that stand beside it, by what they are")

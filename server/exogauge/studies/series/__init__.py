@@ -1,0 +1,1 @@
+"""Series over time, stored and asked for by window."""

@@ -1,0 +1,71 @@
+"""Friction that changes with the position, an effect that the catalogue lacks: one class, and it is found and shown."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+import pytest
+from tests.discrepancy.conftest import SETTINGS
+
+from exogauge.detect.pipeline import find_missing_effects
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.effects.effect import Quantity
+from exogauge.effects.shaped import Array, AxisSignals, Shape
+from exogauge.search.evidence import strongest
+
+pytestmark = pytest.mark.slow
+
+A, B = 0.9, -0.6  # [N·m]
+
+
+@final
+class PositionFriction:
+    """τ = -(a cos θ + b sin θ) sgn θ̇: a bearing that is squeezed more at some angles than at others."""
+
+    name = "position_friction"
+    words = "friction that changes with the position"
+    place = "joint"
+    sentence = "Friction is larger at some positions than at others."
+    coefficients = (
+        Quantity("tau_a", "N·m", words="part with the cosine of the angle"),
+        Quantity("tau_b_sin", "N·m", words="part with the sine of the angle"),
+    )
+    shapes: tuple[Shape, ...] = ()
+    confounds = ("coulomb",)
+    needs = "Slow motion through the whole range, in both directions."
+    coordinate = "position"
+    along_motion = True
+
+    def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
+        both = np.stack([np.cos(signals.position), np.sin(signals.position)], axis=1)
+        return -signals.direction[:, None] * both
+
+    def applies(self, signals: AxisSignals) -> bool:
+        return bool(np.any(signals.direction != 0.0))
+
+
+@pytest.fixture(scope="module")
+def found(identified, study, on_joint):
+    recordings = study(on_joint(1, lambda m: (A * np.cos(m.q) + B * np.sin(m.q)) * np.sign(m.v)))
+    effects = (*shaped_effects().values(), PositionFriction())
+    return find_missing_effects(identified(recordings), recordings, effects, SETTINGS).discrepancy.findings
+
+
+def test_it_is_named_alone_at_its_joint_with_its_numbers(found):
+    (finding,) = found
+    assert (finding.effect, finding.place.name) == ("position_friction", "j2")
+    sine = finding.parameters["tau_b_sin"]
+    assert abs(sine.value - B) < 4.0 * sine.std  # the cosine shares its mean with Coulomb friction
+
+
+def test_its_evidence_is_as_large_as_what_acts_and_not_a_mean_over_both_directions(found):
+    """Against the motion at every position, as the truth says but for the part that Coulomb friction took."""
+    shown = found[0].evidence
+    assert shown.along_motion
+    truth = -(A * np.cos(shown.at) + B * np.sin(shown.at))
+    gap = shown.before - truth
+    assert np.ptp(shown.before) > 0.8 * np.ptp(truth)
+    assert np.std(gap) < 0.2 * np.std(truth)
+    assert "along the motion" in strongest(shown, "N·m")
+    assert "along the motion" in found[0].sentence

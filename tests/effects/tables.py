@@ -1,0 +1,69 @@
+"""The tables of docs/effects.md, from the catalogue; `python -m tests.effects.tables` (`make tables`) writes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from exogauge.effects.catalogue import (
+    all_effects,
+    band_effects,
+    base_effects,
+    link_effects,
+    pair_effects,
+    sensor_effects,
+    shaped_effects,
+)
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
+TABLE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def with_tables(text: str) -> str:
+    """The document with every table between its marks made anew."""
+    return TABLE.sub(lambda found: f"{found[1]}{tables()[found[2]]}{found[3]}", text)
+
+
+def tables() -> Mapping[str, str]:
+    """Place -> its table."""
+    missing: dict[str, Mapping[str, Any]] = {
+        "joint": shaped_effects(),
+        "pair": pair_effects(),
+        "sensor": sensor_effects(),
+        "link": link_effects(),
+        "base": base_effects(),
+        "band": band_effects(),
+    }
+    made = {place: _missing(effects) for place, effects in missing.items()}
+    has = [(f"`{each.name}`", each.sentence, _numbers([each.coefficient])) for each in all_effects().values()]
+    return {"model": _table(("effect", "in words", "number"), has)} | made
+
+
+def _missing(effects: Mapping[str, Any]) -> str:
+    head = ("effect", "in words", "numbers", "the motion that shows it", "what can stand in for it")
+    rows = [
+        (f"`{name}`", each.sentence, _numbers([*each.coefficients, *each.shapes]), each.needs, _codes(each.confounds))
+        for name, each in sorted(effects.items())
+    ]
+    return _table(head, rows)
+
+
+def _numbers(quantities: Iterable[Any]) -> str:
+    return "<br>".join(f"`{each.name}` {each.words}" for each in quantities)
+
+
+def _codes(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return (
+        "".join(f"| {' | '.join(cells)} |\n" for cells in lines).replace("| --- |", "|---|").replace(" --- |", "---|")
+    )
+
+
+if __name__ == "__main__":
+    DOCUMENT.write_text(with_tables(DOCUMENT.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""`make same BASE=REVISION`: which numbers of results.json differ between two trees."""
