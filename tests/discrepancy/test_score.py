@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from exogauge.effects.base_tilt import BaseTilt
 from exogauge.effects.catalogue import missing_effects, shaped_effects
+from exogauge.effects.imu_tilt import ImuTilt
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.identification.pair_site import PairSite
 from exogauge.identification.seen import seen_by
-from exogauge.identification.site import AxisSite
+from exogauge.identification.site import AxisSite, BaseSite
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import residual_memory, score
 from exogauge.search.sums import KindSums, Sums
@@ -178,3 +180,15 @@ def test_columns_of_all_candidates_are_each_filtered_by_itself(case):
         np.testing.assert_allclose(of_all, own, rtol=0.0, atol=1e-12 * max(np.abs(own).max(), 1e-300))
         start += each.width
     assert start == together.shape[1]
+
+
+def test_two_effects_of_one_name_keep_their_own_columns(case):
+    model, logs, _ = case
+    site = BaseSite()
+    seen, kinds = site.see(model, logs[0]), len(site.kinds(model.equations))
+    neighbours = [Candidate(BaseTilt(), site, ()), Candidate(ImuTilt(), site, ())]
+    assert neighbours[0].effect.name == neighbours[1].effect.name
+    together = columns_of(neighbours, seen, logs[0], kinds)
+    apart = [columns_of([each], seen, logs[0], kinds) for each in neighbours]
+    np.testing.assert_array_equal(together, np.concatenate(apart, axis=1))
+    assert together.shape[1] == sum(each.width for each in neighbours)
