@@ -51,6 +51,21 @@ def test_a_shape_between_the_grids_values_is_found(fitted_to, study):
     assert [found[name].unit for name in ("tau_b", "v_s", "delta")] == ["N·m", "rad/s", "1"]
 
 
+def test_whichever_value_of_the_grid_it_begins_with_it_finds_the_same_shape(fitted_to, study):
+    """On the way to a larger gain the evidence may fall a little: from (0.6, 1) it once did not move at all."""
+    model, rows, best, finer = fitted_to(study(friction))
+    (kind,) = SITE.kinds(model.equations)
+    samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
+    memory = dict.fromkeys(range(model.equations.kinds), samples)
+    effect = best.candidate.effect
+    begun = [score(model, Candidate(effect, SITE, shape), sums_of(rows, effect, shape), memory)
+             for shape in grid(effect)]  # fmt: skip
+    near = [each for each in begun if each is not None and each.gain > 0.5 * finer.gain]
+    assert (0.6, 1.0) in [each.candidate.shape for each in near]
+    for each in near:
+        assert refined(model, each, rows, memory).gain > 0.995 * finer.gain, each.candidate.shape
+
+
 def test_shapes_keep_to_their_bounds(fitted_to, study):
     _, _, _, finer = fitted_to(study(lambda m: 3.0 * np.sign(m.v) * (np.arange(3) == AXIS) / (1.0 + np.abs(m.v))))
     for value, shape in zip(finer.candidate.shape, finer.candidate.effect.shapes, strict=True):

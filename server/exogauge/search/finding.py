@@ -22,7 +22,7 @@ from exogauge.search.doubt import parameters
 from exogauge.search.evidence import continued, evidence, strongest
 from exogauge.search.judge import Judgement, apart
 from exogauge.search.locate import channels, pooled
-from exogauge.search.may_be_named import unsure
+from exogauge.search.may_be_named import refused
 from exogauge.search.site_rows import SiteRows
 
 TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
@@ -97,13 +97,12 @@ def channel_of(equations: Equations, kind: int) -> str:
 def objection(finding: Finding, without: float, with_it: float) -> str:
     """Why an effect is dropped again once the robot has been identified with it, or "". without, with_it: `low_passed`.
 
-    The size of the effect has to be known as well. Whether the error falls as it is told, is asked where it is told
-    (`may_be_named.refused`): by then its shape was sought again in the model that has it, and a curve of its own added.
+    The error has to fall as it is told as well, in steady motion, and the size of the effect to be known.
     """
     if with_it > AT_MOST * without:
         change = f"{without:.3g} to {with_it:.3g} {finding.held_out.unit}"
         return f"with the robot identified again the held-out error does not fall ({change})"
-    return unsure(finding)
+    return refused(finding)
 
 
 def low_passed(ground: Ground, kind: int, logs: Sequence[str]) -> float:

@@ -19,11 +19,6 @@ def refused(finding: Finding) -> str:
         where = f"error in {held.log}" if held.log else "held-out error"
         change = f"{held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit}"
         return f"with it the {where} of {held.channel} does not fall ({change})"
-    return unsure(finding)
-
-
-def unsure(finding: Finding) -> str:
-    """Why its size says nothing, in words and numbers, or ""."""
     sizes = _sizes(finding)
     if sizes and all(abs(value) < SURE * std for value, std in sizes.values()):
         told = ", ".join(f"{name} {value:.2g} ± {std:.2g}" for name, (value, std) in sizes.items())

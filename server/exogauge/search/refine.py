@@ -1,7 +1,7 @@
 """Shapes between the values of a grid: those with which the candidate explains most of the fitted logs.
 
 Near a shape that the baseline swallows the predicted gain is all rounding; the evidence, which counts what the rows
-really gain, falls there, and the search turns back.
+really gain, vanishes there, and the search turns back. On the way to a better shape it may fall a little.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from exogauge.search.site_rows import SiteRows, sums_of
 Array = NDArray[np.float64]
 
 TRIALS = 40  # of the search, per shape
+SWALLOWED = 0.5  # of the evidence that the search begins with: what is left of it where a shape counts for nothing
 
 
 @final
@@ -56,7 +57,7 @@ def refined(
 
     def cost(values: Array) -> float:
         found = at(np.clip(values, 0.0, 1.0))
-        return 0.0 if found is None or found.evidence < first.evidence else -found.gain
+        return 0.0 if found is None or found.evidence < SWALLOWED * first.evidence else -found.gain
 
     start = np.array([shapes[k].share(candidate.shape[k]) for k in free])
     simplex = np.vstack(
