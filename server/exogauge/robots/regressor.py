@@ -84,9 +84,21 @@ def body_regressor(states: BodyStates) -> Array:
 
     As `pinocchio.bodyRegressor`; [Payload] (5) up to the order of its columns.
     """
-    w, dw, b = states.omega, states.alpha, states.proper_acceleration
+    return wrench_columns(states.proper_acceleration, states.alpha, states.omega)
+
+
+def wrench_columns(proper_acceleration: Array, alpha: Array, omega: Array) -> Array:
+    """(..., 6, 10) wrench that moves a body, about the origin of its frame in its axes, per inertial parameter.
+
+    All (..., 3), of the frame, in its axes: proper acceleration a - g of its origin (a classical) [m/s²], angular
+    acceleration [rad/s²] and velocity [rad/s].
+
+    Implements [Payload] (2)-(5) for s = +1. Differs from print: a - g for a + g; entry (1, 4) is w_x w_z + alpha_y;
+    ten columns, in the order of `RigidTree.phi`.
+    """
+    b, dw, w = proper_acceleration, alpha, omega
     W = _skew(w)
-    A = np.zeros((*w.shape[:2], 6, 10))
+    A = np.zeros((*w.shape[:-1], 6, 10))
     A[..., :3, 0] = b
     A[..., :3, 1:4] = _skew(dw) + W @ W
     A[..., 3:, 1:4] = -_skew(b)

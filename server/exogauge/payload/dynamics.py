@@ -1,0 +1,274 @@
+"""The dynamic stage: ten inertial parameters, and the zero, from motion that excites them, with what is known before.
+
+x = [m, m c, I (6, as `RigidTree.phi`), F_0 (6)]; rows of s A Φ + F_0 = F_raw, divided by the sensor's noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import NotIdentifiable
+from exogauge.estimation.log_cholesky import nearest_possible, pseudo_inertia
+from exogauge.estimation.physical import solve_physical
+from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.statics import StaticSolution
+from exogauge.payload.total_least_squares import Recursion, only_output, solve, triangle
+from exogauge.robots.regressor import wrench_columns
+
+Array = NDArray[np.float64]
+Method = Literal["ls", "tls", "gtls"]
+
+NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+ZERO_NAMES = ("fx0", "fy0", "fz0", "mx0", "my0", "mz0")
+GYRATION_M = 1.0  # std of unknown inertia, as radius of gyration: only a payload of some metres has more
+MU_STDS, MU_FLOOR = 3.0, 0.05  # how far μ must be from 1 to be told: beyond chance, and more than any noise is known
+DECIDED = 0.5  # of the std that was believed before: what the data leave less sure than that, they do not decide
+MEMORIES = (
+    24.0  # correlation times over which coloured residuals are summed: errors of smoothed accelerations swing back
+)
+AGREE = 2.0  # standard deviations within which LS and GTLS count as one
+
+
+@final
+@dataclass(frozen=True)
+class Rows:
+    """z: (T, 6, n+1) rows [A b] divided by the noise of b. noise: (T, n+1, n+1) covariance of their errors, summed over
+    the six. F: (T, 6) wrench; std: (6,) of its noise. sign: s."""
+
+    z: Array
+    noise: Array
+    std: Array
+    sign: int
+
+    @property
+    def size(self) -> int:
+        return int(self.z.shape[2]) - 1
+
+
+@final
+@dataclass(frozen=True)
+class Prior:
+    """What was known of x: (16,) value and (16, 16) covariance."""
+
+    value: Array
+    covariance: Array
+
+    @property
+    def rows(self) -> Array:
+        """(16, 17) rows [A b] whose b errs by one standard deviation each."""
+        root = np.linalg.inv(np.linalg.cholesky(self.covariance))
+        return np.column_stack([root, root @ self.value])
+
+
+@final
+@dataclass(frozen=True)
+class DynamicSolution:
+    """value, std: (16,) of x; covariance: (16, 16), with residuals that are not white. prior_std: (16,).
+
+    mu, mu_std: residual over what the noise model says, 1 where it holds, and its chance. decided: (16,) whether the
+    data made a number at least twice as sure as it was. physical: (16,) the likeliest whose body can exist; cost: what
+    that costs, in squared standard deviations; 0 where x is possible. residual: (T, 6) [N, N·m]. method: of `value`.
+    """
+
+    value: Array
+    covariance: Array
+    mu: float
+    mu_std: float
+    decided: NDArray[np.bool_]
+    prior_std: Array
+    physical: Array
+    cost: float
+    residual: Array
+    method: Method
+
+    @property
+    def std(self) -> Array:
+        return np.sqrt(np.diag(self.covariance))
+
+
+def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array) -> Rows:
+    """wrench: (T, 6) as read. gravity: (3,) [m/s²] in {B}, as the static stage left it. std: (6,) of the wrench.
+
+    Row covariance by first order: A is linear in a - g and α and quadratic in ω.
+    """
+    T = len(wrench)
+    A = sign * motion.regressor(gravity)
+    zero = np.broadcast_to(np.eye(6), (T, 6, 6))
+    z = np.concatenate([A, zero, wrench[:, :, None]], axis=2) / std[:, None]
+    still = np.zeros(3)
+    fixed = np.stack(
+        [wrench_columns(e, still, still) for e in np.eye(3)] + [wrench_columns(still, e, still) for e in np.eye(3)]
+    )
+    e = np.eye(3)[:, None]
+    none = np.zeros((3, T, 3))
+    turning = 0.5 * (wrench_columns(none, none, motion.omega + e) - wrench_columns(none, none, motion.omega - e))
+    slopes = np.concatenate([np.broadcast_to(fixed[:, None], (6, T, 6, 10)), turning]) / std[:, None]
+    errors = np.einsum("ktip,tkm->tpim", slopes, motion.noise, optimize=True).reshape(T, 10, -1)
+    noise = np.zeros((T, 17, 17))
+    noise[:, :10, :10] = errors @ np.swapaxes(errors, 1, 2)
+    noise[:, 16, 16] = 6.0
+    return Rows(z, noise, std, sign)
+
+
+def static_prior(static: StaticSolution | None, mass_scale: float = 50.0) -> Prior:
+    """From the static stage, else next to nothing: `mass_scale` [kg] and its moments at 1 m, zero within 1000 N."""
+    value, covariance = np.zeros(16), np.zeros((16, 16))
+    m = mass_scale if static is None else static.mass
+    inertia = (m * GYRATION_M**2) ** 2
+    covariance[np.arange(4, 10), np.arange(4, 10)] = inertia
+    known = np.array([0, 1, 2, 3, *range(10, 16)])
+    if static is None:
+        covariance[known, known] = np.array([m**2, *[m**2] * 3, *[1000.0**2] * 3, *[1000.0**2] * 3])
+    else:
+        value[known], covariance[np.ix_(known, known)] = static.moments
+    return Prior(value, covariance)
+
+
+def dynamic_stage(rows: Rows, prior: Prior, method: Method = "gtls", *, correlated: bool = True) -> DynamicSolution:
+    """Implements [Payload] (29)-(33) with prior rows. Raises NotIdentifiable where nothing was excited.
+
+    correlated: residuals are not white (they are not where positions were smoothed or anything was filtered).
+    """
+    found = batch(rows, prior, method)
+    x = found.value
+    left = rows.z @ np.append(-x, 1.0)  # (T, 6)
+    H = found.information + prior_information(prior)
+    scores = _scores(rows, found, left, method)
+    meat = _coloured(scores, left) if correlated else scores.T @ scores
+    inverse = np.linalg.inv(H)
+    covariance = inverse @ (meat + prior_information(prior)) @ inverse
+    before = np.sqrt(np.diag(prior.covariance))
+    decided = np.sqrt(np.diag(covariance)) < DECIDED * before
+    residual = left * rows.std
+    physical, cost = _possible(x, covariance, prior)
+    return DynamicSolution(
+        x, covariance, found.mu, _mu_std(left, found.mu), decided, before, physical, cost, residual, method
+    )
+
+
+@final
+@dataclass(frozen=True)
+class Fit:
+    """value: (16,). mu_of_fit: μ of all rows under the method's own P. mu: of the motion's rows, under propagated
+    noise. information: (16, 16) of the motion's rows."""
+
+    value: Array
+    mu_of_fit: float
+    mu: float
+    information: Array
+
+
+def batch(rows: Rows, prior: Prior, method: Method) -> Fit:
+    """LS, plain TLS of rows divided by the wrench's noise, or GTLS with propagated covariances."""
+    R = triangle(rows.z)
+    P = noise_of(rows, method)
+    with_prior = P.copy()
+    with_prior[-1, -1] += len(prior.value)
+    found = solve(triangle(np.vstack([R, prior.rows])), with_prior)
+    v = np.append(found.value, -1.0)
+    mu = float(np.sum((R @ v) ** 2) / (v @ noise_of(rows, "gtls") @ v))
+    return Fit(found.value, found.mu, mu, R[:, :-1].T @ R[:, :-1] - found.mu * P[:-1, :-1])
+
+
+def noise_of(rows: Rows, method: Method) -> Array:
+    """(17, 17) summed covariance under which GTLS is the method."""
+    T = len(rows.z)
+    if method == "ls":
+        return only_output(rows.size + 1, 6 * T)
+    if method == "tls":
+        return 6.0 * T * np.eye(rows.size + 1)
+    return np.asarray(rows.noise.sum(axis=0))
+
+
+def recursive(rows: Rows, prior: Prior, method: Method = "gtls", forget: float = 1.0) -> tuple[Array, float]:
+    """(T, 16) the estimate after each sample, and mu at the end: RLS, RTLS, RRTLS.
+
+    Implements [Payload] (34), (35); see `Recursion`.
+    """
+    noise = rows.noise if method == "gtls" else np.broadcast_to(
+        noise_of(rows, method) / len(rows.z), rows.noise.shape
+    ).copy()  # fmt: skip
+    recursion = Recursion(rows.size, prior.rows, start=prior.value, forget=forget)
+    return recursion.run(rows.z, noise), recursion.mu
+
+
+def prior_information(prior: Prior) -> Array:
+    root = prior.rows[:, :-1]
+    return np.asarray(root.T @ root)
+
+
+def _scores(rows: Rows, found: Fit, left: Array, method: Method) -> Array:
+    """(T, 16) half the derivative of the cost by x, sample by sample: Aᵀe, and what the errors of A make of it."""
+    scores: Array = np.einsum("tip,ti->tp", rows.z[:, :, :-1], left)
+    if method == "ls":
+        return scores
+    v = np.append(found.value, -1.0)
+    toward = rows.noise @ v if method == "gtls" else np.broadcast_to(6.0 * v, (len(left), len(v)))
+    return np.asarray(scores + found.mu_of_fit * toward[:, :-1])
+
+
+def _coloured(scores: Array, left: Array) -> Array:
+    """(16, 16) Σ over lags of the scores' autocovariance, by Bartlett's weights."""
+    lags = int(min(np.ceil(MEMORIES * _memory(left)), len(left) // 8))
+    out = scores.T @ scores
+    for k in range(1, lags + 1):
+        cross = scores[k:].T @ scores[:-k]
+        out += (1.0 - k / (lags + 1.0)) * (cross + cross.T)
+    return np.asarray(out)
+
+
+def _mu_std(left: Array, mu: float) -> float:
+    """Of μ, from the spread of sums of squares that are a few memories apart."""
+    squares = np.sum(left**2, axis=1)
+    block = int(min(np.ceil(4 * _memory(left)), len(left) // 8))
+    sums = squares[: len(squares) // block * block].reshape(-1, block).mean(axis=1)
+    return float(mu * sums.std() / (np.sqrt(len(sums)) * squares.mean()))
+
+
+def _memory(left: Array) -> float:
+    """Longest correlation time of the six residuals, in samples, up to where the correlation first ends."""
+    spectrum = np.abs(np.fft.rfft(left, n=2 * len(left), axis=0)) ** 2
+    rho = np.fft.irfft(spectrum, axis=0)[: len(left) // 4]
+    rho = rho / np.maximum(rho[0], 1e-300)
+    positive = np.cumprod(rho > 0.0, axis=0)
+    return float(np.max(1.0 + 2.0 * np.sum(rho[1:] * positive[1:], axis=0)))
+
+
+def _possible(x: Array, covariance: Array, prior: Prior) -> tuple[Array, float]:
+    """The likeliest (16,) whose body can exist, and its squared distance."""
+    if np.linalg.eigvalsh(pseudo_inertia(x[:10])).min() > 0:
+        return x, 0.0
+    root = np.linalg.inv(np.linalg.cholesky(covariance))
+    reference = x[:10].copy()
+    reference[0] = max(reference[0], 1e-6)
+    solution = solve_physical(root, root @ x, nearest_possible(reference)[None])
+    return solution.x, solution.cost
+
+
+def reading_of_mu(mu: float, std: float) -> str | None:
+    """What a μ beside 1 says, or None where chance explains it."""
+    if abs(mu - 1.0) < max(MU_STDS * std, MU_FLOOR):
+        return None
+    if mu > 1.0:
+        return (
+            f"The residual is {mu:.3g} times what the stated noise explains: the kinematics lag behind the wrench "
+            "(a causal filter, a delayed channel), an effect is missing, or the noise is stated too small."
+        )
+    return f"The residual is {mu:.3g} times what the stated noise explains: the noise is stated too large."
+
+
+def enough(ls: DynamicSolution, gtls: DynamicSolution) -> bool:
+    """Whether LS would have done: nowhere further from GTLS than twice the standard deviation."""
+    return bool(np.all(np.abs(ls.value - gtls.value)[:10] < AGREE * gtls.std[:10]))
+
+
+def require_excitation(solution: DynamicSolution) -> None:
+    """Raises NotIdentifiable where no entry of the inertia was decided."""
+    if not solution.decided[4:10].any():
+        raise NotIdentifiable(
+            "nothing in the excitation decides the inertia: turn the wrist about all three axes, faster", NAMES[4:]
+        )

@@ -1,0 +1,114 @@
+"""Position, velocity and acceleration of each channel from its noisy positions: Kalman filter, smoothers, their noise.
+
+State [q, q̇, q̈], white noise as jerk: [Payload] takes a Kalman filter and does not say which; math of its section V.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from exogauge.loops.jerk_filter import WARM, backward, forward, gains
+
+Array = NDArray[np.float64]
+Kind = Literal["smoother", "fixed_lag", "causal"]
+
+LAG_S = 0.1  # of the fixed-lag smoother: at 250 Hz it leaves what the full smoother leaves
+RATIO = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
+STILL = 20.0  # standard deviations of noise between the ends of what a channel does not move
+MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse is left (e⁻⁸)
+
+
+@final
+@dataclass(frozen=True)
+class Smoothed:
+    """state: (T, J, 3) position, velocity, acceleration. density: (J,) jerk density [rad²/s⁵]. noise: (J, 3, 3) root
+    with C = noise noiseᵀ, the covariance of the state's error by the noise of the positions alone.
+    edge: samples at either end where the state is worse than that."""
+
+    state: Array
+    density: Array
+    noise: Array
+    edge: int
+
+
+def smooth(
+    time: Array, positions: Array, std: float, *, density: float | None = None, kind: Kind = "smoother"
+) -> Smoothed:
+    """positions: (T, J) [rad or m] at time (T,) [s], with errors of `std`.
+
+    density: None chooses each channel's by the likelihood of its innovations, which is done for still channels anyway.
+    kind: `smoother` uses all samples (Rauch-Tung-Striebel), `fixed_lag` those up to 100 ms later, `causal` none later.
+    """
+    period = float(np.median(np.diff(time)))
+    step = np.concatenate([[1.0], np.diff(time)]) / period
+    lag = {"smoother": -1, "fixed_lag": max(round(LAG_S / period), 1), "causal": 0}[kind]
+    channels = positions.shape[1]
+    state, noise, densities = np.empty((len(time), channels, 3)), np.empty((channels, 3, 3)), np.empty(channels)
+    units = period ** -np.arange(3.0)
+    edge = 0
+    for j in range(channels):
+        z = (positions[:, j] - positions[0, j]) / std
+        moves = float(np.ptp(z)) >= STILL
+        ratio = density * period**5 / std**2 if density is not None and moves else likeliest(z, step)
+        states = _pass(z, step, ratio, lag) * std * units
+        state[:, j] = states
+        state[:, j, 0] += positions[0, j]
+        densities[j] = ratio * std**2 / period**5
+        h = impulse_responses(ratio, lag)
+        noise[j] = _root(h.T @ h) * std * units[:, None]
+        edge = max(edge, min(_memory(ratio), len(time) // 4) if moves else 0)
+    return Smoothed(state, densities, noise, edge)
+
+
+def likeliest(z: Array, step: Array) -> float:
+    """Density in units of variance and period, by the likelihood of the innovations. z: (T,) in units of its noise."""
+    x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
+
+    def cost(exponent: float) -> float:
+        logs, squares = forward(z, step, 10.0**exponent, x, P)
+        return logs + squares
+
+    found = minimize_scalar(cost, bounds=RATIO, method="bounded", options={"xatol": 0.02})
+    return float(10.0**found.x)
+
+
+def innovation_variance(z: Array, step: Array, ratio: float) -> float:
+    """Mean of ν²/s: 1 where the stated noise is right. z: (T,) in units of its noise."""
+    x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
+    return forward(z, step, ratio, x, P)[1] / max(len(z) - WARM, 1)
+
+
+def impulse_responses(ratio: float, lag: int) -> Array:
+    """(N, 3) what the settled filter makes of a unit error in one sample, in periods."""
+    half = _memory(ratio)
+    z = np.zeros(4 * half + 1)
+    z[2 * half] = 1.0
+    return _pass(z, np.ones(len(z)), ratio, lag)
+
+
+def _pass(z: Array, step: Array, ratio: float, lag: int) -> Array:
+    x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
+    forward(z, step, ratio, x, P)
+    if lag == 0:
+        return x
+    C, out = np.empty((len(z) - 1, 3, 3)), np.empty_like(x)
+    gains(step, ratio, P, C)
+    backward(step, x, C, lag, out)
+    return out
+
+
+def _memory(ratio: float) -> int:
+    """Samples after which an impulse is forgotten: the poles lie at ratio^(1/6) per period."""
+    return int(np.clip(MEMORY / ratio ** (1 / 6), 20, 5000))
+
+
+def _root(C: Array) -> Array:
+    """Lower triangular root of a covariance that may be singular in its last digits."""
+    scale = np.sqrt(np.diag(C))
+    value, vectors = np.linalg.eigh(C / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(value, 0.0)))

@@ -1,0 +1,325 @@
+"""The static stage: what holds in several postures say of mass, centre of mass, the sensor's zero and the base.
+
+All wrenches in the sensor's axes {S}, force then moment about its origin. {B} is the robot's base, {W} the world.
+s = +1 where the sensor reads what it does to the payload, -1 where it reads what the payload does to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.errors import NotIdentifiable
+from exogauge.payload.total_least_squares import only_output, solve, triangle
+
+Array = NDArray[np.float64]
+Method = Literal["ls", "tls", "gtls"]
+
+RANK = 1e-3  # of the largest scaled singular value; three postures 1° apart have 6e-3, noise of a pose 1e-5
+CLEARLY = 3.0  # how much better another reading of the data must be, to be named
+UNEXPLAINED = 0.02  # of the largest force, left over: what a sensor's own errors do not reach
+
+
+@final
+@dataclass(frozen=True)
+class Holds:
+    """K postures in which nothing moved.
+
+    rotation: (K, 3, 3) R_BS. wrench: (K, 6) [N, N·m] means. std: (6,) [N, N·m] of a mean's error, from the sensor's
+    noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in `logs`' time.
+    """
+
+    rotation: Array
+    wrench: Array
+    std: Array
+    tilt_noise: float = 0.0
+    spans: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.wrench)
+
+    def but(self, k: int) -> Holds:
+        """Without posture k."""
+        keep = np.arange(len(self)) != k
+        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise)
+
+
+@final
+@dataclass(frozen=True)
+class StaticSolution:
+    """mass [kg]; centre (3,) [m]; zero (6,) [N, N·m]; gravity (3,) [m/s²] in {B}; tilt (2,) [rad] U, V.
+
+    covariance: (12, 12) of [mass, centre, zero, U, V], from what the postures leave, not below the stated noise.
+    residual: (K, 6). sign: s. inclined: whether U, V were fitted. condition: of the force and the moment part.
+    """
+
+    mass: float
+    centre: Array
+    zero: Array
+    gravity: Array
+    tilt: Array
+    covariance: Array
+    residual: Array
+    sign: int
+    inclined: bool
+    condition: tuple[float, float]
+
+    @property
+    def std(self) -> Array:
+        """(12,) of [mass, centre, zero, U, V]."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def moments(self) -> tuple[Array, Array]:
+        """(10,) [m, m c, zero] and (10, 10) its covariance: the prior of the dynamic stage."""
+        J = np.eye(10, 12)
+        J[1:4, 0], J[1:4, 1:4] = self.centre, self.mass * np.eye(3)
+        value = np.concatenate([[self.mass], self.mass * self.centre, self.zero])
+        return value, J @ self.covariance @ J.T
+
+    def predict(self, rotation: Array) -> Array:
+        """(K, 6) wrench in postures R_BS (K, 3, 3)."""
+        weight = -self.sign * self.mass * np.einsum("kji,j->ki", rotation, self.gravity)
+        return np.concatenate([weight, np.cross(self.centre, weight)], axis=1) + self.zero
+
+
+def force_columns(rotation: Array) -> Array:
+    """(3K, 6) [R_BSᵀ 1] of [κ, f_0].
+
+    Implements [Payload] (13); (14) in general: κ = -s m g_B.
+    """
+    return np.concatenate([np.swapaxes(rotation, 1, 2), np.tile(np.eye(3), (len(rotation), 1, 1))], axis=2).reshape(
+        -1, 6
+    )
+
+
+def moment_columns(force: Array) -> Array:
+    """(3K, 6) [-[f]× 1] of [c, ι]: τ = c x f + ι. force: (K, 3) as read.
+
+    Implements [Payload] (15).
+    """
+    cross = np.zeros((len(force), 3, 6))
+    for row, f in zip(cross, force, strict=True):
+        row[:, :3] = -pin.skew(f)
+    cross[:, :, 3:] = np.eye(3)
+    return cross.reshape(-1, 6)
+
+
+def gravity_of(U: float, V: float) -> Array:
+    """(3,) unit gravity in {B} where {B} is {W} turned by U about x, then by V about y.
+
+    Implements [Payload] (6), (8), (9).
+    """
+    return np.array([np.cos(U) * np.sin(V), -np.sin(U), -np.cos(U) * np.cos(V)])
+
+
+def inclination(kappa: Array, sign: int) -> Array:
+    """(2,) U, V [rad] from κ (3,) = -s m g_B.
+
+    Implements [Payload] (19). Differs from print: with the unit gravity d = -s κ/|κ|, U = atan2(-d_y, hypot(d_x, d_z)),
+    V = atan2(d_x, -d_z); as printed both signs are wrong for the κ of (14).
+    """
+    d = -sign * kappa / np.linalg.norm(kappa)
+    return np.array([np.arctan2(-d[1], np.hypot(d[0], d[2])), np.arctan2(d[0], -d[2])])
+
+
+def torque_zero(iota: Array, centre: Array, force_zero: Array) -> Array:
+    """(3,) τ_0 = ι + c x f_0.
+
+    Implements [Payload] (16), (20); the printed crosses are products of numbers.
+    """
+    return np.asarray(iota + np.cross(centre, force_zero))
+
+
+def told_sign(holds: Holds, gravity: Array) -> int:
+    """s, from the side to which κ points; right while the base is inclined by less than 90°."""
+    _require_rank(holds, inclined=True)
+    kappa = np.linalg.lstsq(force_columns(holds.rotation), holds.wrench[:, :3].ravel())[0][:3]
+    return -1 if kappa @ gravity > 0 else 1
+
+
+def static_stage(
+    holds: Holds, gravity: Array, sign: int, *, inclined: bool = True, method: Method = "ls"
+) -> StaticSolution:
+    """gravity: (3,) [m/s²] in {B} as stated; its direction is fitted where `inclined`.
+
+    Implements [Payload] (11)-(20), (24), (26). U, V are told against the stated direction.
+    Raises NotIdentifiable where the postures do not decide everything.
+    """
+    _require_rank(holds, inclined)
+    K, g = len(holds), float(np.linalg.norm(gravity))
+    f, tau = holds.wrench[:, :3], holds.wrench[:, 3:]
+    A = force_columns(holds.rotation)
+    if not inclined:
+        A = np.column_stack([A[:, :3] @ (-sign * gravity), A[:, 3:]])
+    x, covariance_x, left_f = _fit(A, f.ravel(), float(holds.std[:3].mean()), method, _force_noise(holds, A))
+    kappa, f_0 = (x[:3], x[3:]) if inclined else (-sign * x[0] * gravity, x[1:])
+    B = moment_columns(f)
+    y, covariance_y, left_t = _fit(B, tau.ravel(), float(holds.std[3:].mean()), method, _moment_noise(holds, B))
+    c, iota = y[:3], y[3:]
+
+    mass = float(np.linalg.norm(kappa)) / g
+    d = -sign * kappa / np.linalg.norm(kappa)
+    upright = _upright(gravity)
+    tilt = inclination(upright @ kappa, sign) if inclined else np.zeros(2)
+    zero = np.concatenate([f_0, torque_zero(iota, c, f_0)])
+    J = np.zeros((12, len(x) + 6))  # of [mass, centre, zero, U, V] by [x, c, ι]
+    first = len(x) - 3
+    if inclined:
+        J[0, :3] = kappa / (np.linalg.norm(kappa) * g)
+        h = 1e-6 * float(np.linalg.norm(kappa))
+        for k, e in enumerate(np.eye(3)):
+            J[10:, k] = inclination(upright @ (kappa + h * e), sign) - inclination(upright @ (kappa - h * e), sign)
+        J[10:, :3] /= 2 * h
+    else:
+        J[0, 0] = 1.0
+    J[1:4, first + 3 : first + 6] = np.eye(3)
+    J[4:7, first : first + 3] = np.eye(3)
+    J[7:10, first : first + 3] = pin.skew(c)
+    J[7:10, first + 3 : first + 6] = -pin.skew(f_0)
+    J[7:10, first + 6 :] = np.eye(3)
+    inner = np.zeros((len(x) + 6, len(x) + 6))
+    inner[: len(x), : len(x)], inner[len(x) :, len(x) :] = covariance_x, covariance_y
+    residual = np.concatenate([left_f.reshape(K, 3), left_t.reshape(K, 3)], axis=1)
+    conditions = (_condition(A), _condition(B))
+    return StaticSolution(
+        mass, c, zero, g * d, tilt, J @ inner @ J.T, residual, sign, inclined, conditions
+    )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True)
+class LeftOut:
+    """Root mean square of the errors in a posture that was not fitted: force [N], moment [N·m]."""
+
+    force: float
+    moment: float
+
+
+def leave_one_out(holds: Holds, gravity: Array, sign: int, *, inclined: bool) -> LeftOut:
+    """Each posture predicted from the others. Raises NotIdentifiable where one of them cannot be missed."""
+    errors = np.array([
+        holds.wrench[k] - static_stage(holds.but(k), gravity, sign, inclined=inclined).predict(holds.rotation[[k]])[0]
+        for k in range(len(holds))
+    ])  # fmt: skip
+    return LeftOut(float(np.sqrt(np.mean(errors[:, :3] ** 2))), float(np.sqrt(np.mean(errors[:, 3:] ** 2))))
+
+
+def further_posture(holds: Holds, solution: StaticSolution) -> tuple[Array, Array]:
+    """(3,) direction of gravity in {S} of the posture that would tell most, and (12,) the std with it.
+
+    Chosen from 8 x 5 x 8 Euler angles, by the determinant of the information.
+    """
+    rms = np.sqrt(np.mean(solution.residual**2, axis=0))
+    noise = np.maximum(np.repeat([rms[:3].mean(), rms[3:].mean()], 3), holds.std)
+    angles = np.linspace(-np.pi, np.pi, 8, endpoint=False)
+    candidates = np.array([pin.rpy.rpyToMatrix(x, y, z) for x in angles for y in angles[2:7] for z in angles])
+    wrenches = solution.predict(candidates)
+
+    def information(rotation: Array, wrench: Array) -> float:
+        parts = (force_columns(rotation) / noise[0], moment_columns(wrench[:, :3]) / noise[3])
+        return sum(float(np.linalg.slogdet(before + A.T @ A)[1]) for before, A in zip(held, parts, strict=True))
+
+    held = [A.T @ A for A in (force_columns(holds.rotation) / noise[0], moment_columns(holds.wrench[:, :3]) / noise[3])]
+    gains = [information(R[None], w[None]) for R, w in zip(candidates, wrenches, strict=True)]
+    k = int(np.argmax(gains))
+    rotation = np.concatenate([holds.rotation, candidates[[k]]])
+    exact = Holds(rotation, solution.predict(rotation), noise)
+    now, then = (
+        static_stage(each, solution.gravity, solution.sign, inclined=solution.inclined).std
+        for each in (exact.but(len(holds)), exact)
+    )
+    direction = candidates[k].T @ solution.gravity / np.linalg.norm(solution.gravity)
+    return direction, solution.std * then / np.where(now > 0, now, 1.0)
+
+
+def misread_rotation(holds: Holds, gravity: Array) -> Literal["transposed", "world_axes"] | None:
+    """Whether the postures fit clearly better with R_SB for R_BS, or with wrenches in the base's axes.
+
+    Forces fit both alike, with κ and the zero exchanged: the one whose κ points along gravity is told.
+    """
+    if _rank(holds.rotation) < 6:
+        return None
+
+    def fitted(rotation: Array, force: Array) -> tuple[float, float]:
+        A = force_columns(rotation)
+        x = np.linalg.lstsq(A, force.ravel())[0]
+        along = abs(float(x[:3] @ gravity)) / float(np.linalg.norm(x[:3]) * np.linalg.norm(gravity))
+        return float(np.sqrt(np.mean((A @ x - force.ravel()) ** 2))), along
+
+    f = holds.wrench[:, :3]
+    as_stated = fitted(holds.rotation, f)[0]
+    weight = float(np.abs(f - f.mean(axis=0)).max())
+    if as_stated < max(CLEARLY * float(holds.std[:3].max()), UNEXPLAINED * weight):
+        return None
+    transposed = fitted(np.swapaxes(holds.rotation, 1, 2), f)
+    world = fitted(holds.rotation, np.einsum("kji,kj->ki", holds.rotation, f))
+    if CLEARLY * min(transposed[0], world[0]) > as_stated:
+        return None
+    return "transposed" if transposed[1] >= world[1] else "world_axes"
+
+
+def _fit(A: Array, b: Array, std: float, method: Method, noise: Array) -> tuple[Array, Array, Array]:
+    """Parameters, their covariance and the residual. noise: (n, n) summed covariance of A's rows."""
+    Z = np.column_stack([A, b]) / std
+    P = only_output(Z.shape[1], len(b))
+    if method == "tls":
+        P = np.eye(len(P))
+    elif method == "gtls":
+        P[:-1, :-1] = noise / std**2
+    found = solve(triangle(Z), P)
+    left = b - A @ found.value
+    spread = max(float(left @ left) / max(len(b) - A.shape[1], 1), std**2)
+    return found.value, spread * np.linalg.inv(A.T @ A), left
+
+
+def _force_noise(holds: Holds, A: Array) -> Array:
+    """R_BSᵀ errs by turning: entries of its rows, two directions of each, by the tilt's noise."""
+    P = np.zeros((A.shape[1], A.shape[1]))
+    k = A.shape[1] - 3
+    size = 1.0 if k == 3 else float(np.sum(A[:3, 0] ** 2))
+    P[:k, :k] = 2.0 * len(holds) * holds.tilt_noise**2 * size * np.eye(k)
+    return P
+
+
+def _moment_noise(holds: Holds, B: Array) -> Array:
+    P = np.zeros((6, 6))
+    P[:3, :3] = 2.0 * len(holds) * float(np.mean(holds.std[:3] ** 2)) * np.eye(3)
+    return P
+
+
+def _upright(gravity: Array) -> Array:
+    """(3, 3) the least turn that takes the stated gravity to -z."""
+    return np.asarray(
+        pin.Quaternion.FromTwoVectors(gravity / np.linalg.norm(gravity), -np.eye(3)[2]).toRotationMatrix()
+    )
+
+
+def _rank(rotation: Array) -> int:
+    A = force_columns(rotation)
+    value = np.linalg.svd(A / np.linalg.norm(A, axis=0), compute_uv=False)
+    return int((value > RANK * value[0]).sum())
+
+
+def _require_rank(holds: Holds, inclined: bool) -> None:
+    """1, 2, 3 postures that differ in gravity and about it leave 3, 5, 6 of the six numbers of either part."""
+    rank, wanted = _rank(holds.rotation), 6
+    B = moment_columns(holds.wrench[:, :3])
+    weights = np.linalg.svd(holds.wrench[:, :3] - holds.wrench[:, :3].mean(axis=0), compute_uv=False)
+    moment_rank = 3 + min(3, int((weights > RANK * max(float(np.abs(B).max()), 1e-9)).sum()) + 1) * (len(holds) > 1)
+    if (rank < wanted and inclined) or moment_rank < 6:
+        raise NotIdentifiable(
+            f"{len(holds)} postures decide {rank} of 6 numbers of the force and {moment_rank} of 6 of the moment; hold "
+            "still in at least three in which gravity has other directions in the sensor's axes",
+            ("mass", "centre", "zero", "inclination"),
+        )
+
+
+def _condition(A: Array) -> float:
+    """Of the matrix with columns of equal length."""
+    value = np.linalg.svd(A / np.linalg.norm(A, axis=0), compute_uv=False)
+    return float(value[0] / value[-1])

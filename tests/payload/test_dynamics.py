@@ -1,0 +1,188 @@
+"""[Payload] 2.1, 3: motion that excites everything, from MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.typing import NDArray
+from tests.payload.conftest import GRAVITY, STD, case, generator
+
+from exogauge.errors import NotIdentifiable
+from exogauge.payload.dynamics import (
+    DynamicSolution,
+    Rows,
+    dynamic_rows,
+    dynamic_stage,
+    enough,
+    reading_of_mu,
+    recursive,
+    require_excitation,
+    static_prior,
+)
+from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.robots.regressor import wrench_columns
+
+Array = NDArray[np.float64]
+PAPER_ORDER = [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]
+a, ALPHA, OMEGA, G = (
+    np.array([1.0, 2, 3]),
+    np.array([0.1, 0.2, 0.3]),
+    np.array([0.4, 0.5, 0.6]),
+    np.array([0, 0, -9.81]),
+)
+PHI = np.array([40, 0.2, -0.1, 0.9, 3.3, 0.05, -0.04, 0.9, 0.02, 4.1])
+WRENCH = [40.284, 80.332, 511.999, -1.8152, -1.66, 1.2623]
+
+
+def test_regressor_of_the_test_vector_and_of_pinocchio() -> None:
+    A = wrench_columns(a - G, ALPHA, OMEGA)
+    assert A[:, PAPER_ORDER] @ PHI == pytest.approx(WRENCH, abs=1e-8)
+    motion = pin.Motion(a - G, ALPHA)
+    assert pytest.approx(pin.bodyRegressor(pin.Motion(np.zeros(3), OMEGA), motion), abs=1e-14) == A
+
+
+def test_2_as_printed_adds_gravity_where_it_is_to_be_taken_off() -> None:
+    printed = wrench_columns(a + G, ALPHA, OMEGA)[:, PAPER_ORDER] @ PHI
+    assert np.abs(printed - WRENCH).max() > 500.0
+
+
+def test_entry_1_4_of_5_as_printed_turns_the_angular_acceleration_round() -> None:
+    A = wrench_columns(a - G, ALPHA, OMEGA)
+    assert A[0, 3] == pytest.approx(OMEGA[0] * OMEGA[2] + ALPHA[1], abs=1e-15)
+    A[0, 3] = OMEGA[0] * OMEGA[2] - ALPHA[1]
+    assert np.abs(A[:, PAPER_ORDER] @ PHI - WRENCH).max() > 0.1
+
+
+def test_kinematics_and_regressor_are_those_of_mujoco() -> None:
+    one = case(0)
+    motion = one.motion()
+    q, dq, ddq = one.exact
+    exact = generator.simulate(one.body, q, dq, ddq) - one.body.zero
+    A = motion.regressor(tilted())
+    inner = slice(motion.edge, -motion.edge)
+    assert np.abs((-A @ one.phi - exact)[inner]).max() < 6.0 * 0.06 * 40.0 * 0.4
+    assert np.sqrt(np.mean((-A @ one.phi - exact)[inner] ** 2)) < 0.5
+
+
+def tilted() -> Array:
+    U, V = np.radians(generator.TILT_DEG)
+    return 9.81 * np.array([np.cos(U) * np.sin(V), -np.sin(U), -np.cos(U) * np.cos(V)])
+
+
+@cache
+def rows_of(seed: int, density: float | None) -> Rows:
+    return case(seed).rows(case(seed).static.gravity, density)
+
+
+@cache
+def solved(seed: int, density: float | None, method: str) -> DynamicSolution:
+    return dynamic_stage(rows_of(seed, density), static_prior(case(seed).static), method)  # type: ignore[arg-type]
+
+
+def errors(seeds: Sequence[int], density: float | None, method: str) -> Array:
+    return np.array([solved(seed, density, method).value - case(seed).truth for seed in seeds])
+
+
+SEEDS = range(8)
+
+
+def test_the_payload_comes_back_within_the_bounds_and_intervals_hold() -> None:
+    error = errors(SEEDS, None, "gtls")
+    rms = np.sqrt(np.mean(error**2, axis=0))
+    assert rms[0] <= 0.005
+    assert rms[1:4].max() <= 0.001
+    assert rms[4:10].max() <= 0.002
+    assert rms[10:13].max() <= 0.03
+    std = np.array([solved(seed, None, "gtls").std for seed in SEEDS])
+    assert 0.90 < np.mean(np.abs(error) < 1.96 * std) <= 1.0
+    assert np.mean(np.abs(error)) > 0.2 * np.mean(std)
+
+
+def test_tilt_and_zero_come_back_from_the_postures() -> None:
+    found = [case(seed).static for seed in SEEDS]
+    tilt = np.degrees([each.tilt for each in found]) - generator.TILT_DEG
+    assert np.sqrt(np.mean(tilt**2, axis=0)).max() <= 0.005
+
+
+def test_gtls_takes_the_bias_off_that_noisy_kinematics_leave() -> None:
+    gtls, ls, tls = (errors(SEEDS, 1e3, method)[:, [0, 3, 4]] for method in ("gtls", "ls", "tls"))
+    chance = 3.0 * gtls.std(axis=0) / np.sqrt(len(SEEDS))
+    assert np.all(np.abs(gtls.mean(axis=0)) <= np.maximum([0.003, 0.002, 0.005], chance))
+    assert ls.mean(axis=0)[0] < -0.009
+    assert ls.mean(axis=0)[2] < -0.1
+    assert np.abs(tls.mean(axis=0)[2]) > 0.1
+    mu = [solved(seed, 1e3, "gtls").mu for seed in SEEDS]
+    assert np.mean(mu) == pytest.approx(1.0, abs=0.03)
+
+
+def test_with_a_smoother_chosen_by_likelihood_least_squares_would_have_done() -> None:
+    assert all(enough(solved(seed, None, "ls"), solved(seed, None, "gtls")) for seed in SEEDS)
+    assert not enough(solved(0, 1e3, "ls"), solved(0, 1e3, "gtls"))
+
+
+def test_mu_is_one_and_a_causal_filters_lag_is_named() -> None:
+    right = solved(1, None, "gtls")
+    assert reading_of_mu(right.mu, right.mu_std) is None
+    static = case(1).static
+    late = dynamic_stage(case(1).rows(static.gravity, kind="causal"), static_prior(static))
+    assert late.mu > 1.2
+    assert "lag" in (reading_of_mu(late.mu, late.mu_std) or "")
+
+
+def test_a_fixed_lag_is_as_good_as_all_that_comes_later() -> None:
+    static = case(2).static
+    lagged = dynamic_stage(case(2).rows(static.gravity, kind="fixed_lag"), static_prior(static))
+    assert np.all(np.abs(lagged.value - solved(2, None, "gtls").value) < 0.6 * lagged.std)
+
+
+def test_recursion_over_the_excitation_equals_the_batch() -> None:
+    static = case(0).static
+    track, mu = recursive(case(0).rows(static.gravity), static_prior(static))
+    batch = solved(0, None, "gtls")
+    assert np.abs(track[-1] - batch.value).max() < 1e-5
+    assert mu == pytest.approx(batch.mu, rel=0.01)
+    assert np.abs(track[:, 0] - generator.MASS).max() < 0.1
+
+
+def test_wrong_sign_or_ignored_zero_drift_would_show() -> None:
+    static = case(0).static
+    motion = case(0).motion()
+    flipped = dynamic_rows(motion.inner(), case(0).excitation[1][motion.edge : -motion.edge], static.gravity, 1, STD)
+    assert dynamic_stage(flipped, static_prior(static)).mu > 100.0
+
+
+def test_without_postures_the_motion_alone_decides_all_sixteen() -> None:
+    found = dynamic_stage(case(0).rows(tilted()), static_prior(None))
+    assert np.all(np.abs(found.value - case(0).truth) < 4.5 * found.std)
+    assert found.decided.all()
+
+
+def test_what_was_not_excited_is_said() -> None:
+    T = 600
+    still = np.tile(np.eye(3), (T, 1, 1))
+    rng = np.random.default_rng(0)
+    none = np.zeros((T, 3))
+    motion = SensorMotion(np.arange(T) / 250.0, still, none, none, none, np.zeros((T, 9, 3)))
+    wrench = np.tile(case(0).static.predict(still[:1])[0], (T, 1)) + STD * rng.standard_normal((T, 6))
+    found = dynamic_stage(dynamic_rows(motion, wrench, GRAVITY, -1, STD), static_prior(case(0).static))
+    assert not found.decided[4:10].any()
+    with pytest.raises(NotIdentifiable, match="inertia"):
+        require_excitation(found)
+
+
+def test_an_impossible_payload_is_replaced_by_the_likeliest_possible_one() -> None:
+    found = solved(0, 1e3, "gtls")
+    assert found.cost == 0.0
+    rows = case(0).rows(tilted())
+    wrench = rows.z[:, :, -1] * STD
+    less = wrench + case(0).motion().inner().regressor(tilted())[:, :, 4] * 3.3  # Ixx falls below zero
+    short = dynamic_rows(case(0).motion().inner(), less, tilted(), -1, STD)
+    found = dynamic_stage(short, static_prior(case(0).static))
+    assert found.value[4] < 0.1
+    assert found.cost > 100.0
+    J = pin.Inertia.FromDynamicParameters(found.physical[:10]).toPseudoInertia().toMatrix()
+    assert np.linalg.eigvalsh(J).min() > 0
