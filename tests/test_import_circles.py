@@ -8,8 +8,6 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 STILL_THERE: list[set[str]] = [
-    {"devices.laws", "devices.laws.catalogue"},
-    {"robots.row_blocks", "robots.row_blocks_numba"},
     {"identification." + name for name in ("added", "axis_signals", "model", "result", "site", "swing", "validate")},
 ]  # to be undone; no other may come
 

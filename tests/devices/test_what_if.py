@@ -11,7 +11,7 @@ from exogauge.devices.band_changes import AddBand, CopyBand, MirrorBand, RemoveB
 from exogauge.devices.bench import Bench, wire_bytes
 from exogauge.devices.changes import Law, NaturalLength, Pretension, Stiffness, apply
 from exogauge.devices.device import Band, Device, ViaPoint
-from exogauge.devices.laws import all_laws
+from exogauge.devices.laws.catalogue import all_laws
 from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque

@@ -32,7 +32,7 @@ def fitted_to(identified):
         rows = collect_rows(model, recordings, [SITE])[SITE]
         (kind,) = SITE.kinds(model.equations)
         samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
-        memory = dict.fromkeys(range(model.equations.kinds), samples)
+        memory = dict.fromkeys(range(len(model.equations.layout)), samples)
         tried = [Candidate(shaped_effects()[effect], SITE, shape) for shape in grid(shaped_effects()[effect])]
         scores = [score(model, each, sums_of(rows, each.effect, each.shape), memory) for each in tried]
         best = max((each for each in scores if each is not None), key=lambda each: each.gain)

@@ -56,7 +56,7 @@ def dense(model, logs, candidate=None):
                 root = np.sqrt(model.solution.weights[chunk.kind])
                 full = np.zeros((len(chunk.samples), equations.size + width))
                 full[:, kinds[chunk.kind]] = chunk.block[:, :-1]
-                if candidate and chunk.kind == equations.first_axis + candidate.site.axis:
+                if candidate and chunk.kind == equations.layout.axis(candidate.site.axis):
                     full[:, equations.size :] = -delivered[chunk.samples]
                 rows.append(root * full)
                 right.append(root * chunk.block[:, -1])
@@ -99,7 +99,7 @@ def test_an_effect_that_would_have_to_push_is_held_at_nothing(case, scored):
 @pytest.mark.parametrize("axis", range(3))
 def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
     model, logs, at = case
-    kind, nothing = model.equations.first_axis + axis, Candidate(shaped_effects()["asym_viscous"], AxisSite(axis), ())
+    kind, nothing = model.equations.layout.axis(axis), Candidate(shaped_effects()["asym_viscous"], AxisSite(axis), ())
     names = [effect.name for effect in model.equations.effects]
     for name in ("viscous", "coulomb", "motor_offset", "rotor_inertia"):
         place = len(model.equations.blocks.columns[kind]) + names.index(name)
@@ -115,7 +115,7 @@ def test_a_column_that_the_baseline_holds_already_gains_nothing(case, axis):
 
 def test_what_least_squares_cannot_see_beside_the_baseline_has_no_score(case):
     model, _, _ = case
-    kind = model.equations.first_axis
+    kind = model.equations.layout.axis(0)
     still = KindSums.empty(1, len(model.equations.columns()[kind]))
     still.add(np.zeros((50, still.cross.shape[1])), np.zeros((50, 1)), np.ones(50))
     assert score(model, Candidate(shaped_effects()["asym_viscous"], AxisSite(0), ()), {kind: still}, MEMORY) is None

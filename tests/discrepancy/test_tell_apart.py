@@ -106,7 +106,7 @@ def doubt_between(found, recordings, scores) -> Undecided:
 def fitted(found, recordings, effect, shape) -> Score:
     rows = collect_rows(found.model, recordings, [SWEPT])
     candidate = Candidate(effect, SWEPT, shape)
-    memory = dict.fromkeys(range(found.model.equations.kinds), 1.0)
+    memory = dict.fromkeys(range(len(found.model.equations.layout)), 1.0)
     scored = score(found.model, candidate, sums_of(rows[SWEPT], effect, shape), memory)
     assert scored is not None
     return scored

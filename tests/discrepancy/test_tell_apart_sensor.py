@@ -30,7 +30,7 @@ class Whole:
         return "sensor", self.name, ""
 
     def kinds(self, equations):
-        return tuple(range(equations.first_cut, equations.first_cut + 6))
+        return tuple(equations.layout.sensor(0))
 
     def see(self, model, prepared):
         return Seen(None, lambda effect, shape: self.of(model, prepared)[:, None, :])
@@ -73,7 +73,7 @@ def outcome_of(case, scores):
     model, recordings = case
     scores = [replace(each, step=np.zeros(model.equations.size)) for each in scores]
     rows = collect_rows(model, recordings, list(dict.fromkeys(each.candidate.site for each in scores)))
-    kind = model.equations.first_cut
+    kind = model.equations.layout.sensor(0)[0]
     doubt = undecided(model, scores, kind, float(model.solution.weights[kind]) ** -0.5, rows)
     return tell_apart(doubt, [each.log for each in recordings])
 

@@ -17,6 +17,7 @@ from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
 from exogauge.robots.regressor import contact_effect, regressor
 from exogauge.robots.row_blocks import RowBlocks
+from exogauge.robots.rows import RowType
 
 CUTOFF_HZ = 12.0
 DIFFERENTIAL = np.array([[1.0, 0.0, 0.0], [0.0, 0.9, 0.4], [0.0, -0.5, 1.1]])
@@ -72,10 +73,10 @@ def test_the_true_parameters_solve_the_rows_of_a_log_without_noise(case):
     equations, truth, prepared = case
     x = true_parameters(equations, truth)
     rows = rows_of(equations, prepared, without_gain(equations, x))
-    axes = len(equations.robot.joints)
-    assert set(range(equations.first_axis + axes)) <= set(rows)
+    steady = equations.layout.numbers(RowType.BASE, RowType.AXIS)
+    assert set(steady) <= set(rows)
     for kind, (_, block) in rows.items():
-        if kind < equations.first_axis + axes:  # base axes and axes in steady motion
+        if kind in steady:
             terms = block[:, :-1] * x[equations.columns()[kind]]
             left = block[:, -1] - terms.sum(axis=1)
             size = np.sqrt(np.mean(np.sum(terms**2, axis=1) + block[:, -1] ** 2))
@@ -85,10 +86,10 @@ def test_the_true_parameters_solve_the_rows_of_a_log_without_noise(case):
 
 def test_no_row_comes_from_the_moments_around_starts_stops_and_turns(case):
     equations, truth, prepared = case
-    rows, first, axes = rows_of(equations, prepared, true_parameters(equations, truth)), equations.first_axis, 3
+    rows, layout = rows_of(equations, prepared, true_parameters(equations, truth)), equations.layout
     around = np.arange(-8, 9)  # half a period of the cut-off to either side
-    for axis in range(axes):
-        steady, resting = rows[first + axis][0], rows[first + axes + axis][0]
+    for axis in range(3):
+        steady, resting = rows[layout.axis(axis)][0], rows[layout.resting(axis)][0]
         assert len(steady) > 100
         assert len(resting) > 10
         assert not set(steady) & set(resting)
@@ -102,11 +103,11 @@ def test_the_current_that_the_model_calls_for_leaves_every_residual_where_it_is(
     equations, truth, prepared = case
     x = true_parameters(equations, truth) * np.random.default_rng(0).uniform(0.8, 1.2, equations.size)
     logged, called_for = (rows_of(equations, prepared, at) for at in (without_gain(equations, x), x))
-    for kind in range(equations.first_axis + 3):
+    for kind in equations.layout.numbers(RowType.BASE, RowType.AXIS):
         own = x[equations.columns()[kind]]
         left, right = (block[:, -1] - block[:, :-1] @ own for block in (logged[kind][1], called_for[kind][1]))
         np.testing.assert_allclose(left, right, atol=1e-10)
-        if kind >= equations.first_axis:
+        if equations.layout.rows[kind].type == RowType.AXIS:
             assert np.abs(logged[kind][1] - called_for[kind][1]).max() > 1e-3
 
 
@@ -116,7 +117,7 @@ def test_errors_of_the_current_stay_out_of_the_regressor(case):
     noise = np.random.default_rng(0).normal(size=prepared.drive.shape)
     quiet, noisy = (rows_of(equations, p, x) for p in (prepared, replace(prepared, drive=prepared.drive + noise)))
     for axis in range(3):
-        kind = equations.first_axis + axis
+        kind = equations.layout.axis(axis)
         np.testing.assert_allclose(quiet[kind][1][:, :-1], noisy[kind][1][:, :-1], atol=1e-10)
         expected = truth.xi["k_T"][axis] * noise[prepared.kept[quiet[kind][0]], axis]
         np.testing.assert_allclose(noisy[kind][1][:, -1] - quiet[kind][1][:, -1], expected, atol=1e-9)
@@ -216,11 +217,13 @@ def test_static_friction_is_not_known_where_an_axis_rests_for_moments_only(make_
     truth = make_truth(True, coupling=DIFFERENTIAL)
     equations, x = equations_of(truth.robot), true_parameters(equations_of(truth.robot), truth)
     prepared = prepared_of(truth.robot, make_log(truth, seed=1, seconds=20.0, noise=1.0))
-    first, axes = equations.first_axis, len(truth.robot.joints)
+    layout = equations.layout
     (statistics,) = equations.collect(prepared, x, 1)
     prior = per_parameter(truth.robot, equations.base, equations.effects, scales(truth.robot, [prepared]))
-    for kind in range(first, first + axes):
-        statistics.count[kind] = 70 * statistics.count[kind + axes]  # as if it had moved all the rest of a long log
+    for axis in range(len(truth.robot.joints)):
+        statistics.count[layout.axis(axis)] = (
+            70 * statistics.count[layout.resting(axis)]
+        )  # as if it had moved all the rest of a long log
     found = fill_static_friction(equations, statistics, prior, x)
     assert found.std == {}
     columns = static_friction_columns(equations)

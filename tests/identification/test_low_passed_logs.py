@@ -153,7 +153,7 @@ def test_a_low_passed_reading_of_a_sensor_inside_is_explained_with_its_smear(tmp
     x[-6:] = sensor.zero
 
     def left(of):
-        return np.std(equations.residuals(of, x)[60:-60, equations.first_cut :], axis=0)
+        return np.std(equations.residuals(of, x)[60:-60, equations.layout.sensors], axis=0)
 
     explained, without = left(prepared), left(replace(prepared, smeared=0.0 * prepared.smeared))
     assert np.all(explained < 0.5 * without)

@@ -20,6 +20,7 @@ from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
 from exogauge.robots.regressor import contact_effect, regressor
 from exogauge.robots.row_blocks import RowBlocks
+from exogauge.robots.rows import RowType
 
 CUTOFF_HZ = 12.0
 JOINTS = 3
@@ -90,10 +91,10 @@ def test_static_friction_takes_the_sign_of_the_same_joints_full_residual(case):
     place, seen = column_of(equations, "static_friction"), 0
     for _, chunks in equations.rows(prepared, x):
         for chunk in chunks:
-            axis = chunk.kind - equations.first_axis - JOINTS
-            if 0 <= axis < JOINTS:
+            row = equations.layout.rows[chunk.kind]
+            if row.type == RowType.AT_REST:
                 column = chunk.block[:, len(equations.columns()[chunk.kind]) - len(equations.effects) + place]
-                assert np.all(np.sign(column) == held_by[axis])  # rows are Y φ - Z ξ
+                assert np.all(np.sign(column) == held_by[row.place])  # rows are Y φ - Z ξ
                 seen += len(column)
     assert seen > 100
 
@@ -111,17 +112,17 @@ def test_right_hand_side_is_the_transposed_jacobians_times_wrench(make_truth, ma
     assert np.abs(expected).max(axis=0).min() > 0.1
     for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
         for chunk in chunks:
-            row = chunk.kind if chunk.kind < 6 + JOINTS else chunk.kind - JOINTS
+            row = equations.layout.moving(chunk.kind)
             np.testing.assert_allclose(chunk.block[:, -1], expected[chunk.samples, row], atol=1e-9)
 
 
 def test_information_is_that_of_18_to_20_from_dense_rows(case):
     """Λ_φ adds base and joint rows, each by its own weight; Λ_T and Λ_d are of motor constants and viscosity alone."""
     equations, truth, prepared = case
-    tree, axes = truth.robot.tree, equations.first_axis + np.arange(JOINTS)
+    tree, axes = truth.robot.tree, equations.layout.axes
     (statistics,) = equations.collect(prepared, np.zeros(equations.size), 1)  # where k_T is 0 the current stays logged
-    weights = np.zeros(equations.kinds)
-    weights[: equations.first_axis], weights[axes] = np.linspace(0.1, 1.0, 6), np.linspace(2.0, 5.0, JOINTS)
+    weights = np.zeros(len(equations.layout))
+    weights[equations.layout.base], weights[axes] = np.linspace(0.1, 1.0, 6), np.linspace(2.0, 5.0, JOINTS)
     G, _, _ = statistics.normal(weights)
     kept, steady = prepared.kept, prepared.steady[prepared.kept]
     Y = regressor(tree, prepared.motion.rows(kept))

@@ -79,7 +79,7 @@ def test_weight_of_the_bodies_is_that_of_16(with_wrist, weights):
     for cut in equations.cuts:
         for row, block in enumerate(cut.fill(prepared.motion.rows(prepared.kept))):
             own = block[:, : len(cut.columns[row])] @ equations.base.regroup[cut.columns[row]]
-            lam += weights[equations.first_cut + row] * own.T @ own
+            lam += weights[equations.layout.sensor(0)[row]] * own.T @ own
     np.testing.assert_allclose(found.std[: tree.phi.size], np.linalg.norm(lam, 2) ** -0.5, rtol=1e-6)
     np.testing.assert_array_equal(found.mean, belief.mean)
 

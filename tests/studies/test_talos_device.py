@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from exogauge.cli import main
-from exogauge.devices.laws import all_laws
+from exogauge.devices.laws.catalogue import all_laws
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy
 from exogauge.studies.intake.contract import Band, DeviceFile

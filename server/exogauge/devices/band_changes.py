@@ -8,7 +8,7 @@ from typing import final
 
 from exogauge.devices.changes import chosen, positive, refused, the_band, with_length
 from exogauge.devices.device import Band, Device
-from exogauge.devices.laws import check_values
+from exogauge.devices.laws.catalogue import check_values
 from exogauge.devices.mirror import mirrored
 from exogauge.devices.routing_check import check_routing
 from exogauge.robots.tree import RigidTree

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from typing import Protocol, final
 
 from exogauge.devices.device import Band, Device
-from exogauge.devices.laws import check_values
+from exogauge.devices.laws.catalogue import check_values
 from exogauge.devices.posture import Posture
 from exogauge.errors import BadInput, Fault
 from exogauge.robots.tree import RigidTree

@@ -139,12 +139,7 @@ def _felt(model: RobotModel, room: Room, kinds: Sequence[int]) -> Array:
     if model.robot.T_base_imu is not None:
         upwards = model.robot.T_base_imu.rotation @ np.array([room.resting[f"acc.{axis}"] for axis in "xyz"])
     motion = Motion(q, still, still, np.tile(upwards, (len(q), 1)), n, n)
-    rows = np.zeros((len(q), equations.kinds))
-    phi = equations.base.regroup @ model.identified.phi.ravel()
-    rows[:, : equations.first_axis + joints] = equations.blocks.predict(motion, phi)
-    for index, cut in enumerate(equations.cuts):
-        for row, (block, own) in enumerate(zip(cut.fill(motion), cut.columns, strict=True)):
-            rows[:, equations.first_cut + 6 * index + row] = block @ phi[own]
-    told = rows[:, kinds] * np.sqrt(model.solution.weights[list(kinds)])
+    rows = equations.of_told(motion, equations.base.regroup @ model.identified.phi.ravel())
+    told = rows[:, equations.layout.in_told(kinds)] * np.sqrt(model.solution.weights[list(kinds)])
     change = np.abs(told.reshape(joints, 3, -1) - told.reshape(joints, 3, -1)[:, 1:2]).max(axis=(1, 2))
     return np.asarray(np.where(room.free & (change > 1e-6 * max(float(change.max()), 1e-300)), change, 0.0))

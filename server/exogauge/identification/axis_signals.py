@@ -83,10 +83,10 @@ def loads(model: RobotModel, prepared: Prepared) -> Array:
 
 
 def _loads(model: RobotModel, prepared: Prepared) -> Array:
-    equations, first = model.equations, model.equations.first_axis
+    equations, axes = model.equations, model.equations.layout.axes
     phi_base, contacts = model.bodies_in(prepared.log.recording), ContactPaths(model.robot)
-    load = equations.of_bodies(prepared.motion, phi_base)[:, first:]
+    load = equations.of_bodies(prepared.motion, phi_base)[:, axes]
     for start in range(0, len(load), CHUNK):
         which = slice(start, min(start + CHUNK, len(load)))
-        load[which] -= contacts.effect(prepared.motion.q[which], prepared.wrenches[which])[:, first:]
+        load[which] -= contacts.effect(prepared.motion.q[which], prepared.wrenches[which])[:, axes]
     return load

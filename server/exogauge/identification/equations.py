@@ -27,6 +27,7 @@ from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 from exogauge.robots.row_blocks import RowBlocks
+from exogauge.robots.rows import RowLayout
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -54,9 +55,8 @@ class Equations:
 
     blocks: regressor rows in the parameters of base. effects: K, on every axis. added: E, each in rows of its own.
     cuts: rows of the sensors that carry bodies.
-    Row kinds: 6 base axes if floating, then A actuator axes in steady motion, then the same A axes at rest, where
-    friction is known less well, then 6 for each sensor that carries bodies. Around starts, stops and turns, where a
-    joint may stick for longer than a low-passed velocity can show, an axis gives no row.
+    A kind of rows is a number in `layout`. Around starts, stops and turns, where a joint may stick for longer than a
+    low-passed velocity can show, an axis gives no row.
     """
 
     robot: Robot
@@ -79,21 +79,12 @@ class Equations:
         return self.base_size + len(self.robot.joints) * len(self.effects)
 
     @property
-    def first_axis(self) -> int:
-        return 6 if self.robot.floating else 0
+    def layout(self) -> RowLayout:
+        return self.robot.rows
 
     def effect_columns(self, axis: int) -> IntArray:
         """Indices in x of the K coefficients of one axis."""
         return self.base_size + axis * len(self.effects) + np.arange(len(self.effects))
-
-    @property
-    def first_cut(self) -> int:
-        return self.first_axis + 2 * len(self.robot.joints)
-
-    @property
-    def kinds(self) -> int:
-        """Kinds of rows."""
-        return self.first_cut + 6 * len(self.cuts)
 
     @cached_property
     def entries(self) -> tuple[tuple[int, int], ...]:
@@ -111,13 +102,11 @@ class Equations:
 
     def added_to(self, kind: int) -> tuple[IntArray, IntArray]:
         """Added columns in the rows of one kind, and their columns in `Prepared.added`."""
-        axes = len(self.robot.joints)
-        steady = kind - axes if self.first_axis + axes <= kind < self.first_cut else kind
-        return self._added_to.get(steady, (NONE, NONE))
+        return self._added_to.get(self.layout.moving(kind), (NONE, NONE))
 
     def columns(self) -> list[IntArray]:
         """Indices in x of every row kind."""
-        base, axes = self.blocks.columns[: self.first_axis], self.blocks.columns[self.first_axis :]
+        base, axes = self.blocks.columns[self.layout.base], self.blocks.columns[self.layout.axes]
         full = [np.concatenate([c, self.effect_columns(axis)]) for axis, c in enumerate(axes)]
         own = [*base, *full, *full, *(c for cut in self.cuts for c in cut.columns)]
         return [np.concatenate([c, self.first_added + self.added_to(kind)[0]]) for kind, c in enumerate(own)]
@@ -134,23 +123,22 @@ class Equations:
         all torques of the joint: it is the Gauss-Newton step of least squares in amperes.
         """
         columns, reused, contacts = self.columns(), None, ContactPaths(self.robot)
-        gains = dict(self._gains())
-        axes = len(self.robot.joints)
+        gains, layout = dict(self._gains()), self.layout
         for start in range(0, len(prepared.kept), CHUNK):
             which = slice(start, min(start + CHUNK, len(prepared.kept)))
             samples, everyone = prepared.kept[which], np.arange(which.start, which.stop)
             reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + len(self.added) + 1, reused)
             blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=False)]
             external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
-            external[:, self.first_axis :] -= prepared.smeared[samples, :axes]
+            external[:, layout.axes] -= prepared.smeared[samples, layout.told.axes]
             for kind, block in enumerate(blocks):
                 block[:, -1] = external[:, kind]
             for kind, block in enumerate(blocks):
                 self._fill_added(prepared, samples, kind, block)
-            rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[: self.first_axis])]
+            rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[layout.base])]
             rows += self._cut_rows(prepared, samples, everyone)
             for axis, signals in enumerate(_signals(prepared, samples)):
-                kind = self.first_axis + axis
+                kind = layout.axis(axis)
                 block, steady = blocks[kind], prepared.steady[samples, axis]
                 signals = replace(signals, rest=np.where(steady, 0.0, signals.rest))  # filters ring
                 self._fill_effects(
@@ -159,7 +147,7 @@ class Equations:
                 if not steady.all():
                     rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
                     resting = ~steady & (signals.rest > AT_REST)
-                    rows.append(Chunk(kind + axes, everyone[resting], np.asfortranarray(block[resting])))
+                    rows.append(Chunk(layout.resting(axis), everyone[resting], np.asfortranarray(block[resting])))
                 else:
                     rows.append(Chunk(kind, everyone, block))
             yield which, [chunk for chunk in rows if len(chunk.samples)]
@@ -172,14 +160,13 @@ class Equations:
 
     def _cut_rows(self, prepared: Prepared, samples: IntArray, everyone: IntArray) -> Iterator[Chunk]:
         for index, cut in enumerate(self.cuts):
-            first = self.first_cut + 6 * index
+            kinds, smeared = self.layout.sensor(index), prepared.smeared[samples][:, self.layout.told.sensor(index)]
             motion = prepared.motion.rows(samples)
-            blocks = cut.fill(motion, [len(self.added_to(first + row)[0]) + 1 for row in range(6)])
-            for row, block in enumerate(blocks):
-                smeared = prepared.smeared[samples, len(self.robot.joints) + 6 * index + row]
-                block[:, -1] = prepared.carried[samples, index, row] - smeared
-                self._fill_added(prepared, samples, first + row, block)
-                yield Chunk(first + row, everyone, block)
+            blocks = cut.fill(motion, [len(self.added_to(kind)[0]) + 1 for kind in kinds])
+            for component, (kind, block) in enumerate(zip(kinds, blocks, strict=True)):
+                block[:, -1] = prepared.carried[samples, index, component] - smeared[:, component]
+                self._fill_added(prepared, samples, kind, block)
+                yield Chunk(kind, everyone, block)
 
     def collect(
         self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
@@ -211,17 +198,16 @@ class Equations:
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
         """(T_kept, kinds) y - A x, 0 where an axis gives no row; rows at rest are among those of their axis."""
-        columns, axes = self.columns(), len(self.robot.joints)
-        residual = np.zeros((len(prepared.kept), self.kinds))
+        columns = self.columns()
+        residual = np.zeros((len(prepared.kept), len(self.layout)))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
-                resting = self.first_axis + axes <= chunk.kind < self.first_cut
-                place = chunk.kind - axes if resting else chunk.kind
+                place = self.layout.moving(chunk.kind)
                 residual[chunk.samples, place] = chunk.block[:, -1] - chunk.block[:, :-1] @ x[columns[chunk.kind]]
         return residual
 
     def of_bodies(self, motion: Motion, phi: Array) -> Array:
-        """(T, first_axis + A, ...) Y φ of base and actuator axes. phi: (B, ...) base parameters, one set or several.
+        """(T, 6 or 0 + A, ...) Y φ of base and actuator axes. phi: (B, ...) base parameters, one set or several.
 
         By the rows that a fit takes: the compiled ones give all of a sample in a sixth of the time of inverse dynamics.
         """
@@ -232,6 +218,10 @@ class Equations:
             for row, (block, own) in enumerate(zip(reused, self.blocks.columns, strict=True)):
                 out[which, row] = block @ phi[own]
         return out
+
+    def of_told(self, motion: Motion, phi: Array) -> Array:
+        """(T, told rows, ...) Y φ of everything."""
+        return np.concatenate([self.of_bodies(motion, phi), self.of_carried(motion, phi)], axis=1)
 
     def of_bodies_on(self, row: int, motion: Motion, phi: Array) -> Array:
         """(T,) one row of `of_bodies`, of an actuator axis, without the others."""
@@ -255,8 +245,9 @@ class Equations:
         """(row kind, place of k_T in it) of the axes whose current is logged."""
         for k, effect in enumerate(self.effects):
             if effect.name == "motor_gain":
-                for kind, joint in enumerate(self.robot.joints, self.first_axis):
+                for axis, joint in enumerate(self.robot.joints):
                     if joint.actuation == "current":
+                        kind = self.layout.axis(axis)
                         yield kind, len(self.blocks.columns[kind]) + k
 
     def _fill_effects(self, signals: JointSignals, block: Array, x: Array, gain: int | None, added: int) -> None:

@@ -55,7 +55,8 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     """solved: the nearest point, from these statistics with these weights. Along a factor that the prior alone decides
     its `strength`, which data have chosen, is of no account: it weighs the term too."""
     prior, strength, free = solved.prior, solved.strength, solved.prior.free
-    kinds, columns = _gains(equations, weights, free)
+    axes, columns = _gains(equations, weights, free)
+    kinds = [equations.layout.axis(axis) for axis in axes]
     n, P = len(columns), len(solved.x)
     if not n:
         return GainScale((), columns, np.zeros(P), np.zeros((P, P)))
@@ -85,7 +86,7 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     known = H_inverse @ (G + prior.information(strength**2)) @ H_inverse
     added = _less_known(known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2)
     doubt[np.ix_(free, free)] = response @ added @ response.T
-    return GainScale(tuple(kind - equations.first_axis for kind in kinds), columns, step, doubt)
+    return GainScale(tuple(axes), columns, step, doubt)
 
 
 def most_likely(k_hat: Array, information: Array, slope: Array, start: Array) -> Array:
@@ -134,12 +135,12 @@ def _decided_by(
 
 
 def _gains(equations: Equations, weights: Array, free: NDArray[np.intp]) -> tuple[list[int], NDArray[np.intp]]:
-    """Row kinds whose current is logged and that are fitted, and the columns of their k_T."""
+    """Axes whose current is logged and that are fitted, and the columns of their k_T."""
     gain = [k for k, effect in enumerate(equations.effects) if effect.name == "motor_gain"]
-    kinds, columns = list[int](), list[int]()
+    axes, columns = list[int](), list[int]()
     for axis, joint in enumerate(equations.robot.joints):
         column = int(equations.effect_columns(axis)[gain[0]]) if gain else -1
-        if joint.actuation == "current" and weights[equations.first_axis + axis] > 0.0 and column in free:
-            kinds.append(equations.first_axis + axis)
+        if joint.actuation == "current" and weights[equations.layout.axis(axis)] > 0.0 and column in free:
+            axes.append(axis)
             columns.append(column)
-    return kinds, np.array(columns, dtype=np.intp)
+    return axes, np.array(columns, dtype=np.intp)

@@ -55,13 +55,8 @@ class LinkSite:
     def _rows(self, equations: Equations, motion: Motion) -> Array:
         """(T, 4, kinds) Y φ per kg and kg·m of this link."""
         per_unit = equations.base.regroup[:, 10 * self.body : 10 * self.body + 4]
-        rows, kinds = equations.of_bodies(motion, per_unit), np.array(self.kinds(equations), dtype=np.intp)
-        felt = kinds[kinds < equations.first_cut]
-        read = kinds[kinds >= equations.first_cut] - equations.first_cut
-        every = [rows[:, felt]]
-        if len(read):
-            every.append(equations.of_carried(motion, per_unit)[:, read])
-        return np.ascontiguousarray(np.concatenate(every, axis=1).transpose(0, 2, 1))
+        rows = equations.of_told(motion, per_unit)[:, equations.layout.in_told(self.kinds(equations))]
+        return np.ascontiguousarray(rows.transpose(0, 2, 1))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit

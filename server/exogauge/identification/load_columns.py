@@ -15,6 +15,7 @@ from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import SYMBOLS, UNITS
+from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
 
@@ -26,17 +27,11 @@ def kinds_of_body(robot: Robot, body: int) -> tuple[int, ...]:
     """Row kinds (`Equations`) that feel a body: base rows, axes on the way to the base, sensors that carry it."""
     above = subtree(robot.tree)[:, body] & (robot.tree.dof >= 0)
     acts = robot.axes_from_joints[:, robot.tree.dof[above]] != 0.0
-    first_axis, axes = 6 if robot.floating else 0, len(robot.joints)
-    felt = [
-        first_axis + axis for axis, joint in enumerate(robot.joints) if acts[axis].any() and joint.actuation != "none"
-    ]
-    cuts = [
-        first_axis + 2 * axes + 6 * index + row
-        for index, sensor in enumerate(robot.cuts)
-        if body in robot.tree.cuts[sensor.frame]
-        for row in range(6)
-    ]
-    return (*range(first_axis), *felt, *cuts)
+    felt = [axis for axis, joint in enumerate(robot.joints) if acts[axis].any() and joint.actuation != "none"]
+    carrying = [index for index, sensor in enumerate(robot.cuts) if body in robot.tree.cuts[sensor.frame]]
+    rows = robot.rows
+    read = (kind for sensor in carrying for kind in rows.sensor(sensor))
+    return (*rows.numbers(RowType.BASE), *map(rows.axis, felt), *read)
 
 
 def load_columns(robot: Robot) -> tuple[AddedColumn, ...]:
@@ -58,15 +53,16 @@ def load_entries(robot: Robot, recording: str, motion: Motion) -> Array:
     """(T, entries) what these columns take off their rows per unit: a load is something to hold. Of low-passed motion,
     as the columns of the bodies, and not low-passed again."""
     entries = [np.zeros((motion.samples, 0))]
-    axes, first = len(robot.joints), 6 if robot.floating else 0
     for load in robot.loads:
-        kinds = np.array(kinds_of_body(robot, load.body), dtype=np.intp)
-        place = np.where(kinds >= first + 2 * axes, kinds - axes, kinds)  # rows at rest are those of their axis
+        kinds = kinds_of_body(robot, load.body)
         if recording not in load.logs:
             entries.append(np.zeros((motion.samples, 10 * len(kinds))))
             continue
         cuts = [sensor.frame for sensor in robot.cuts]
-        rows = body_rows(robot.tree, robot.axes_from_joints, motion, load.body, cuts)[:, place] @ load.columns
+        rows = (
+            body_rows(robot.tree, robot.axes_from_joints, motion, load.body, cuts)[:, robot.rows.in_told(kinds)]
+            @ load.columns
+        )
         entries.append(-rows.transpose(0, 2, 1).reshape(motion.samples, -1))
     return np.hstack(entries)
 

@@ -34,7 +34,7 @@ class PairSite:
         return "joint", equations.robot.joints[self.axis].name, ""
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        return (equations.first_axis + self.axis, equations.first_axis + self.other)
+        return (equations.layout.axis(self.axis), equations.layout.axis(self.other))
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         return seen_of_pair(*axis_signals(model, prepared, [self.axis, self.other]))

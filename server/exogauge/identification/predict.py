@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.equations import CHUNK, Equations
-from exogauge.identification.preparation import Prepared, wrench_channels
+from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
+from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
-
-BASE_CHANNELS = ("base.fx", "base.fy", "base.fz", "base.mx", "base.my", "base.mz")
 
 
 @final
@@ -74,11 +73,11 @@ def predictions(
     equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]
 ) -> list[Mapping[str, Array]]:
     """`predicted_channels` of several parameter sets; the rows of the equations are built once for all."""
-    robot, rows, first = equations.robot, equations.blocks, equations.first_axis
+    rows, layout = equations.blocks, equations.layout
     phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
     predicted = np.empty((len(alternatives), len(rows.columns), prepared.log.samples))
-    carried = np.empty((len(alternatives), 6 * len(equations.cuts), prepared.log.samples))
-    contacts, blocks = ContactPaths(robot), None
+    carried = np.empty((len(alternatives), len(layout.numbers(RowType.SENSOR)), prepared.log.samples))
+    contacts, blocks = ContactPaths(equations.robot), None
     for which in _chunks(prepared.log.samples):
         motion = prepared.motion.rows(which)
         blocks = rows.fill(motion, 0, blocks)
@@ -88,29 +87,29 @@ def predictions(
         for one, on_sensors, phi_base, parameters in zip(predicted, carried, phi, alternatives, strict=True):
             for kind, (block, columns) in enumerate(zip(blocks, rows.columns, strict=True)):
                 one[kind, which] = block @ phi_base[columns]
-            for kind in range(first):
+            for kind in layout.numbers(RowType.BASE):
                 one[kind, which] -= _added(equations, prepared, parameters, kind, which)
-            one[first:, which] += smeared[: len(robot.joints)] - external[first:]
-            for axis, needed in enumerate(one[first:, which]):
+            one[layout.axes, which] += smeared[layout.told.axes] - external[layout.axes]
+            for axis, needed in enumerate(one[layout.axes, which]):
                 needed -= _friction_and_offset(equations, prepared, parameters, axis, which, needed)
-            for row, (block, columns) in enumerate(beyond):
-                added = _added(equations, prepared, parameters, equations.first_cut + row, which)
-                on_sensors[row, which] = block @ phi_base[columns] + smeared[len(robot.joints) + row] - added
+            for row, (kind, (block, columns)) in enumerate(zip(layout.numbers(RowType.SENSOR), beyond, strict=True)):
+                added = _added(equations, prepared, parameters, kind, which)
+                on_sensors[row, which] = block @ phi_base[columns] + smeared[layout.told.sensors][row] - added
     return [_named(equations, *both) for both in zip(predicted, carried, strict=True)]
 
 
 def added_beyond_band(equations: Equations, prepared: Prepared, parameters: Parameters) -> Mapping[str, Array]:
     """Channel -> (T,) what the low-pass would take off the part of `predicted_channels` that added columns give; all
     else that is predicted in steady motion has passed it."""
-    robot, samples = equations.robot, prepared.log.samples
+    layout, samples = equations.layout, prepared.log.samples
     beyond = prepared.raw_added - prepared.added
 
     def on(kind: int) -> Array:
         columns, entries = equations.added_to(kind)
         return np.asarray(-beyond[:, entries] @ parameters.added[columns]) if len(columns) else np.zeros(samples)
 
-    own = [on(kind) for kind in range(equations.first_axis + len(robot.joints))]
-    carried = [on(equations.first_cut + row) for row in range(6 * len(equations.cuts))]
+    own = [on(kind) for kind in layout.numbers(RowType.BASE, RowType.AXIS)]
+    carried = [on(kind) for kind in layout.numbers(RowType.SENSOR)]
     return _named(equations, np.array(own), np.array(carried).reshape(-1, samples))
 
 
@@ -128,7 +127,7 @@ def _friction_and_offset(
     gain = sum(c for effect, c in model if effect.name == "motor_gain")
     others = [(effect, c) for effect, c in model if effect.name != "motor_gain"]
     signals, none = prepared.raw_signals(axis, which, np.zeros(len(needed))), np.zeros(len(needed))
-    added = none + _added(equations, prepared, parameters, equations.first_axis + axis, which)
+    added = none + _added(equations, prepared, parameters, equations.layout.axis(axis), which)
     torque = sum((effect.column(signals) * c for effect, c in others), start=added)
     if not signals.rest.any():
         return torque
@@ -142,9 +141,9 @@ def _named(equations: Equations, predicted: Array, carried: Array) -> Mapping[st
 
     carried: (6 C, T) what holds the bodies beyond sensors; their readings as they are logged.
     """
-    robot, first = equations.robot, equations.first_axis
-    channels = dict(zip(BASE_CHANNELS, predicted[:first], strict=True)) if first else {}
-    on_joints = robot.axes_from_joints.T @ predicted[first:]
+    robot, layout = equations.robot, equations.layout
+    channels = dict(zip(BASE_CHANNELS, predicted[layout.base], strict=True)) if robot.floating else {}
+    on_joints = robot.axes_from_joints.T @ predicted[layout.axes]
     for joint, torque in zip(robot.joints, on_joints, strict=True):
         if joint.actuation != "none":
             channels[f"tau.{joint.name}"] = torque

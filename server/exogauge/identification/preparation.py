@@ -24,9 +24,11 @@ from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
+from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
 
+BASE_CHANNELS = ("base.fx", "base.fy", "base.fz", "base.mx", "base.my", "base.mz")
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 TURNING = 1.5  # times its noise: a gyro that varies by more turns
 STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
@@ -58,7 +60,7 @@ class Prepared:
     before it was stored.
     kept: samples that enter a fit (settled ends and `Log.left_out` left out, decimated).
     left_out: (T,) bool, samples that feel what happened in `Log.left_out`; no axis is steady there.
-    smeared: (T, A + 6 C) what the low-pass before the log was stored has made of the bodies' load (`smear`).
+    smeared: (T, told rows) what the low-pass before the log was stored has made of the bodies' load (`smear`).
     added, raw_added: (T, entries) what each added coefficient takes off a row per unit (`Equations.entries`), filtered
     and not.
     taken_off: (T, A) [N·m] what a wear bears of each axis' load, filtered; None in a log without one. Effects that grow
@@ -130,6 +132,14 @@ def needed_channels(robot: Robot) -> tuple[str, ...]:
 
 def wrench_channels(sensor: str) -> tuple[str, ...]:
     return tuple(f"ft.{sensor}.{axis}" for axis in ("fx", "fy", "fz", "mx", "my", "mz"))
+
+
+def channel_of_row(robot: Robot, number: int) -> str:
+    """Of the base wrench, a joint's torque, or a sensor's reading."""
+    row = robot.rows.rows[number]
+    if row.type == RowType.SENSOR:
+        return wrench_channels(robot.cuts[row.place].name)[row.component]
+    return BASE_CHANNELS[row.component] if row.type == RowType.BASE else f"tau.{robot.joints[row.place].name}"
 
 
 def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:

@@ -99,7 +99,7 @@ def row_sizes(equations: Equations, logs: Sequence[Prepared], seen: Scales) -> A
     def rms(wrenches: Sequence[Array]) -> Array:
         return np.asarray(np.sqrt(np.mean(np.concatenate(wrenches) ** 2, axis=0)) + 1e-9)
 
-    outside = rms([log.wrenches[log.kept].sum(axis=1) for log in logs])[: equations.first_axis]
+    outside = rms([log.wrenches[log.kept].sum(axis=1) for log in logs])[equations.layout.base]
     carried = rms([log.carried[log.kept] for log in logs]).ravel()
     return np.concatenate([outside, seen.torque, seen.torque, carried])
 
@@ -119,7 +119,7 @@ def as_printed(equations: Equations, prior: Prior, statistics: Statistics, weigh
     own = len(equations.robot.joints) * K
     information = np.diag(G)[B : B + own].reshape(-1, K).max(axis=0)  # σ_max of Λ_T, Λ_d, both diagonal
     signs = [k for k, effect in enumerate(equations.effects) if effect.coefficient.name in ("tau_c", "tau_s", "tau_o")]
-    joints = slice(equations.first_axis, equations.first_axis + len(equations.robot.joints))  # in steady motion
+    joints = equations.layout.axes
     information[signs] = statistics.count[joints].max() * weights[joints].max()  # N_T σ_max(W_j)
     std = np.full(len(prior.mean), 1.0 / np.sqrt(largest))
     uniform = np.tile(1.0 / np.sqrt(np.where(information > 0.0, information, 1.0)), len(equations.robot.joints))

@@ -16,11 +16,10 @@ COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 def zero_columns(robot: Robot) -> tuple[AddedColumn, ...]:
     """Six for each sensor, in rows of its own: what it reads with nothing beyond it, in the log's own sign."""
-    first = (6 if robot.floating else 0) + 2 * len(robot.joints)
     return tuple(
-        AddedColumn(f"zero.{component}", sensor.name, (first + 6 * index + row,), Quantity(f"zero.{component}", unit))
+        AddedColumn(f"zero.{component}", sensor.name, (kind,), Quantity(f"zero.{component}", unit))
         for index, sensor in enumerate(robot.cuts)
-        for row, (component, unit) in enumerate(zip(COMPONENTS, ("N",) * 3 + ("N·m",) * 3, strict=True))
+        for kind, component, unit in zip(robot.rows.sensor(index), COMPONENTS, ("N",) * 3 + ("N·m",) * 3, strict=True)
     )
 
 

@@ -21,6 +21,7 @@ from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
+from exogauge.robots.rows import RowType
 
 if TYPE_CHECKING:
     from exogauge.identification.model import RobotModel
@@ -86,7 +87,7 @@ class AxisSite:
         return "joint", equations.robot.joints[self.axis].name, ""
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        return (equations.first_axis + self.axis,)
+        return (equations.layout.axis(self.axis),)
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         signals = axis_signals(model, prepared, [self.axis])[0]
@@ -114,8 +115,7 @@ class SensorSite:
         return "sensor", equations.robot.cuts[self.sensor].name, COMPONENTS[self.component]
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        first = equations.first_cut + 6 * self.sensor  # what one component does moves the bodies, and with them all six
-        return tuple(range(first, first + 6))
+        return tuple(equations.layout.sensor(self.sensor))  # what one does moves the bodies, and with them all six
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         sign = model.robot.cuts[self.sensor].sign
@@ -148,12 +148,9 @@ class BaseSite:
         return "base", "base", ""
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        axes = [
-            equations.first_axis + axis
-            for axis, joint in enumerate(equations.robot.joints)
-            if joint.actuation != "none"
-        ]
-        return (*range(equations.first_axis), *axes, *range(equations.first_cut, equations.kinds))
+        layout, joints = equations.layout, enumerate(equations.robot.joints)
+        axes = [layout.axis(axis) for axis, joint in joints if joint.actuation != "none"]
+        return (*layout.numbers(RowType.BASE), *axes, *layout.numbers(RowType.SENSOR))
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         motion, rate = prepared.motion, prepared.log.rate_hz
@@ -165,15 +162,16 @@ class BaseSite:
         feel = bool(feet.size) and bool(np.all(np.ptp(feet, axis=0) > 0.0))
         floating = model.robot.floating
         signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel)
-        kinds = self.kinds(model.equations)
+        layout = model.equations.layout
+        own = layout.in_told(self.kinds(model.equations))
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             changes: Sequence[BaseChange] = effect.changes(signals, shape)
             rows = [_response(model, prepared, change) for change in changes]
             for each, change in zip(rows, changes, strict=True):
                 if change.first_torque is not None:
-                    each[:, model.equations.first_axis] -= change.first_torque
-            return np.stack([each[:, kinds] for each in rows], axis=1)
+                    each[:, layout.told.axis(0)] -= change.first_torque
+            return np.stack([each[:, own] for each in rows], axis=1)
 
         return Seen(signals, columns)
 
@@ -191,13 +189,13 @@ def carried(model: RobotModel, prepared: Prepared) -> Array:
 
 
 def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
-    """(T, kinds) what the change takes off each row per unit: - d(Y φ)/dθ.
+    """(T, told rows) what the change takes off each per unit: - d(Y φ)/dθ.
 
     Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
     """
-    samples, recording = prepared.motion.samples, prepared.log.recording
+    samples, phi = prepared.motion.samples, model.bodies_in(prepared.log.recording)
     if not change.acc.any() and change.first_torque is not None:
-        return np.zeros((samples, model.equations.kinds))
+        return np.zeros((samples, len(model.equations.layout.told)))
     stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * model.cutoff_hz)))
     at = np.unique(np.append(np.arange(0, samples, stride), samples - 1))
     m = prepared.motion.rows(at)
@@ -205,20 +203,11 @@ def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Arra
 
     def moved(step: float) -> Array:
         base = m.acc + step * acc, m.gyro + step * gyro, m.gyro_dot + step * gyro_dot
-        return _rows(model, Motion(m.q, m.dq, m.ddq, *base), recording)
+        return model.equations.of_told(Motion(m.q, m.dq, m.ddq, *base), phi)
 
     if not gyro.any() and not gyro_dot.any():  # then the rows are linear in it
         still = np.zeros_like(m.q)
-        response = -_rows(model, Motion(m.q, still, still, acc, gyro, gyro_dot), recording)
+        response = -model.equations.of_told(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         response = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
     return response if stride == 1 else np.asarray(CubicSpline(at, response)(np.arange(samples)))
-
-
-def _rows(model: RobotModel, motion: Motion, recording: str) -> Array:
-    """(T, kinds) Y φ of the identified bodies; rows at rest are left zero."""
-    equations, phi = model.equations, model.bodies_in(recording)
-    rows = np.zeros((motion.samples, equations.kinds))
-    rows[:, : equations.first_axis + len(equations.robot.joints)] = equations.of_bodies(motion, phi)
-    rows[:, equations.first_cut :] = equations.of_carried(motion, phi)
-    return rows

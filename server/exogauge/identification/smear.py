@@ -26,13 +26,13 @@ PER_PERIOD = 6  # samples in a period of the cut-off frequency, at which a load 
 
 
 def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
-    """(T, A + 6 C) what bodies ask of the actuator axes [N·m] and of the sensors that carry some (force, moment, in
+    """(T, told rows) what bodies ask of the actuator axes [N·m] and of the sensors that carry some (force, moment, in
     their frames), low-passed as it was stored, less what they ask for `motion`, which was.
 
     None of a log that nothing has low-passed, nor of a floating robot, whose base moves by what an IMU says.
     """
     if log.stored is None or robot.floating:
-        return np.zeros((log.samples, len(robot.joints) + 6 * len(robot.cuts)))
+        return np.zeros((log.samples, len(robot.rows.told)))
     names = [f"q.{joint.name}" for joint in robot.joints]
     q = StoredPositions(log, names, low_pass).before(log.stored)
     rate_hz = log.rate_hz

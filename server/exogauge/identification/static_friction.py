@@ -43,10 +43,9 @@ def fill_static_friction(equations: Equations, statistics: Statistics, prior: Pr
     """Least squares for τ_s of every axis with all other parameters of x held; left at the prior, and so not known,
     where the axis hardly rests."""
     x, std, doubtful = x.copy(), {}, []
-    axes = len(equations.robot.joints)
     for k in [k for k, effect in enumerate(equations.effects) if effect.name == "static_friction"]:
         for axis, joint in enumerate(equations.robot.joints):
-            moving, resting = equations.first_axis + axis, equations.first_axis + axes + axis
+            moving, resting = equations.layout.axis(axis), equations.layout.resting(axis)
             column = int(equations.effect_columns(axis)[k])
             slope, curvature = statistics.along(resting, len(equations.blocks.columns[moving]) + k, x)
             rows = statistics.count[resting]

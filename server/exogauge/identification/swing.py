@@ -41,12 +41,12 @@ def _swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array, Array]
 
 def inertia_and_slope(equations: Equations, phi: Array, motion: Motion) -> tuple[Array, Array]:
     """(T, A) each. phi: (B,) base parameters."""
-    first, turns = equations.first_axis, np.linalg.inv(equations.robot.axes_from_joints)
+    turns = np.linalg.inv(equations.robot.axes_from_joints)
     still, nowhere = np.zeros_like(motion.q), np.zeros((motion.samples, 3))
     inertia, slope = np.empty_like(motion.q), np.empty_like(motion.q)
 
     def torque(axis: int, q: Array, ddq: Array, acc: Array) -> Array:
-        return equations.of_bodies_on(first + axis, Motion(q, still, ddq, acc, nowhere, nowhere), phi)
+        return equations.of_bodies_on(equations.layout.axis(axis), Motion(q, still, ddq, acc, nowhere, nowhere), phi)
 
     for axis in range(motion.q.shape[1]):
         turn = turns[:, axis]

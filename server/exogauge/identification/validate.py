@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 from exogauge.identification.equations import Equations
 from exogauge.identification.noise_bias import draw_noise, with_noise
 from exogauge.identification.predict import (
-    BASE_CHANNELS,
     Parameters,
     added_beyond_band,
     measured_channels,
     predicted_channels,
     predictions,
 )
-from exogauge.identification.preparation import Prepared, wrench_channels
+from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
 from exogauge.identification.result import ChannelFit, Prediction
 from exogauge.identification.turns import RestDetection
 from exogauge.robots.description import Robot

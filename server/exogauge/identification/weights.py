@@ -34,7 +34,7 @@ def first_weights(equations: Equations, statistics: Statistics, prior: Prior) ->
     0 for joints whose torque is not logged, and for axes that are not in steady motion (see `static_friction`).
     """
     variance = statistics.residual_square_sum(prior.seen_mean) / np.maximum(statistics.count, 1)
-    joints = [joint.actuation != "none" for joint in equations.robot.joints]
-    base, cuts = [True] * equations.first_axis, [True] * (equations.kinds - equations.first_cut)
-    measured = np.array([*base, *joints, *([False] * len(joints)), *cuts]) & (statistics.count > 0)
+    measured = statistics.count > 0
+    measured[equations.layout.axes] &= np.array([joint.actuation != "none" for joint in equations.robot.joints])
+    measured[equations.layout.at_rest] = False
     return np.where(measured, 1.0 / np.maximum(variance, 1e-300), 0.0)

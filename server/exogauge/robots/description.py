@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
@@ -11,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.robots.known_load import KnownLoad
+from exogauge.robots.rows import RowLayout
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
@@ -94,6 +96,11 @@ class Robot:
     @property
     def cuts(self) -> tuple[WrenchSensor, ...]:
         return tuple(sensor for sensor in self.sensors if sensor.role == "cut")
+
+    @cached_property
+    def rows(self) -> RowLayout:
+        """Of its equations of motion."""
+        return RowLayout.of(self.floating, len(self.joints), len(self.cuts))
 
     def phi_in(self, recording: str) -> Array:
         """(N, 10) a-priori bodies, with the loads that a recording carries."""

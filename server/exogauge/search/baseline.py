@@ -98,7 +98,7 @@ def lay_ground(
         time = recording.log.time[prepared.kept] - recording.log.time[0]
         moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
         residuals.append(LogResiduals(recording.log.name, recording.held_out, time, left, moved))
-    memory = {kind: _memory(residuals, kind) for kind in range(model.equations.kinds)}
+    memory = {kind: _memory(residuals, kind) for kind in range(len(model.equations.layout))}
     tried = {
         site: [each for each in candidates if each.effect.name in shown[site]]
         for site, candidates in everywhere.items()

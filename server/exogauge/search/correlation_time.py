@@ -23,7 +23,7 @@ def row_memory(model: RobotModel, logs: Sequence[Log]) -> Array:
     for log in logs:
         prepared = model.prepare(log)
         residual = equations.residuals(prepared, x)
-        steady = slice(equations.first_axis, equations.first_axis + len(model.robot.joints))
+        steady = equations.layout.axes
         residual[:, steady][~prepared.steady[prepared.kept]] = np.nan
         of_logs.append([residual_memory(each) for each in residual.T])
     return np.maximum(np.median(of_logs, axis=0), MEMORY)

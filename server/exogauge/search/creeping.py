@@ -77,7 +77,7 @@ def _acts_on(found: Identification, judged: Judgement, site: AxisSite) -> bool:
 def _speed(found: Identification, soft: Judgement, site: AxisSite) -> float:
     """Below which τ_c (1 - tanh(v / v_s)) is more than `LEFT` of the noise within the band."""
     equations, (share,), (tau_c,) = found.model.equations, soft.score.candidate.shape, soft.score.coefficients
-    channel = channels(equations)[equations.first_axis + site.axis]
+    channel = channels(equations)[equations.layout.axis(site.axis)]
     floors = [fit.noise_floor**2 - fit.noise_beyond_band**2 for fit in found.validation if fit.channel == channel]
     floor = float(np.sqrt(max(np.median(floors), 0.0)))
     v_s = share * float(found.model.sizes.velocity[site.axis])

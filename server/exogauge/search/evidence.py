@@ -11,6 +11,7 @@ from exogauge.effects.flags import along_motion
 from exogauge.findings.result import Evidence
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
+from exogauge.robots.rows import RowType
 from exogauge.search.score import Score
 from exogauge.search.site_rows import SiteRows
 
@@ -99,8 +100,8 @@ def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:
 
 def _sign(equations: Equations, kind: int) -> float:
     """Of what is shown against what a row holds: torque beyond the motor's; a reading, with the log's sign."""
-    cut = (kind - equations.first_cut) // 6
-    return -equations.robot.cuts[cut].sign if cut >= 0 else -1.0
+    row = equations.layout.rows[kind]
+    return -equations.robot.cuts[row.place].sign if row.type == RowType.SENSOR else -1.0
 
 
 def strongest(shown: Evidence, unit: str) -> str:

@@ -11,7 +11,7 @@ from exogauge.effects.words import at_place, opening
 from exogauge.findings.result import AT_MOST, Alternative, Finding, HeldOut, Place
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
-from exogauge.identification.predict import BASE_CHANNELS
+from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.site import Effect, Site
 from exogauge.identification.validate import unit_of
@@ -21,7 +21,7 @@ from exogauge.search.candidates import Candidate
 from exogauge.search.doubt import parameters
 from exogauge.search.evidence import continued, evidence, strongest
 from exogauge.search.judge import Judgement, apart
-from exogauge.search.locate import channels, pooled
+from exogauge.search.locate import pooled
 from exogauge.search.may_be_named import refused
 from exogauge.search.site_rows import SiteRows
 
@@ -91,7 +91,7 @@ def _doubt(model: RobotModel, judged: Sequence[Judgement], rows_of: Mapping[Site
 
 def channel_of(equations: Equations, kind: int) -> str:
     """Of a kind of rows."""
-    return channels(equations).get(kind) or BASE_CHANNELS[kind]
+    return channel_of_row(equations.robot, kind)
 
 
 def objection(finding: Finding, without: float, with_it: float) -> str:

@@ -33,7 +33,7 @@ def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
         for site in ground.candidates:
             if not isinstance(site, AxisSite) or not any(each.effect is effect for each in ground.candidates[site]):
                 continue
-            kind = ground.model.equations.first_axis + site.axis
+            kind = ground.model.equations.layout.axis(site.axis)
             known = [each for each in fitted if kind in each.residual]
             if not known:
                 continue

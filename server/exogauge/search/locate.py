@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from exogauge.findings.result import Excess
 from exogauge.findings.verdict import ABOVE, Seen
 from exogauge.identification.equations import Equations
-from exogauge.identification.predict import BASE_CHANNELS
-from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.validate import unit_of
+from exogauge.robots.rows import Row, RowType
 from exogauge.search.baseline import LogResiduals
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ def located(equations: Equations, found: Identification, residuals: Sequence[Log
             continue
         z = _sureness(found, residuals, channel, kind, fits)
         if z > SURE:
-            where = _where([each for each in residuals if each.held_out], kind, kind - equations.first_axis)
+            where = _where([each for each in residuals if each.held_out], kind, equations.layout.rows[kind])
             result.append(Excess(channel, unit_of(channel, equations.robot), rmse, floor, z, where))
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
 
@@ -58,15 +58,14 @@ def seen(equations: Equations, found: Identification) -> tuple[Seen, ...]:
 
 def all_channels(equations: Equations) -> dict[int, str]:
     """Kind of row -> channel: those of `channels`, and on a floating robot the wrench on its base."""
-    return dict(enumerate(BASE_CHANNELS[: equations.first_axis])) | channels(equations)
+    every = (RowType.BASE, RowType.AXIS, RowType.SENSOR)
+    return {kind: channel_of_row(equations.robot, kind) for kind in equations.layout.numbers(*every)}
 
 
 def channels(equations: Equations) -> dict[int, str]:
     """Kind of row -> channel of joint torques and of the sensors that carry bodies."""
-    robot, first = equations.robot, equations.first_axis
-    found = {first + axis: f"tau.{joint.name}" for axis, joint in enumerate(robot.joints)}
-    names = [name for sensor in robot.cuts for name in wrench_channels(sensor.name)]
-    return found | dict(enumerate(names, equations.first_cut))
+    told = equations.layout.numbers(RowType.AXIS, RowType.SENSOR)
+    return {kind: channel_of_row(equations.robot, kind) for kind in told}
 
 
 def pooled(fits: Sequence[ChannelFit]) -> tuple[float, float]:
@@ -104,7 +103,7 @@ def _sureness(
     return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
-def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
+def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> str:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
     positions, in which it is largest; in words."""
     known = [each for each in residuals if kind in each.residual]
@@ -117,10 +116,10 @@ def _where(residuals: Sequence[LogResiduals], kind: int, axis: int) -> str:
         return "throughout"
     square = e[used] ** 2
     words = {"time since the start": (np.concatenate([each.time for each in known])[used], "s")}
-    if all(axis in each.axes for each in known):
+    if row.type == RowType.AXIS:
 
         def of_axis(name: str) -> Array:
-            return np.asarray(np.concatenate([getattr(each.axes[axis], name) for each in known])[used])
+            return np.asarray(np.concatenate([getattr(each.axes[row.place], name) for each in known])[used])
 
         words |= {
             "speed": (np.abs(of_axis("velocity")), "rad/s"),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.site import Site
+from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
 
@@ -67,14 +68,14 @@ class Sums:
 
         x: (P,). columns: site -> (n_kept, C, kinds of the site).
         """
-        own, axes = equations.columns(), len(equations.robot.joints)
+        own, at_rest = equations.columns(), equations.layout.numbers(RowType.AT_REST)
         at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
         residuals: dict[int, Array] = {}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:
                 kind = chunk.kind
-                if equations.first_axis + axes <= kind < equations.first_cut:
-                    continue  # at rest
+                if kind in at_rest:
+                    continue
                 A, y = chunk.block[:, :-1], chunk.block[:, -1]
                 e = y - A @ x[own[kind]]
                 residuals.setdefault(kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e

@@ -100,22 +100,22 @@ def prepare_worn(model: RobotModel, log: Log) -> Prepared:
 
 def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:
     """(T, A) each."""
-    first, samples = equations.first_axis, prepared.log.samples
+    layout, samples = equations.layout, prepared.log.samples
     contacts, none = ContactPaths(equations.robot), np.zeros(CHUNK)
     phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
     result = [np.empty((samples, len(equations.robot.joints))) for _ in alternatives]
     for start in range(0, samples, CHUNK):
         which = slice(start, min(start + CHUNK, samples))
         motion = prepared.motion.rows(which)
-        external = contacts.effect(motion.q, prepared.wrenches[which])[:, first:]
-        external = external - prepared.smeared[which, : external.shape[1]]
+        external = contacts.effect(motion.q, prepared.wrenches[which])[:, layout.axes]
+        external = external - prepared.smeared[which, layout.told.axes]
         for out, phi_base, parameters in zip(result, phi, alternatives, strict=True):
-            out[which] = equations.blocks.predict(motion, phi_base)[:, first:] - external
+            out[which] = equations.blocks.predict(motion, phi_base)[:, layout.axes] - external
             for axis, coefficients in enumerate(parameters.xi):
                 signals = prepared.signals(axis, which, none[: which.stop - which.start])
                 for effect, coefficient in zip(equations.effects, coefficients, strict=True):
                     out[which, axis] -= effect.column(signals) * coefficient
-                columns, entries = equations.added_to(first + axis)
+                columns, entries = equations.added_to(layout.axis(axis))
                 if len(columns):
                     out[which, axis] -= prepared.added[which][:, entries] @ parameters.added[columns]
     return result
@@ -124,18 +124,18 @@ def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Pa
 def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> Iterator[tuple[int, Array]]:
     """(place in joints, (n, P) ∂torque/∂x at the chosen samples), one joint after the other."""
     equations, C = model.equations, model.robot.axes_from_joints
-    columns, first = equations.columns(), equations.first_axis
+    columns, layout = equations.columns(), equations.layout
     blocks = equations.blocks.fill(prepared.motion.rows(samples), 0)
     none = np.zeros(len(samples))
     for place, joint in enumerate(joints):
         slope = np.zeros((len(samples), equations.size))
         for axis in np.flatnonzero(C[:, joint]):
-            own = columns[first + axis]
-            seen = blocks[first + axis]
+            kind = layout.axis(int(axis))
+            own, seen = columns[kind], blocks[kind]
             slope[:, own[: seen.shape[1]]] += C[axis, joint] * seen
             signals = prepared.signals(int(axis), samples, none)
             for effect, column in zip(equations.effects, equations.effect_columns(int(axis)), strict=True):
                 slope[:, column] -= C[axis, joint] * effect.column(signals)
-            for e, entry in zip(*equations.added_to(first + int(axis)), strict=True):
+            for e, entry in zip(*equations.added_to(kind), strict=True):
                 slope[:, equations.first_added + e] -= C[axis, joint] * prepared.added[samples, entry]
         yield place, slope

@@ -22,6 +22,7 @@ from exogauge.findings.result import Finding
 from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording
+from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
 
@@ -117,14 +118,14 @@ def _own_jolt(model: RobotModel, push: Push, logs: Sequence[LogRows], next_gain:
     does, at a speed that is rare: so at other moments of such speed there has to be nothing like it. next_gain: of the
     next moment that is no burst.
     """
-    axis = push.kind - model.equations.first_axis
-    if push.alone < ONE_AXIS or not 0 <= axis < len(model.robot.joints):
+    row = model.equations.layout.told.rows[push.kind]
+    if push.alone < ONE_AXIS or row.type != RowType.AXIS:
         return False
     if push.seen[push.kind] < WHOLLY_SEEN and np.sqrt(push.best.gain) < ALONE_ABOVE * np.sqrt(next_gain):
         return True
     during, others = list[Array](), list[Array]()  # (2, n) speed and what is unexplained
     for rows in logs:
-        speed = np.abs(rows.prepared.axis_velocity[rows.prepared.kept, axis])
+        speed = np.abs(rows.prepared.axis_velocity[rows.prepared.kept, row.place])
         both = np.stack([speed, np.abs(rows.e[:, push.kind])])
         seen, here = rows.weight[:, push.kind] > 0.0, rows is push.rows
         during.append(both[:, seen & here & (rows.time > push.start) & (rows.time < push.stop)])
@@ -180,8 +181,7 @@ def _common(model: RobotModel, *found: Push) -> list[int]:
 
 def _told_from(model: RobotModel, *found: Push) -> float:
     """Evidence by which one link has to explain them better than another one."""
-    first = model.equations.first_axis
-    on_axes = sum(float(each.by_kind[first : first + len(model.robot.joints)].sum()) for each in found)
+    on_axes = sum(float(each.by_kind[model.equations.layout.told.axes].sum()) for each in found)
     return TELL_APART + SCALE**2 * max(on_axes, 0.0)
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from exogauge.detect.contact.fit import Push
 from exogauge.devices.result import Estimate
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
-from exogauge.identification.predict import BASE_CHANNELS
-from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.validate import unit_of
 from exogauge.robots.description import Robot
+from exogauge.robots.rows import RowType
 from exogauge.search.locate import pooled
 
 SHOWN_S = 0.7  # before and after the push
@@ -65,9 +65,7 @@ def name_contact(rank: int, contact: Contact, before: Identification, after: Ide
 
 def channels(robot: Robot) -> list[str]:
     """Of the kinds of `LogRows`."""
-    base = list(BASE_CHANNELS) if robot.floating else []
-    on_axes = [f"tau.{joint.name}" for joint in robot.joints]
-    return [*base, *on_axes, *(name for sensor in robot.cuts for name in wrench_channels(sensor.name))]
+    return [channel_of_row(robot, kind) for kind in robot.rows.numbers(RowType.BASE, RowType.AXIS, RowType.SENSOR)]
 
 
 def _parameters(contact: Contact) -> dict[str, Estimate]:
@@ -116,8 +114,8 @@ def _held_out(channel: str, before: Identification, after: Identification, conta
 def _evidence(robot: Robot, push: Push) -> Evidence:
     """Residuals of the channel that shows it best over the log's own time: torque that the joint gets and the model
     lacks, what a sensor reads too much."""
-    first = (6 if robot.floating else 0) + len(robot.joints)
-    sign = -robot.cuts[(push.kind - first) // 6].sign if push.kind >= first else -1.0
+    row = robot.rows.told.rows[push.kind]
+    sign = -robot.cuts[row.place].sign if row.type == RowType.SENSOR else -1.0
     near = (push.time > push.start - SHOWN_S) & (push.time < push.stop + SHOWN_S) & (push.weight[:, push.kind] > 0.0)
     before, added = (sign * each[near, push.kind] for each in (push.before, push.added))
     spread = 1.0 / np.sqrt(push.weight[near, push.kind])

@@ -14,6 +14,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.settings import Recording
 from exogauge.robots.cut_rows import in_sensor
 from exogauge.robots.kinematics import Kinematics, subtree
+from exogauge.robots.rows import RowType
 from exogauge.robots.tree import RigidTree
 from exogauge.search.score import residual_memory
 
@@ -52,15 +53,14 @@ class LogRows:
 def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows]:
     """Spans that were left out are looked at as well."""
     equations, x = model.equations, model.solution.unbounded.x
-    axes = len(model.robot.joints)
-    shown = [*range(equations.first_axis + axes), *range(equations.first_cut, equations.kinds)]
+    layout = equations.layout
+    shown = layout.numbers(RowType.BASE, RowType.AXIS, RowType.SENSOR)
     found = []
     for recording in recordings:
         whole = replace(recording.log, left_out=())
         prepared = model.prepare(whole)
         e = equations.residuals(prepared, x)[:, shown]
-        moving = slice(equations.first_axis, equations.first_axis + axes)
-        e[:, moving][~prepared.steady[prepared.kept]] = np.nan
+        e[:, layout.told.axes][~prepared.steady[prepared.kept]] = np.nan
         step = float(np.median(np.diff(whole.time[prepared.kept]))) if len(prepared.kept) > 1 else LEVEL_S
         found.append((recording, prepared, whole.time[prepared.kept], _without_level(e, round(LEVEL_S / step))))
     ratios = _by_speed(model, [(prepared, e) for _, prepared, _, e in found])
@@ -75,7 +75,7 @@ def force_columns(model: RobotModel, rows: LogRows) -> Array:
     robot, equations, tree = model.robot, model.equations, model.robot.tree
     motion = rows.prepared.motion.rows(rows.prepared.kept)
     sweep, carried = Kinematics(tree).sweep(motion), subtree(tree)
-    n, first, axes = len(rows.time), equations.first_axis, len(robot.joints)
+    n, told = len(rows.time), robot.rows.told
     to_axes = np.linalg.inv(robot.axes_from_joints).T
     middle = middles(tree)
     columns = np.zeros((len(tree.bodies), n, rows.e.shape[1], 6))
@@ -85,14 +85,16 @@ def force_columns(model: RobotModel, rows: LogRows) -> Array:
         W[:, :3, :3] = W[:, 3:, 3:] = np.eye(3)
         W[:, 3:, :3] = _skew(p)
         if robot.floating:
-            out[:, :6] = -W
-        joints = np.zeros((n, axes, 6))
+            out[:, told.base] = -W
+        joints = np.zeros((n, len(robot.joints), 6))
         for k in np.flatnonzero(carried[:, body] & (tree.dof >= 0)):
             joints[:, tree.dof[k]] = np.einsum("at,tak->tk", sweep.S[k], W)
-        out[:, first : first + axes] = -np.einsum("aj,tjk->tak", to_axes, joints)
-        for start, cut in zip(range(first + axes, rows.e.shape[1], 6), equations.cuts, strict=True):
+        out[:, told.axes] = -np.einsum("aj,tjk->tak", to_axes, joints)
+        for sensor, cut in enumerate(equations.cuts):
             if body in tree.cuts[cut.frame]:
-                out[:, start : start + 6] = -np.moveaxis(in_sensor(tree, cut.frame, sweep, np.moveaxis(W, 0, 2)), 2, 0)
+                out[:, told.sensor(sensor)] = -np.moveaxis(
+                    in_sensor(tree, cut.frame, sweep, np.moveaxis(W, 0, 2)), 2, 0
+                )
     return columns
 
 
@@ -138,15 +140,16 @@ def _usual(e: Array) -> float:
 def _by_speed(model: RobotModel, logs: Sequence[tuple[Prepared, Array]]) -> list[tuple[Array, Array]]:
     """Per axis: edges of its speeds, and (SPEEDS,) how much larger than usual errors are between them, all logs
     together: what friction leaves at one speed it leaves whenever the axis is that fast."""
-    first, found = model.equations.first_axis, []
+    found = []
     for axis in range(len(model.robot.joints)):
+        kind = model.equations.layout.told.axis(axis)
         speeds, sizes = [], []
         for prepared, e in logs:
-            usual = _usual(e[:, first + axis])
-            used = np.isfinite(e[:, first + axis])
+            usual = _usual(e[:, kind])
+            used = np.isfinite(e[:, kind])
             if np.isfinite(usual) and usual > 0.0:
                 speeds.append(np.abs(prepared.axis_velocity[prepared.kept, axis])[used])
-                sizes.append(e[used, first + axis] / usual)
+                sizes.append(e[used, kind] / usual)
         if not speeds:
             found.append((np.zeros(0), np.ones(1)))
             continue
@@ -159,15 +162,15 @@ def _by_speed(model: RobotModel, logs: Sequence[tuple[Prepared, Array]]) -> list
 
 
 def _weights(model: RobotModel, prepared: Prepared, e: Array, ratios: Sequence[tuple[Array, Array]]) -> Array:
-    first, weight = model.equations.first_axis, np.zeros_like(e)
-    for kind in range(e.shape[1]):
-        usual, axis = _usual(e[:, kind]), kind - first
+    weight = np.zeros_like(e)
+    for kind, row in enumerate(model.equations.layout.told.rows):
+        usual = _usual(e[:, kind])
         if not np.isfinite(usual) or usual <= 0.0:
             continue
         std = np.full(len(e), usual)
-        if 0 <= axis < len(ratios):
-            edges, ratio = ratios[axis]
-            std *= ratio[np.searchsorted(edges, np.abs(prepared.axis_velocity[prepared.kept, axis]))]
+        if row.type == RowType.AXIS:
+            edges, ratio = ratios[row.place]
+            std *= ratio[np.searchsorted(edges, np.abs(prepared.axis_velocity[prepared.kept, row.place]))]
         weight[:, kind] = np.isfinite(e[:, kind]) / (std**2 * residual_memory(e[:, kind]))
     return weight
 

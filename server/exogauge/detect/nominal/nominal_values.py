@@ -158,7 +158,7 @@ class _Rows:
         The logged one holds the noise that the residual holds, which a free gain would shrink away.
         """
         A_u, own, left = np.zeros(self.equations.size), 0.0, 0.0
-        for kind in (self.equations.first_axis + axis + k * len(self.equations.robot.joints) for k in range(2)):
+        for kind in (self.equations.layout.axis(axis), self.equations.layout.resting(axis)):
             w, columns = self.weights[kind], self.statistics.columns[kind]
             if w <= 0.0:
                 continue
