@@ -11,6 +11,7 @@ from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
+from exogauge.search.baseline import lay_ground
 
 pytestmark = pytest.mark.slow
 
@@ -91,6 +92,15 @@ def test_a_logged_torque_that_others_contradict_is_part_of_the_model_that_is_han
 def test_torques_that_are_logged_right_are_not_blamed(evaluated):
     recordings, found = evaluated(("torque",) * 3, (1.0, 1.0, 1.0))
     assert find_missing_effects(found, recordings, missing_effects(), SETTINGS).discrepancy.findings == ()
+
+
+def test_where_currents_are_logged_the_torque_constant_of_the_model_is_all_that_is_asked_about(evaluated):
+    """Beside it a second factor of the same torque explains nothing but rounding and turns."""
+    recordings, found = evaluated(("torque", "current", "current"), (1.0, 1.0, 1.0))
+    ground = lay_ground(found.model, recordings, missing_effects(), lambda _fraction, _phrase: None)
+    tried = {site.axis for site, candidates in ground.candidates.items()
+             if any(each.effect.name == "kt_gain" for each in candidates)}  # fmt: skip
+    assert tried == {0}
 
 
 @pytest.mark.parametrize("seed", range(4))

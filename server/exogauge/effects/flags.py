@@ -18,3 +18,8 @@ def at_turns(effect: object) -> bool:
 def common_cause(effect: object) -> bool:
     """Places have it in common (one bus, one filter, one amplifier that warms up): on most of them it is told once."""
     return bool(getattr(effect, "common_cause", False))
+
+
+def of_logged_torque(effect: object) -> bool:
+    """It is a factor of the logged torque: where currents are logged, the model's own k_T is that factor."""
+    return bool(getattr(effect, "of_logged_torque", False))

@@ -14,7 +14,8 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 class KtGain:
     """τ = share u, u the torque that the motor gives: what of it is not logged. Logged is (1 - share) u.
 
-    Where currents are logged the baseline's k_T takes this place, and leaves nothing to gain."""
+    Where currents are logged the baseline's k_T takes this place; whether it contradicts what is stated, is asked by
+    `detect/nominal`."""
 
     name = "kt_gain"
     words = "a wrong torque constant"
@@ -25,6 +26,7 @@ class KtGain:
     confounds = ("motor_gain",)
     needs = "Other joints that carry the same links under load, or a known load."
     coordinate = "drive"
+    of_logged_torque = True
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
         return signals.drive[:, None].copy()

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.effects.flags import of_logged_torque
 from exogauge.effects.order import about, begins_among
 from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import RobotModel
@@ -119,6 +120,8 @@ def _all_at(
     """An effect sits at a site once, and begins between the first and the last of the fitted logs, if it begins."""
     there = {each.effect.name for each in model.extension.effects if each.site == site} if model.extension else set()
     fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
+    if isinstance(site, AxisSite) and model.solution.gains.column_of(site.axis) is not None:
+        fitting = [each for each in fitting if not of_logged_torque(each)]
     every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
     every = [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
     return [each for each in every if only is None or about(each.effect.shapes, each.shape, only)]
