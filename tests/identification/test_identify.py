@@ -119,6 +119,7 @@ def test_currents_alone_on_a_fixed_robot_do_not_fix_the_scale(make_truth, make_l
     assert any("common factor" in warning for warning in result.warnings)
 
 
+@pytest.mark.slow
 def test_accurate_mode_agrees_with_the_statistics(make_truth, make_log):
     truth = make_truth(floating=True, seed=7)
     fast = fit(truth, make_log, 1.0, Settings(cutoff_hz=8.0, prior_strength=1.0), fitted=(1,), held_out=())
@@ -137,6 +138,7 @@ def test_every_link_is_possible_when_asked_for(make_truth, make_log):
     assert held_out[0].rmse_identified < 0.7 * held_out[0].rmse_prior
 
 
+@pytest.mark.slow
 def test_the_printed_prior_also_beats_the_maker(make_truth, make_log):
     truth = make_truth(floating=True, seed=9)
     result = fit(truth, make_log, 1.0, Settings(cutoff_hz=8.0, prior="as_printed"))

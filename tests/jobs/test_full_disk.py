@@ -22,6 +22,7 @@ def waits(job) -> bool:
     return job.message.startswith("waits: ") and "the disk is full" in job.message
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_study_that_does_not_fit_into_the_scratch_folder_waits_for_room(workshop, scratch):
     workshop.start_worker()
@@ -35,6 +36,7 @@ def test_a_study_that_does_not_fit_into_the_scratch_folder_waits_for_room(worksh
     assert (done.state, done.attempts, done.reason) == ("succeeded", 1, None)
 
 
+@pytest.mark.slow
 @on_sqlite
 @pytest.mark.parametrize("mode", ["ok", "hides"])
 def test_a_computation_that_meets_a_full_disk_begins_anew(workshop, scratch, mode):
@@ -52,6 +54,7 @@ def test_a_computation_that_meets_a_full_disk_begins_anew(workshop, scratch, mod
     assert "load" in workshop.artifacts(job)
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_result_that_cannot_be_kept_is_kept_later_without_computing_again(workshop, small_disk):
     blobs = small_disk.folder / "blobs"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 import trimesh
 
 from exogauge.robots.description import Robot
@@ -50,6 +51,7 @@ def test_no_file_outside_the_bundle_is_opened(tmp_path: Path) -> None:
         assert opened(name) is None
 
 
+@pytest.mark.slow
 def test_a_fine_mesh_is_simplified_and_keeps_its_extent() -> None:
     fine = trimesh.creation.icosphere(6, 0.3)
     assert len(fine.faces) > 10 * MOST_FACES

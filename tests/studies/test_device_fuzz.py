@@ -89,6 +89,7 @@ def is_read_or_refused(bundle: Bundle, robot: Robot, text: bytes) -> None:
         assert "No fault" in device_text(check_device(robot, device))
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=60, deadline=None, derandomize=True)
 def test_odd_values_anywhere_are_told(bundle: Bundle, robot: Robot, data: st.DataObject) -> None:

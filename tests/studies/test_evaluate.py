@@ -36,6 +36,7 @@ def test_a_study_becomes_results_with_growing_progress(folder: Path, tmp_path: P
     assert not list((tmp_path / "out").glob(".unfinished*"))
 
 
+@pytest.mark.slow
 def test_a_recording_with_a_gap_is_evaluated_in_parts_named_by_their_rows(
     folder: Path, tmp_path: Path, log_writer: Callable[..., None]
 ) -> None:

@@ -134,6 +134,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, str]:
     return json.loads((folder / "out/results.json").read_text()), (folder / "out/report.html").read_text()
 
 
+@pytest.mark.slow
 def test_a_load_at_a_fixed_link_gives_the_torque_constants_from_files(told: tuple[dict, str]) -> None:
     found = told[0]["identification"]
     for joint, k in zip(found["joints"], (6.0, 5.0, 4.0, 3.0), strict=True):
@@ -142,6 +143,7 @@ def test_a_load_at_a_fixed_link_gives_the_torque_constants_from_files(told: tupl
     assert all(fit["rmse_moving"] < 1.15 * fit["noise_floor"] for fit in found["validation"] if fit["held_out"])
 
 
+@pytest.mark.slow
 def test_results_and_report_tell_what_was_known_and_what_it_fixed(told: tuple[dict, str]) -> None:
     found, report = told[0]["identification"], told[1]
     (load,) = found["known_loads"]

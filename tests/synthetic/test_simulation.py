@@ -11,6 +11,8 @@ from exogauge.synthetic.robot_facts import ANKLE_HEIGHT, FEET, JOINT_NAMES, SOLE
 from exogauge.synthetic.true_robot import TrueRobot, moving_bodies, truth_record
 from exogauge.synthetic.urdf import robot_urdf
 
+pytestmark = pytest.mark.slow
+
 
 def _values(robot: TrueRobot, kind: str) -> np.ndarray:
     return np.array([getattr(robot.joints[name], kind) for name in JOINT_NAMES])
