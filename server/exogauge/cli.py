@@ -87,6 +87,13 @@ def _add_study_commands(commands: Commands) -> None:
     doctor.add_argument("--all", action="store_true", help="every finding, also where there are many of one sort")
     doctor.set_defaults(command=examine_logs)
 
+    payload = commands.add_parser("payload", help="what hangs on a wrist force/torque sensor")
+    steps = payload.add_subparsers(dest="step", required=True, metavar="STEP")
+    identify = steps.add_parser("run", help="identify it, and tell what is left of the wrench")
+    identify.add_argument("payload", type=Path, help="payload.yaml, or its folder")
+    identify.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json goes")
+    identify.set_defaults(command=run_payload)
+
     mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
     mapping.add_argument("files", type=Path, nargs="+", metavar="FILE", help="the files of one log")
     mapping.add_argument("--robot", type=Path, metavar="FILE", help="robot.yaml, or nothing but a URDF")
@@ -136,6 +143,7 @@ def _add_synthetic_commands(commands: Commands) -> None:
         "--suit", choices=("none", "normal", "modified", "both"), default="both",
         help="what is worn in the logs with a device; none: logs to identify and validate only (default: both)",
     )  # fmt: skip
+    sample.add_argument("--payload", action="store_true", help="a payload behind a wrist sensor instead of a study")
     sample.set_defaults(command=write_sample)
 
     blind = commands.add_parser("blind", help="studies with hidden effects: how often is what is named right?")
@@ -221,6 +229,18 @@ def examine_logs(options: argparse.Namespace) -> int:
     return 1 if errors else 0
 
 
+def run_payload(options: argparse.Namespace) -> int:
+    from exogauge.payload.evaluate import evaluate
+    from exogauge.payload.intake import open_payload
+    from exogauge.payload.results import results, summary, write_results
+
+    evaluation = evaluate(open_payload(options.payload))
+    path = write_results(evaluation, options.out)
+    print(summary(results(evaluation)))
+    print(path)
+    return 0
+
+
 def draft_mapping(options: argparse.Namespace) -> int:
     from exogauge.studies.import_log.mapping_draft import draft
     from exogauge.studies.intake.device_on_robot import read_wearer
@@ -270,6 +290,10 @@ def write_sample(options: argparse.Namespace) -> int:
     from exogauge import synthetic
     from exogauge.terminal import bar
 
+    if options.payload:
+        synthetic.write_payload_sample(options.out, options.seed)
+        print(options.out / "payload.yaml")
+        return 0
     with bar("sample") as progress:
         synthetic.write_sample(
             options.out, options.seed, options.hidden, options.suit, progress, processes=synthetic.processors()

@@ -26,7 +26,7 @@ NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 ZERO_NAMES = ("fx0", "fy0", "fz0", "mx0", "my0", "mz0")
 GYRATION_M = 1.0  # std of unknown inertia, as radius of gyration: only a payload of some metres has more
 MU_STDS, MU_FLOOR = 3.0, 0.05  # how far μ must be from 1 to be told: beyond chance, and more than any noise is known
-DECIDED = 0.5  # of the std that was believed before: what the data leave less sure than that, they do not decide
+DECIDED = 0.1  # of the std that was believed before: what the data leave less sure than that, they do not decide
 MEMORIES = (
     24.0  # correlation times over which coloured residuals are summed: errors of smoothed accelerations swing back
 )
@@ -70,8 +70,9 @@ class DynamicSolution:
     """value, std: (16,) of x; covariance: (16, 16), with residuals that are not white. prior_std: (16,).
 
     mu, mu_std: residual over what the noise model says, 1 where it holds, and its chance. decided: (16,) whether the
-    data made a number at least twice as sure as it was. physical: (16,) the likeliest whose body can exist; cost: what
-    that costs, in squared standard deviations; 0 where x is possible. residual: (T, 6) [N, N·m]. method: of `value`.
+    data made a number at least ten times as sure as it was. physical: (16,) the likeliest whose body can exist; cost:
+    what that costs, in squared standard deviations; 0 where x is possible. residual: (T, 6) [N, N·m]. method: of
+    `value`.
     """
 
     value: Array
@@ -99,19 +100,21 @@ def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int,
     A = sign * motion.regressor(gravity)
     zero = np.broadcast_to(np.eye(6), (T, 6, 6))
     z = np.concatenate([A, zero, wrench[:, :, None]], axis=2) / std[:, None]
-    still = np.zeros(3)
-    fixed = np.stack(
-        [wrench_columns(e, still, still) for e in np.eye(3)] + [wrench_columns(still, e, still) for e in np.eye(3)]
-    )
-    e = np.eye(3)[:, None]
-    none = np.zeros((3, T, 3))
-    turning = 0.5 * (wrench_columns(none, none, motion.omega + e) - wrench_columns(none, none, motion.omega - e))
-    slopes = np.concatenate([np.broadcast_to(fixed[:, None], (6, T, 6, 10)), turning]) / std[:, None]
+    slopes = regressor_slopes(motion.omega) / std[:, None]
     errors = np.einsum("ktip,tkm->tpim", slopes, motion.noise, optimize=True).reshape(T, 10, -1)
     noise = np.zeros((T, 17, 17))
     noise[:, :10, :10] = errors @ np.swapaxes(errors, 1, 2)
     noise[:, 16, 16] = 6.0
     return Rows(z, noise, std, sign)
+
+
+def regressor_slopes(omega: Array) -> Array:
+    """(9, T, 6, 10) derivative of A of [Payload] (5) by a - g, α and ω. omega: (T, 3)."""
+    T, e, still = len(omega), np.eye(3)[:, None], np.zeros((3, 1, 3))
+    linear = np.concatenate([wrench_columns(e, still, still), wrench_columns(still, e, still)])
+    none = np.zeros((3, T, 3))
+    quadratic = 0.5 * (wrench_columns(none, none, omega + e) - wrench_columns(none, none, omega - e))
+    return np.concatenate([np.broadcast_to(linear, (6, T, 6, 10)), quadratic])
 
 
 def static_prior(static: StaticSolution | None, mass_scale: float = 50.0) -> Prior:

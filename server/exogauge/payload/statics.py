@@ -18,10 +18,12 @@ from exogauge.payload.total_least_squares import only_output, solve, triangle
 
 Array = NDArray[np.float64]
 Method = Literal["ls", "tls", "gtls"]
+Misread = Literal["transposed", "world_axes", "sensor_axes", "unexplained"]
 
 RANK = 1e-3  # of the largest scaled singular value; three postures 1° apart have 6e-3, noise of a pose 1e-5
 CLEARLY = 3.0  # how much better another reading of the data must be, to be named
 UNEXPLAINED = 0.02  # of the largest force, left over: what a sensor's own errors do not reach
+UNEXPLAINED_CLEARLY = 0.2  # the same, where no weight on a fixed sensor explains it: a lean of 20° leaves that level
 
 
 @final
@@ -237,10 +239,11 @@ def further_posture(holds: Holds, solution: StaticSolution) -> tuple[Array, Arra
     return direction, solution.std * then / np.where(now > 0, now, 1.0)
 
 
-def misread_rotation(holds: Holds, gravity: Array) -> Literal["transposed", "world_axes"] | None:
-    """Whether the postures fit clearly better with R_SB for R_BS, or with wrenches in the base's axes.
+def misread_rotation(holds: Holds, gravity: Array) -> Misread | None:
+    """What the postures fit clearly better than what is stated: R_SB for R_BS, wrenches that are in the base's axes,
+    wrenches that are in the sensor's already. `unexplained` where none of these does, and what is stated neither.
 
-    Forces fit both alike, with κ and the zero exchanged: the one whose κ points along gravity is told.
+    Forces fit the first two alike, with κ and the zero exchanged: the one whose κ points along gravity is told.
     """
     if _rank(holds.rotation) < 6:
         return None
@@ -251,16 +254,20 @@ def misread_rotation(holds: Holds, gravity: Array) -> Literal["transposed", "wor
         along = abs(float(x[:3] @ gravity)) / float(np.linalg.norm(x[:3]) * np.linalg.norm(gravity))
         return float(np.sqrt(np.mean((A @ x - force.ravel()) ** 2))), along
 
-    f = holds.wrench[:, :3]
-    as_stated = fitted(holds.rotation, f)[0]
+    f, R = holds.wrench[:, :3], holds.rotation
+    as_stated = fitted(R, f)[0]
     weight = float(np.abs(f - f.mean(axis=0)).max())
     if as_stated < max(CLEARLY * float(holds.std[:3].max()), UNEXPLAINED * weight):
         return None
-    transposed = fitted(np.swapaxes(holds.rotation, 1, 2), f)
-    world = fitted(holds.rotation, np.einsum("kji,kj->ki", holds.rotation, f))
-    if CLEARLY * min(transposed[0], world[0]) > as_stated:
-        return None
-    return "transposed" if transposed[1] >= world[1] else "world_axes"
+    others: dict[Misread, tuple[float, float]] = {
+        "transposed": fitted(np.swapaxes(R, 1, 2), f),
+        "world_axes": fitted(R, np.einsum("kji,kj->ki", R, f)),
+        "sensor_axes": fitted(R, np.einsum("kij,kj->ki", R, f)),
+    }
+    fitting = [name for name, (left, _) in others.items() if CLEARLY * left < as_stated]
+    if fitting:
+        return max(fitting, key=lambda name: others[name][1])
+    return "unexplained" if as_stated > UNEXPLAINED_CLEARLY * weight else None
 
 
 def _fit(A: Array, b: Array, std: float, method: Method, noise: Array) -> tuple[Array, Array, Array]:

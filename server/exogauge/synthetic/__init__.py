@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from exogauge.errors import Unavailable
+from exogauge.errors import BadInput, Fault, Unavailable
 
 
 def write_sample(
@@ -24,6 +24,17 @@ def write_sample(
     from exogauge.synthetic.study import write_study
 
     write_study(out, seed, hidden, suit, progress, processes=processes)
+
+
+def write_payload_sample(out: Path, seed: int) -> None:
+    """Write a synthetic payload recording into `out`, truth.json included; see `payload.write_payload`."""
+    if find_spec("mujoco") is None:
+        raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
+    if seed < 0:
+        raise BadInput(Fault("the seed must be 0 or more", "seed_negative", column="seed", value=str(seed)))
+    from exogauge.synthetic.payload import write_payload
+
+    write_payload(out, seed)
 
 
 def processors() -> int:

@@ -1,0 +1,166 @@
+"""payload.yaml (version 1), key by key."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from exogauge.studies.intake.contract import Name, NotNegative, Number, Positive, RelativePath, Vector
+
+Role = Literal["postures", "excitation", "test", "contact"]
+
+
+def _as_tuple(value: object) -> object:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _as_names(value: object) -> object:
+    return (value,) if isinstance(value, str) else _as_tuple(value)
+
+
+Six = Annotated[tuple[Name, Name, Name, Name, Name, Name], BeforeValidator(_as_tuple)]
+Nine = Annotated[tuple[Name, ...], BeforeValidator(_as_tuple), Field(min_length=9, max_length=9)]
+Four = Annotated[tuple[Name, Name, Name, Name], BeforeValidator(_as_tuple)]
+Three = Annotated[tuple[Name, Name, Name], BeforeValidator(_as_tuple)]
+Limits = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_as_tuple)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class WrenchNoise(_Part):
+    """Standard deviation of one sample."""
+
+    force_n: Positive
+    moment_nm: Positive
+
+
+class RatedRange(_Part):
+    """Per axis, of either sign."""
+
+    force_n: Limits
+    moment_nm: Limits
+
+
+class SensorEntry(_Part):
+    """frame: of the URDF, where pose is from joint angles. axes: in which the wrench's columns are written."""
+
+    frame: Name | None = None
+    sees: Literal["payload_on_sensor", "sensor_on_payload"] | None = None
+    axes: Literal["sensor", "base"] = "sensor"
+    wrench: Six
+    force_unit: Name = "N"
+    moment_unit: Name = "Nm"
+    noise: WrenchNoise
+    range: RatedRange | None = None
+
+
+class PoseEntry(_Part):
+    """Joint angles with a URDF, or a logged rotation R_base_sensor (row by row, or a quaternion) and position.
+
+    noise_rad, noise_m: standard deviation of a sample of the angles or the rotation, and of the position.
+    """
+
+    urdf: RelativePath | None = None
+    base_link: Name | None = None
+    joints: Annotated[dict[Name, Name], Field(min_length=1, max_length=100)] | None = None
+    angle_unit: Name = "rad"
+    rotation: Nine | None = None
+    quaternion: Four | None = None
+    quaternion_order: Literal["xyzw", "wxyz"] | None = None
+    position: Three | None = None
+    position_unit: Name = "m"
+    noise_rad: Positive
+    noise_m: Positive = 1e-4
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        ways = [name for name in ("joints", "rotation", "quaternion") if getattr(self, name) is not None]
+        if len(ways) != 1:
+            raise ValueError("a pose is one of `joints`, `rotation`, `quaternion`")
+        if self.joints is not None and (self.urdf is None or self.base_link is None):
+            raise ValueError("joint angles need `urdf` and `base_link`")
+        if self.quaternion is not None and self.quaternion_order is None:
+            raise ValueError("a quaternion needs `quaternion_order`: xyzw or wxyz")
+        return self
+
+
+class ImuEntry(_Part):
+    """An accelerometer fixed to the sensor; its axes are found from the postures. delay_s: how late its stamps are."""
+
+    acceleration: Three
+    unit: Name = "m/s^2"
+    delay_s: Number | None = None
+
+
+class TimeEntry(_Part):
+    """Every file that has this column has a clock of its own; all clocks count from the same instant."""
+
+    column: Name = "t"
+    unit: Name = "s"
+
+
+class LogEntry(_Part):
+    """file: one, or several that hold the columns between them. span: (from, to) [s] since the log's first sample.
+    each_row: every row is the mean of one posture, and there is no time."""
+
+    file: Annotated[tuple[RelativePath, ...], BeforeValidator(_as_names), Field(min_length=1, max_length=10)]
+    role: Role
+    span: Annotated[tuple[NotNegative, NotNegative], BeforeValidator(_as_tuple)] | None = None
+    each_row: bool = False
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.each_row and self.role != "postures":
+            raise ValueError("only a log of postures can have one row for each")
+        if self.each_row and (self.span is not None or len(self.file) > 1):
+            raise ValueError("a table with one row for each posture is one file, and has no span")
+        if self.span is not None and self.span[0] >= self.span[1]:
+            raise ValueError("span must be [from, to] with from < to")
+        return self
+
+
+class SettingsEntry(_Part):
+    """inclination: `auto` asks postures that were left out. moments, zero: whether m c and the sensor's zero are those
+    of the postures, or found anew in motion. cutoff_hz: one zero-phase low-pass on every column and on the wrench.
+    jerk_density: None chooses by likelihood. false_alarms_per_hour: of the contact alarm."""
+
+    inclination: Literal["auto", "fit", "ignore"] = "auto"
+    method: Literal["ls", "tls", "gtls"] = "gtls"
+    moments: Literal["from_postures", "from_motion"] = "from_postures"
+    zero: Literal["as_in_postures", "drifted"] = "as_in_postures"
+    cutoff_hz: Positive | None = None
+    jerk_density: Positive | None = None
+    false_alarms_per_hour: Positive = 1.0
+
+
+class GroundTruth(_Part):
+    """Never fitted: for the comparison alone."""
+
+    mass_kg: Positive | None = None
+
+
+class PayloadFile(_Part):
+    """payload.yaml. gravity: in the base frame, as if it stood level."""
+
+    version: Literal[1]
+    name: Name
+    gravity: Vector = (0.0, 0.0, -9.80665)
+    sensor: SensorEntry
+    pose: PoseEntry
+    time: TimeEntry = TimeEntry()
+    imu: ImuEntry | None = None
+    logs: Annotated[tuple[LogEntry, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=100)]
+    settings: SettingsEntry = SettingsEntry()
+    ground_truth: GroundTruth = GroundTruth()
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        size = sum(x * x for x in self.gravity) ** 0.5
+        if not 9.7 < size < 9.9:
+            raise ValueError(f"gravity has the size {size:.4g} m/s²; on this planet it has 9.76 to 9.84")
+        if self.pose.joints is not None and self.sensor.frame is None:
+            raise ValueError("joint angles need `sensor.frame`, a link or frame of the URDF")
+        return self

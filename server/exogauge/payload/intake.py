@@ -1,0 +1,230 @@
+"""From payload.yaml and its files to arrays; what is wrong is told with file, column, value and advice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadStudy, Fault
+from exogauge.logs.channels import shorten
+from exogauge.logs.open_table import open_table
+from exogauge.logs.reading import refuse, time_faults, value_faults
+from exogauge.logs.tables import Table, as_vector, read_names
+from exogauge.logs.units import find_unit, units_of
+from exogauge.payload.contract import LogEntry, PayloadFile, Role
+from exogauge.robots.tree import RigidTree
+from exogauge.robots.urdf import load_tree
+from exogauge.studies.intake.yaml_file import load_yaml, suggestion
+
+Array = NDArray[np.float64]
+
+ORTHONORMAL = 1e-3  # of RᵀR: four printed digits
+MOST_TURN = 8.0  # rad: more than any joint has; 30 in degrees is more
+
+
+@final
+@dataclass(frozen=True)
+class Stream:
+    """time: (T,) [s] from the log's first sample. values: (T, K) SI. file: that it came from."""
+
+    time: Array
+    values: Array
+    file: str
+
+    def cut(self, first: float, last: float) -> Stream:
+        keep = (self.time >= first) & (self.time <= last)
+        return Stream(self.time[keep], self.values[keep], self.file)
+
+
+@final
+@dataclass(frozen=True)
+class Recording:
+    """wrench: (T, 6) as read. angles: (T, J) [rad] or None; rotation: (T, 9) R_BS or None; position: (T, 3) or None;
+    acceleration: (T, 3) [m/s²] of the IMU in its own axes, or None. each_row: rows are postures, time is their number.
+    """
+
+    name: str
+    role: Role
+    wrench: Stream
+    angles: Stream | None
+    rotation: Stream | None
+    position: Stream | None
+    acceleration: Stream | None
+    each_row: bool
+
+    @property
+    def pose(self) -> Stream:
+        chosen = self.angles or self.rotation
+        assert chosen is not None
+        return chosen
+
+
+@final
+@dataclass(frozen=True)
+class Payload:
+    """What was handed in. tree: of the URDF, or None where the pose is logged."""
+
+    file: PayloadFile
+    name: str
+    tree: RigidTree | None
+    recordings: tuple[Recording, ...]
+
+    def of(self, role: Role) -> list[Recording]:
+        return [each for each in self.recordings if each.role == role]
+
+
+def open_payload(path: Path) -> Payload:
+    """path: payload.yaml, or its folder. Raises BadInput."""
+    path = path / "payload.yaml" if path.is_dir() else path
+    if not path.is_file():
+        raise BadStudy(Fault("there is no such file", "no_file", "Name payload.yaml or its folder.", str(path)))
+    file = load_yaml(path.read_bytes(), PayloadFile, file=path.name)
+    folder = path.parent
+    named = [name for entry in file.logs for name in entry.file] + ([file.pose.urdf] if file.pose.urdf else [])
+    missing = [name for name in dict.fromkeys(named) if not (folder / name).is_file()]
+    if missing:
+        advice = "Paths are relative to payload.yaml."
+        raise BadStudy([Fault("there is no such file", "no_file", advice, path.name, value=name) for name in missing])
+    tree = None
+    if file.pose.joints is not None and file.pose.urdf is not None:
+        tree = load_tree(
+            (folder / file.pose.urdf).read_bytes(), joints=list(file.pose.joints), base_link=file.pose.base_link or "",
+            floating=False, file=file.pose.urdf,
+        )  # fmt: skip
+        if file.sensor.frame not in tree.frames:
+            advice = suggestion(file.sensor.frame or "", list(tree.frames))
+            fault = Fault("the URDF has no such frame", "unknown_frame", advice, path.name, None, "sensor.frame")
+            raise BadStudy(fault)
+    return Payload(file, path.name, tree, tuple(_recording(folder, file, entry) for entry in file.logs))
+
+
+def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
+    tables = [open_table(folder / name, name) for name in entry.file]
+    sensor, pose, imu = file.sensor, file.pose, file.imu
+    clocks = None if entry.each_row else _clocks(tables, file)
+
+    def stream(columns: Sequence[str], unit: str, dimension: str, late: float = 0.0) -> Stream:
+        table = _holding(tables, columns)
+        factor = _factor(unit, dimension, table.file)
+        raw = table.read(list(columns))
+        values = np.column_stack([np.asarray(as_vector(raw[c], table.file, c), np.float64) for c in columns])
+        faults = [
+            fault
+            for column, each in zip(columns, values.T, strict=True)
+            for fault in value_faults(each, table.file, column, allow_gaps=False)
+        ]
+        refuse(faults)
+        time = np.arange(len(values), dtype=np.float64) if clocks is None else clocks[table.file] - late
+        return Stream(time, values * factor, table.file)
+
+    force = stream(sensor.wrench, sensor.force_unit, "force")
+    moment_factor = _factor(sensor.moment_unit, "torque", force.file) / _factor(sensor.force_unit, "force", force.file)
+    wrench = Stream(force.time, force.values * np.repeat([1.0, moment_factor], 3), force.file)
+    angles = rotation = position = acceleration = None
+    if pose.joints is not None:
+        angles = stream(list(pose.joints.values()), pose.angle_unit, "angle")
+        _check_angles(angles, list(pose.joints.values()))
+    elif pose.rotation is not None:
+        rotation = stream(pose.rotation, "1", "ratio")
+        _check_rotation(rotation, pose.rotation[0])
+    elif pose.quaternion is not None:
+        rotation = _from_quaternion(stream(pose.quaternion, "1", "ratio"), pose.quaternion_order or "xyzw")
+    names = {name for table in tables for name in read_names(table)}
+    if pose.position is not None and set(pose.position) <= names:
+        position = stream(pose.position, pose.position_unit, "length")
+    if imu is not None and set(imu.acceleration) <= names:
+        acceleration = stream(imu.acceleration, imu.unit, "acceleration", imu.delay_s or 0.0)
+    parts = [wrench, angles, rotation, position, acceleration]
+    if entry.span is not None:
+        parts = [None if each is None else each.cut(*entry.span) for each in parts]
+    present = [each for each in parts if each is not None]
+    if any(len(each.time) < 2 for each in present) or (
+        not entry.each_row and max(each.time[0] for each in present) >= min(each.time[-1] for each in present)
+    ):
+        spans = "; ".join(f"{each.file} {_span(each)}" for each in present)
+        advice = "All files of a log must count time from the same instant; check `time.unit` and `span`."
+        raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
+    name = entry.file[0].rpartition("/")[2].rpartition(".")[0]
+    assert parts[0] is not None
+    return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row)
+
+
+def _span(stream: Stream) -> str:
+    return f"{stream.time[0]:.3f} to {stream.time[-1]:.3f} s" if len(stream.time) else "nothing"
+
+
+def _clocks(tables: Sequence[Table], file: PayloadFile) -> dict[str, Array]:
+    """Seconds per file, 0 at the earliest sample of all; whole stamps are subtracted before they become floats."""
+    column, factor = file.time.column, _factor(file.time.unit, "time", tables[0].file)
+    raw = {}
+    for table in tables:
+        if column not in read_names(table):
+            raise BadStudy(_no_column(column, [table], "Name it in `time.column`, or say `each_row: true`."))
+        raw[table.file] = as_vector(table.read([column], exact=(column,))[column], table.file, column)
+        refuse(time_faults(raw[table.file], table.file, column))
+    first = min(values[0] for values in raw.values())
+    return {name: np.asarray(values - first, np.float64) * factor for name, values in raw.items()}
+
+
+def _holding(tables: Sequence[Table], columns: Sequence[str]) -> Table:
+    """The file that has all of the columns."""
+    for table in tables:
+        if set(columns) <= set(read_names(table)):
+            return table
+    best = max(tables, key=lambda table: len(set(columns) & set(read_names(table))))
+    lacking = next(column for column in columns if column not in read_names(best))
+    raise BadStudy(_no_column(lacking, [best], ""))
+
+
+def _no_column(column: str, tables: Sequence[Table], advice: str) -> Fault:
+    names = [name for table in tables for name in read_names(table)]
+    return Fault(
+        "the file has no such column", "missing_column", f"{advice} {suggestion(column, names)}".strip(),
+        tables[0].file, 0, shorten(column),
+    )  # fmt: skip
+
+
+def _factor(unit: str, dimension: str, file: str) -> float:
+    found = find_unit(unit)
+    if found is None or found.dimension != dimension:
+        advice = f"Known: {', '.join(units_of((dimension,)))}."
+        raise BadStudy(Fault(f"{shorten(unit)!r} is no unit of {dimension}", "unknown_unit", advice, file))
+    return found.factor
+
+
+def _check_angles(angles: Stream, columns: Sequence[str]) -> None:
+    k = int(np.argmax(np.abs(angles.values).max(axis=0)))
+    most = float(np.abs(angles.values[:, k]).max())
+    if most > MOST_TURN:
+        advice = "If the column is in degrees, say `pose.angle_unit: deg`."
+        detail = f"an angle of {most:.4g} rad is more than a joint turns"
+        raise BadStudy(Fault(detail, "angle_too_large", advice, angles.file, column=columns[k], value=f"{most:.6g}"))
+
+
+def _check_rotation(rotation: Stream, column: str) -> None:
+    R = rotation.values.reshape(-1, 3, 3)
+    off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
+    wrong = (off > ORTHONORMAL) | (np.linalg.det(R) < 0)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        advice = "Name the nine entries row by row: r11, r12, r13, r21, …"
+        detail = "these nine numbers are no rotation (RᵀR = 1, det = 1)"
+        fault = Fault(detail, "not_a_rotation", advice, rotation.file, k + 1, shorten(column), f"{off[k]:.3g}")
+        raise BadStudy(fault)
+
+
+def _from_quaternion(stream: Stream, order: str) -> Stream:
+    from scipy.spatial.transform import Rotation
+
+    size = np.linalg.norm(stream.values, axis=1)
+    if np.abs(size - 1.0).max() > ORTHONORMAL:
+        k = int(np.argmax(np.abs(size - 1.0)))
+        detail, advice = "a quaternion of another length than 1", "Check which four columns it is."
+        raise BadStudy(Fault(detail, "not_a_quaternion", advice, stream.file, k + 1, value=f"{size[k]:.6g}"))
+    R = Rotation.from_quat(stream.values, scalar_first=order == "wxyz").as_matrix()
+    return Stream(stream.time, R.reshape(-1, 9), stream.file)

@@ -1,0 +1,294 @@
+"""results.json of a payload, by its schema, and the same in a terminal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from exogauge import __version__
+from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
+from exogauge.payload.evaluate import Evaluation, Remainder
+from exogauge.robots.parameters import UNITS
+from exogauge.terminal import text_table
+
+Array = NDArray[np.float64]
+
+Z95 = 1.959964
+ZERO_UNITS = ("N",) * 3 + ("N·m",) * 3
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Value(_Part):
+    """std: standard deviation; low, high: 95 % interval. identified: False where a belief decides it."""
+
+    name: str
+    unit: str
+    value: float
+    std: float
+    low: float
+    high: float
+    identified: bool = True
+
+
+class LeftOutErrors(_Part):
+    """Root mean square in a posture that was not fitted."""
+
+    force_n: float
+    moment_nm: float
+
+
+class Further(_Part):
+    """gravity: its direction in the sensor's axes, of the posture that would tell most; std_then: by name."""
+
+    gravity: tuple[float, float, float]
+    std_then: dict[str, float]
+
+
+class StaticResults(_Part):
+    postures: int
+    condition_force: float
+    condition_moment: float
+    inclined: bool
+    left_out_level: LeftOutErrors | None
+    left_out_inclined: LeftOutErrors | None
+    values: list[Value]
+    by_method: dict[str, dict[str, float]]
+    further: Further
+    residual_force_n: float
+    residual_moment_nm: float
+
+
+class DynamicResults(_Part):
+    """mu: residual over what the stated noise explains; None where that is not known. least_squares_would_do: None
+    where only LS was run. possible: values of the likeliest body that can exist, where the estimate is none."""
+
+    method: str
+    mu: float | None
+    mu_std: float | None
+    values: list[Value]
+    by_method: dict[str, dict[str, float]]
+    recursion: dict[str, float]
+    least_squares_would_do: bool | None
+    mass_from_motion_alone: Value
+    possible: dict[str, float] | None
+    cost_of_possible: float
+    residual_rms: list[float]
+    jerk_density: list[float]
+    left_out_s: list[tuple[float, float]]
+
+
+class RemainderResults(_Part):
+    """Force [N], then moment [N·m]: norm at t = 0, its mean and std; per axis rms, largest, and largest after the
+    secondary zero."""
+
+    first: tuple[float, float]
+    mean: tuple[float, float]
+    std: tuple[float, float]
+    rms: list[float]
+    most: list[float]
+    most_after_zero: list[float]
+    zero_helps: float
+
+
+class ContactResults(_Part):
+    """force_n: largest force on the payload, in the sensor's axes."""
+
+    start_s: float
+    end_s: float
+    force_n: tuple[float, float, float]
+
+
+class ImuResults(_Part):
+    rotation_sensor_imu: list[list[float]]
+    angle_deg: float
+    bias: tuple[float, float, float]
+    lag_ms: float
+    lag_std_ms: float
+    rms: float
+
+
+class PayloadResults(_Part):
+    """frame: of every vector. sees: told from the data."""
+
+    version: Literal[1]
+    exogauge: str
+    name: str
+    frame: str
+    sees: Literal["payload_on_sensor", "sensor_on_payload"]
+    static: StaticResults | None
+    dynamic: DynamicResults | None
+    tests: dict[str, dict[str, RemainderResults]]
+    contacts: dict[str, list[ContactResults]]
+    contact_threshold_n: dict[str, float]
+    imu: ImuResults | None
+    mass_error_kg: float | None
+    warnings: list[str]
+
+
+def results(evaluation: Evaluation) -> PayloadResults:
+    """What was found, in the schema's shape."""
+    file = evaluation.payload.file
+    mass = (evaluation.excitation.chosen.value[0] if evaluation.excitation
+            else evaluation.postures.chosen.mass if evaluation.postures else np.nan)  # fmt: skip
+    truth = file.ground_truth.mass_kg
+    return PayloadResults(
+        version=1, exogauge=__version__, name=file.name,
+        frame=f"axes and origin of the sensor{f' ({file.sensor.frame})' if file.sensor.frame else ''}",
+        sees="payload_on_sensor" if evaluation.sign < 0 else "sensor_on_payload",
+        static=_static(evaluation), dynamic=_dynamic(evaluation),
+        tests={log: {way: _remainder(each) for way, each in ways.items()} for log, ways in evaluation.tests.items()},
+        contacts={
+            log: [ContactResults(start_s=t.start, end_s=t.end, force_n=tuple(t.force)) for t in touches]
+            for log, touches in evaluation.touches.items()
+        },
+        contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation),
+        mass_error_kg=None if truth is None else float(mass - truth), warnings=list(evaluation.warnings),
+    )  # fmt: skip
+
+
+def write_results(evaluation: Evaluation, out: Path) -> Path:
+    """results.json and its JSON schema, in `out`."""
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / "results.json"
+    content = results(evaluation).model_dump(mode="json")
+    path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    schema = json.dumps(PayloadResults.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
+    (out / "results.schema.json").write_text(schema, encoding="utf-8")
+    return path
+
+
+def summary(found: PayloadResults) -> str:
+    """Text for a terminal."""
+    parts = [found.name]
+    if found.static:
+        s = found.static
+        level, inclined = (
+            "cannot be told" if each is None else f"{each.force_n:.3g} N"
+            for each in (s.left_out_level, s.left_out_inclined)
+        )
+        parts.append(
+            f"{s.postures} postures, condition {s.condition_force:.1f} (force) and {s.condition_moment:.1f} (moment). "
+            f"Error in a left-out posture: {level} level, {inclined} inclined: "
+            f"inclination {'taken' if s.inclined else 'left out'}."
+        )
+    values = [*(found.dynamic.values if found.dynamic else []), *_of_static(found)]
+    rows = [[v.name, f"{v.value:.6g}", f"{v.std:.2g}", v.unit, "" if v.identified else "not decided"] for v in values]
+    parts.append(text_table(("", "value", "±", "unit", ""), rows))
+    if found.dynamic and found.dynamic.mu is not None:
+        said = "LS would have done." if found.dynamic.least_squares_would_do else "LS differs by more than its scatter."
+        parts.append(f"{found.dynamic.method}: μ = {found.dynamic.mu:.3f} ± {found.dynamic.mu_std:.3f}. {said}")
+    if found.dynamic and found.dynamic.possible:
+        cost = found.dynamic.cost_of_possible
+        parts.append(f"No body has all of these; the likeliest one that can exist costs χ² = {cost:.3g}: `possible`.")
+    if found.imu:
+        parts.append(f"IMU: {found.imu.angle_deg:.1f}° off the sensor's axes, {found.imu.lag_ms:.1f} ms late.")
+    for log, ways in found.tests.items():
+        lines = [[way, *(f"{x:.3g}" for pair in zip(r.first, r.mean, r.std, strict=True) for x in pair)]
+                 for way, r in ways.items()]  # fmt: skip
+        parts.append(f"{log}: what is left")
+        parts.append(text_table(("", "|f| t=0", "|f| mean", "|f| std", "|τ| t=0", "|τ| mean", "|τ| std"),
+                                [[way, *cells] for way, *cells in lines]))  # fmt: skip
+    for log, touches in found.contacts.items():
+        parts.append(f"{log}: contact from {found.contact_threshold_n[log]:.3g} N on")
+        parts += [f"  {t.start_s:.2f} to {t.end_s:.2f} s, up to {np.linalg.norm(t.force_n):.3g} N" for t in touches]
+    if found.mass_error_kg is not None:
+        parts.append(f"mass against the weighed one: {1e3 * found.mass_error_kg:+.1f} g")
+    return "\n".join([*parts, *(f"warning: {each}" for each in found.warnings)])
+
+
+def _of_static(found: PayloadResults) -> list[Value]:
+    if found.static is None:
+        return []
+    shown = ("U", "V") if found.dynamic else tuple(v.name for v in found.static.values)
+    return [v for v in found.static.values if v.name in shown]
+
+
+def _value(name: str, unit: str, value: float, std: float, identified: bool = True) -> Value:
+    low, high = float(value - Z95 * std), float(value + Z95 * std)
+    return Value(
+        name=name, unit=unit, value=float(value), std=float(std), low=low, high=high, identified=identified
+    )  # fmt: skip
+
+
+def _static(evaluation: Evaluation) -> StaticResults | None:
+    if evaluation.postures is None:
+        return None
+    postures, found = evaluation.postures, evaluation.postures.chosen
+    names = ("m", "cx", "cy", "cz", *ZERO_NAMES, "U", "V")
+    units = ("kg", *("m",) * 3, *ZERO_UNITS, "°", "°")
+    scale = np.array([1.0] * 10 + [np.degrees(1.0)] * 2)
+
+    def stacked(each: Any) -> Array:
+        return np.asarray(scale * np.concatenate([[each.mass], each.centre, each.zero, each.tilt]))
+
+    values = [
+        _value(name, unit, x, s, found.inclined or name not in "UV")
+        for name, unit, x, s in zip(names, units, stacked(found), scale * found.std, strict=True)
+    ]
+    direction, then = postures.further
+
+    def errors(each: Any) -> LeftOutErrors | None:
+        return None if each is None else LeftOutErrors(force_n=each.force, moment_nm=each.moment)
+
+    return StaticResults(
+        postures=len(postures.holds), condition_force=found.condition[0], condition_moment=found.condition[1],
+        inclined=found.inclined, left_out_level=errors(postures.level), left_out_inclined=errors(postures.inclined),
+        values=values,
+        by_method={m: dict(zip(names, map(float, stacked(s)), strict=True)) for m, s in postures.by_method.items()},
+        further=Further(gravity=tuple(direction), std_then=dict(zip(names, map(float, scale * then), strict=True))),
+        residual_force_n=float(np.sqrt(np.mean(found.residual[:, :3] ** 2))),
+        residual_moment_nm=float(np.sqrt(np.mean(found.residual[:, 3:] ** 2))),
+    )  # fmt: skip
+
+
+def _dynamic(evaluation: Evaluation) -> DynamicResults | None:
+    if evaluation.excitation is None:
+        return None
+    excitation, found = evaluation.excitation, evaluation.excitation.chosen
+    names = (*NAMES, *ZERO_NAMES)
+    units = (*UNITS, *ZERO_UNITS)
+    surer = found.decided.copy()
+    if evaluation.postures is not None:  # postures decided these before
+        surer[[0, 1, 2, 3, *range(10, 16)]] |= found.prior_std[[0, 1, 2, 3, *range(10, 16)]] < 1.0
+
+    def named(x: Array) -> dict[str, float]:
+        return dict(zip(names, map(float, x), strict=True))
+
+    known = excitation.noise_known
+    methods = excitation.by_method
+    return DynamicResults(
+        method=found.method, mu=found.mu if known else None, mu_std=found.mu_std if known else None,
+        values=[_value(*each) for each in zip(names, units, found.value, found.std, map(bool, surer), strict=True)],
+        by_method={m: named(s.value) for m, s in methods.items()}, recursion=named(excitation.recursion),
+        least_squares_would_do=enough(methods["ls"], methods["gtls"]) if known else None,
+        mass_from_motion_alone=_value("m", "kg", *excitation.mass_alone),
+        possible=named(found.physical) if found.cost > 0 else None, cost_of_possible=found.cost,
+        residual_rms=list(map(float, np.sqrt(np.mean(found.residual**2, axis=0)))),
+        jerk_density=list(map(float, excitation.density)), left_out_s=list(excitation.left_out),
+    )  # fmt: skip
+
+
+def _remainder(each: Remainder) -> RemainderResults:
+    return RemainderResults(
+        first=each.first, mean=each.mean, std=each.std, rms=list(map(float, each.rms)),
+        most=list(map(float, each.most)), most_after_zero=list(map(float, each.most_after_zero)),
+        zero_helps=each.zero_helps,
+    )  # fmt: skip
+
+
+def _imu(evaluation: Evaluation) -> ImuResults | None:
+    imu = evaluation.imu
+    if imu is None:
+        return None
+    return ImuResults(
+        rotation_sensor_imu=imu.rotation.tolist(), angle_deg=float(np.degrees(imu.angle)), bias=tuple(imu.bias),
+        lag_ms=1e3 * imu.lag_s, lag_std_ms=1e3 * imu.lag_std_s, rms=imu.rms,
+    )  # fmt: skip

@@ -1,0 +1,283 @@
+"""From payload.yaml to results.json, and what is refused on the way."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from numpy.typing import NDArray
+from tests.payload.conftest import GRAVITY, generator
+
+from exogauge.cli import main
+from exogauge.errors import ExogaugeError
+from exogauge.payload.contact import Compensation, second_zero
+from exogauge.payload.evaluate import evaluate
+from exogauge.payload.intake import open_payload
+from exogauge.payload.results import PayloadResults, results
+from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.statics import gravity_of
+from exogauge.synthetic.payload import write_payload
+
+Array = NDArray[np.float64]
+Change = Callable[[dict[str, Any], Path], None]
+SHARED = Path(__file__).resolve().parents[3] / "shared/data"
+KUKA = """
+version: 1
+name: KUKA run 1
+gravity: [0, 0, -9.82085]
+sensor: {wrench: [fx, fy, fz, tx, ty, tz], noise: {force_n: 0.03, moment_nm: 0.001}}
+pose: {rotation: [r11, r12, r13, r21, r22, r23, r31, r32, r33], noise_rad: 1.0e-5}
+time: {column: t, unit: us}
+imu: {acceleration: [ax, ay, az], unit: g}
+logs:
+  - {file: 0-calibration_fts-accel.csv, role: postures, each_row: true}
+  - {file: [1-baseline_wrench.csv, 1-baseline_accel.csv, 1-baseline_orientations.csv], role: excitation, span: [0, 3.4]}
+  - {file: [1-baseline_wrench.csv, 1-baseline_accel.csv, 1-baseline_orientations.csv], role: test, span: [2.9, 7]}
+settings: {cutoff_hz: 8, zero: drifted, moments: from_motion}
+"""
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("payload") / "sample"
+    write_payload(out, 3)
+    return out
+
+
+@pytest.fixture(scope="module")
+def found(sample: Path) -> PayloadResults:
+    return results(evaluate(open_payload(sample)))
+
+
+def test_the_command_writes_results_that_keep_their_schema(
+    sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["payload", "run", str(sample), "--out", str(tmp_path)]) == 0
+    written = PayloadResults.model_validate_json((tmp_path / "results.json").read_text())
+    assert written.sees == "payload_on_sensor"
+    schema = json.loads((tmp_path / "results.schema.json").read_text())
+    assert set(schema["required"]) <= set(json.loads((tmp_path / "results.json").read_text()))
+    told = capsys.readouterr().out
+    assert "SYNTHETIC" in told
+    assert "inclination taken" in told
+
+
+def test_what_is_identified_is_the_truth_within_its_interval(sample: Path, found: PayloadResults) -> None:
+    truth = json.loads((sample / "truth.json").read_text())
+    assert found.dynamic is not None
+    assert found.static is not None
+    inertia = np.array(truth["inertia_about_sensor"])
+    i = [inertia[0, 0], inertia[0, 1], inertia[1, 1], inertia[0, 2], inertia[1, 2], inertia[2, 2]]
+    expected = [truth["mass"], *truth["first_moment"], *i, *truth["zero"]]
+    error = np.array([v.value for v in found.dynamic.values]) - expected
+    std = np.array([v.std for v in found.dynamic.values])
+    assert np.all(np.abs(error) < 4.0 * std)
+    tilt = {v.name: v for v in found.static.values}
+    assert [tilt["U"].value, tilt["V"].value] == pytest.approx(truth["tilt_deg"], abs=0.006)
+    assert found.mass_error_kg == pytest.approx(error[0])
+    assert list(found.dynamic.recursion.values()) == pytest.approx([v.value for v in found.dynamic.values], abs=1e-5)
+    assert found.static.left_out_level is not None
+    assert found.static.left_out_inclined is not None
+    assert found.static.left_out_level.force_n > 50 * found.static.left_out_inclined.force_n
+
+
+def test_inclination_ignored_leaves_what_the_paper_found_and_all_of_it_leaves_the_noise(found: PayloadResults) -> None:
+    tilt = np.arccos(-gravity_of(*np.radians(generator.TILT_DEG))[2])
+    ignored = 2 * generator.MASS * 9.81 * np.sin(tilt / 2)  # 20.3 N; its constant part goes into the zero
+    noise = generator.FORCE_NOISE * 1.596  # mean norm of three unit deviates
+    assert set(found.tests) == {"fast", "slow"}
+    for ways in found.tests.values():
+        assert ways["all"].mean[0] < noise + 0.1
+        assert 2.0 < ways["level"].mean[0] < 1.2 * ignored
+    assert found.tests["fast"]["static"].most[3:] > found.tests["fast"]["all"].most[3:]
+    assert found.tests["fast"]["static"].mean[1] > 10 * found.tests["fast"]["all"].mean[1]
+
+
+def test_pushes_are_found_when_and_as_strong_as_they_were(sample: Path, found: PayloadResults) -> None:
+    pushes = json.loads((sample / "truth.json").read_text())["pushes"]
+    touches = found.contacts["contact"]
+    assert len(touches) == len(pushes)
+    for touch, push in zip(touches, pushes, strict=True):
+        assert touch.start_s == pytest.approx(push["start"], abs=0.05)
+        assert touch.end_s == pytest.approx(push["start"] + push["length"], abs=0.05)
+        assert touch.force_n == pytest.approx(push["force"], abs=2.0)
+
+
+def test_the_alarm_is_false_as_often_as_it_is_said(sample: Path) -> None:
+    """At one in twenty samples, so that it can be counted."""
+    payload = open_payload(sample)
+    evaluation = evaluate(payload)
+    from exogauge.payload.evaluate import moving, std_of
+
+    assert evaluation.excitation is not None
+    assert evaluation.postures is not None
+    chosen, gravity = evaluation.excitation.chosen, evaluation.postures.chosen.gravity
+    compensation = Compensation(chosen.value, chosen.covariance, gravity, evaluation.sign, std_of(payload))
+    moved = moving(payload, payload.of("test")[1], gravity, None)
+    _, limit = compensation.force_threshold(moved.motion, 0.05)
+    f = compensation.external(moved.motion, moved.wrench)[:, :3]
+    C = compensation.spread(moved.motion)[:, :3, :3]
+    share = np.mean(np.einsum("ti,ti->t", f, np.linalg.solve(C, f[:, :, None])[:, :, 0]) > limit)
+    assert share == pytest.approx(0.05, abs=0.02)
+
+
+def test_44_takes_a_mass_error_off_up_to_sixty_degrees_and_makes_it_worse_beyond() -> None:
+    angle = np.linspace(0.0, np.pi / 2, 900)
+    R = np.zeros((900, 3, 3))
+    R[:, 0, 0] = 1.0
+    R[:, 1, 1] = R[:, 2, 2] = np.cos(angle)
+    R[:, 2, 1], R[:, 1, 2] = np.sin(angle), -np.sin(angle)
+    none = np.zeros((900, 3))
+    time = np.concatenate([[0.0], np.linspace(1.0, 2.0, 899)])
+    motion = SensorMotion(time, R, none, none, none, np.zeros((900, 9, 1)))
+    left = np.zeros((900, 6))
+    left[:, :3] = 0.1 * np.einsum("tji,j->ti", R, GRAVITY)  # 100 g too much
+    zeroed, helps = second_zero(motion, left, GRAVITY)
+    size = np.linalg.norm(zeroed[:, :3], axis=1)
+    assert size == pytest.approx(0.1 * 9.81 * 2 * np.sin(angle / 2), abs=1e-12)
+    assert np.array_equal(helps, angle <= np.pi / 3 + 1e-9)
+    assert np.array_equal(size <= 0.1 * 9.81 + 1e-9, helps)
+
+
+@pytest.mark.skipif(not (SHARED / "kuka_ft_payload").is_dir(), reason="no recordings beside the repository")
+def test_a_real_run_with_three_clocks_and_an_imu_of_unknown_axes(tmp_path: Path) -> None:
+    for path in (SHARED / "kuka_ft_payload").glob("*.csv"):
+        (tmp_path / path.name).symlink_to(path)
+    (tmp_path / "payload.yaml").write_text(KUKA)
+    found = results(evaluate(open_payload(tmp_path)))
+    assert found.imu is not None
+    assert found.dynamic is not None
+    assert found.imu.angle_deg > 60.0
+    assert abs(found.imu.lag_ms - 8.4) <= 3.0
+    rms = np.array(found.tests["1-baseline_wrench"]["all"].rms[:3])
+    assert np.all(rms <= [0.18, 0.09, 0.13])
+    still = np.array(found.tests["1-baseline_wrench"]["static"].rms[:3])
+    assert np.linalg.norm(rms) < 0.5 * np.linalg.norm(still)
+    assert found.dynamic.mass_from_motion_alone.value == pytest.approx(0.932, rel=0.04)
+    undecided = {v.name for v in found.dynamic.values if not v.identified}
+    assert {"Ixx", "Izz"} <= undecided
+    assert found.dynamic.mu is None
+
+
+def rewritten(path: Path, change: Callable[[dict[str, Array]], None]) -> None:
+    """One log with other columns."""
+    table = pq.read_table(path)
+    columns = {name: table[name].to_numpy().copy() for name in table.column_names}
+    change(columns)
+    pq.write_table(pa.table(columns), path)
+
+
+def scale(names: str, factor: float) -> Change:
+    def change(content: dict[str, Any], folder: Path) -> None:
+        for log in folder.glob("logs/*.parquet"):
+            rewritten(log, lambda c: c.update({k: v * factor for k, v in c.items() if k.startswith(names)}))
+
+    return change
+
+
+def key(*path: str, value: Any) -> Change:
+    def change(content: dict[str, Any], folder: Path) -> None:
+        place = content
+        for part in path[:-1]:
+            place = place[part]
+        place[path[-1]] = value
+
+    return change
+
+
+def broken(log: str, change: Callable[[dict[str, Array]], None]) -> Change:
+    return lambda content, folder: rewritten(folder / "logs" / f"{log}.parquet", change)
+
+
+def put(name: str, row: int, value: float) -> Callable[[dict[str, Array]], None]:
+    def change(columns: dict[str, Array]) -> None:
+        columns[name][row] = value
+
+    return change
+
+
+BAD: dict[str, tuple[Change, str]] = {
+    "sign": (key("sensor", "sees", value="sensor_on_payload"), "payload_on_sensor"),
+    "gravity upwards": (key("gravity", value=[0, 0, 9.81]), "sees"),
+    "gravity in g": (key("gravity", value=[0, 0, -1.0]), "gravity"),
+    "wrench in other axes": (key("sensor", "axes", value="base"), "axes: sensor"),
+    "degrees": (scale("q.", 180 / np.pi), "angle_unit: deg"),
+    "unknown joint": (key("pose", "joints", value={"a9": "q.a1"}), "joint"),
+    "unknown frame": (key("sensor", "frame", value="wrist"), "frame"),
+    "unknown column": (key("sensor", "wrench", value=["Fx", "fy", "fz", "mx", "my", "mz"]), "column"),
+    "unknown key": (key("sensor", "nois", value=3), "nois"),
+    "unit": (key("sensor", "force_unit", value="lbf"), "kgf"),
+    "missing value": (broken("postures", put("fz", 40, np.nan)), "row 41"),
+    "infinite": (broken("excitation", put("q.a4", 7, np.inf)), "row 8"),
+    "time twice": (broken("excitation", put("t", 100, 99 / 250)), "row 101"),
+    "nothing stood still": (key("logs", value=[{"file": "logs/fast.parquet", "role": "postures"}]), "postures"),
+    "nothing moved": (
+        key(
+            "logs",
+            value=[
+                {"file": "logs/postures.parquet", "role": "postures"},
+                {"file": "logs/postures.parquet", "role": "excitation", "span": [0.0, 1.0]},
+            ],
+        ),
+        "excitation",
+    ),
+    "no file": (key("logs", value=[{"file": "logs/none.parquet", "role": "postures"}]), "logs/none.parquet"),
+    "a span outside": (
+        key("logs", value=[{"file": "logs/postures.parquet", "role": "postures", "span": [500.0, 600.0]}]),
+        "overlap",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_input_is_refused_with_advice(
+    what: str, sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change, said = BAD[what]
+    folder = tmp_path / "bad"
+    shutil.copytree(sample, folder)
+    content = yaml.safe_load((folder / "payload.yaml").read_text())
+    change(content, folder)
+    (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+    assert main(["payload", "run", str(folder), "--out", str(tmp_path / "out")]) == 2
+    import re
+
+    told = capsys.readouterr().err
+    assert re.search(said, told), told
+    assert "Traceback" not in told
+
+
+def test_moments_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "bad"
+    shutil.copytree(sample, folder)
+    scale("m", 1000.0)({}, folder)
+    try:
+        warnings = evaluate(open_payload(folder)).warnings
+    except ExogaugeError as error:
+        warnings = (str(error),)
+    assert any("moment_unit" in each for each in warnings)
+
+
+def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "pushed"
+    shutil.copytree(sample, folder)
+
+    def push(columns: dict[str, Array]) -> None:
+        columns["fx"][1000:1100] += 30.0
+
+    rewritten(folder / "logs/excitation.parquet", push)
+    evaluation = evaluate(open_payload(folder))
+    assert any("touched" in each and "4.0" in each for each in evaluation.warnings) or any(
+        "touched" in each and "3.8" in each for each in evaluation.warnings
+    )
+    assert evaluation.excitation is not None
+    truth = json.loads((sample / "truth.json").read_text())
+    assert evaluation.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
