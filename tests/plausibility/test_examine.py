@@ -110,6 +110,14 @@ def test_joints_at_rest_say_nothing_of_their_signs(robot: Robot, logs: list[dict
     assert said(robot, [each | {"i.j2": -each["i.j2"]} for each in still]) == set()
 
 
+def test_logs_of_which_none_can_be_looked_at_say_nothing(robot: Robot, logs: list[dict[str, np.ndarray]]) -> None:
+    for count in (1, 5, 500):
+        short = [
+            {name: np.full(count, v[0]) if name != "t" else v[:count] for name, v in each.items()} for each in logs
+        ]
+        assert said(robot, short) == set()
+
+
 def test_the_doctor_says_first_what_the_robot_contradicts(
     floating: bool, logs: list[dict[str, np.ndarray]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -47,7 +47,7 @@ def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[s
     chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, MOST_LOGS).astype(int))] if logs else []
     seen = [each for each in (take(robot, log) for log in chosen) if each is not None]
     turned = imu_findings(robot, seen)
-    for name in [log.name for log in logs] if len(turned) == len(seen) else turned:
+    for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))
     seen = [each for each in seen if each.log not in turned]  # loads are compared where the base is known
     if not any(joint.actuation != "none" for joint in robot.joints):
