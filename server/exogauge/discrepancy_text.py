@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from exogauge.studies.words.discrepancy_sentences import (
-    at,
-    chain_unit,
-    chain_words,
-    channel,
-    counted,
-    figure,
-    left_sentence,
-    looked_at,
-    moves,
-    verdict_sentence,
-)
-from exogauge.studies.words.effect_words import capital, listed
-from exogauge.studies.words.rounding import with_std
+from exogauge.studies.words.discrepancy_sentences import chain_unit, chain_words, looked_at, moves
+from exogauge.studies.words.names import capital, counted, listed
+from exogauge.studies.words.rounding import significant, with_std
 from exogauge.terminal import text_table
 
 WIDTH = 100
@@ -30,7 +20,7 @@ SHOWN = 3  # alternatives, and channels that stay unexplained
 def lead_text(result: Mapping[str, Any]) -> str:
     """The first sentence: which effect the model lacks. Empty where nothing was named or looked for."""
     entry = result.get("discrepancy")
-    return filled(verdict_sentence(entry)) if entry and entry["verdict"] != "none" else ""
+    return filled(entry["sentence"]) if entry and entry["verdict"] != "none" else ""
 
 
 def discrepancy_text(result: Mapping[str, Any]) -> str:
@@ -38,7 +28,7 @@ def discrepancy_text(result: Mapping[str, Any]) -> str:
     entry = result.get("discrepancy")
     if not entry:
         return ""
-    said = " ".join(part for part in (verdict_sentence(entry), left_sentence(entry)) if part)
+    said = " ".join(part for part in (entry["sentence"], entry["left_sentence"]) if part)
     parts = [f"DISAGREEMENT between model and measurement\n\n{filled(said)}\n{filled(looked_at(result))}"]
     if entry["chain"]:
         parts.append(chain(entry["chain"]))
@@ -65,21 +55,20 @@ def furthest(link: Mapping[str, Any]) -> list[str]:
     rmse, floor = link["worst_rmse"], link["worst_floor"]
     if rmse is None or floor is None or rmse <= floor:
         return ["none", "", ""]
-    return [channel(link["worst"]), figure(rmse), figure(floor)]
+    return [link["worst_words"], figure(rmse), figure(floor)]
 
 
 def finding(found: Mapping[str, Any]) -> Iterator[str]:
-    yield filled(f"{found['rank']}. {capital(at(found))}", "", "   ")
+    yield filled(f"{found['rank']}. {capital(found['title'])}", "", "   ")
     yield filled(found["evidence"], "   ", "   ")
     values = (f"{name} {quantity(value)}" for name, value in found["parameters"].items())
     yield filled(", ".join(values), "   ", "   ")
     yield filled(f"Explains{percent(found['score']) or ' part'} of the excess. {next_best(found)}", "   ", "   ")
     if found["also_possible"]:
-        named = listed([at(each) for each in found["also_possible"]])
+        named = listed([each["title"] for each in found["also_possible"]])
         yield filled(f"These data cannot tell it from {named}.", "   ", "   ")
     if found["motion"]:
-        told = "The motion that would tell" if found["also_possible"] else "To be surer"
-        yield filled(f"{told}: {found['motion']}", "   ", "   ")
+        yield filled(f"The motion that would tell: {found['motion']}", "   ", "   ")
     if found.get("planned"):
         files = listed([each["file"] for each in found["planned"]])
         yield filled(f"Every joint's position over it: {files}.", "   ", "   ")
@@ -90,7 +79,7 @@ def next_best(found: Mapping[str, Any]) -> str:
     ordered = sorted(some, key=lambda each: -each["score"])[:SHOWN]
     if not ordered:
         return "Nothing else that was judged explains any."
-    named = ", ".join(at(each) + percent(each["score"]) for each in ordered)
+    named = ", ".join(each["title"] + percent(each["score"]) for each in ordered)
     return f"Next best: {named}."
 
 
@@ -110,7 +99,7 @@ def percent(score: float | None) -> str:
 def unexplained(found: Sequence[Mapping[str, Any]]) -> str:
     ordered = sorted(found, key=lambda each: -(each["z"] or 0.0))
     rows = [
-        [channel(each["channel"]), figure(each["rmse"]), figure(each["noise_floor"]), each["unit"], each["where"]]
+        [each["channel_words"], figure(each["rmse"]), figure(each["noise_floor"]), each["unit"], each["where"]]
         for each in ordered[:SHOWN]
     ]
     more = f"\n… and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
@@ -127,6 +116,10 @@ def changes(found: Mapping[str, Mapping[str, Any]]) -> str:
         return f"{counted(others, 'number')} on the device, none of which it changes."
     more = f"\n… and {others} that hardly change" if others else ""
     return text_table(("with the device", "without the effect", "with it"), rows, widest=60) + more
+
+
+def figure(value: float | None) -> str:
+    return significant(math.nan if value is None else value)
 
 
 def filled(text: str, first: str = "", other: str | None = None) -> str:

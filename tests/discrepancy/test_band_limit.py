@@ -18,6 +18,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
 from exogauge.logs.stored_band import stored_edge, stored_edges
+from exogauge.studies.words.finding_sentences import finding_sentence
 from exogauge.support.settings import WornLog
 
 pytestmark = pytest.mark.slow
@@ -87,7 +88,7 @@ def test_whether_a_filter_made_the_signals_late_and_how_steep_it_was_is_found(ro
     assert found is not None
     assert found.band.stored.late is late
     assert abs(found.band.stored.order - order) < 2
-    assert ("ms late" in found.finding.sentence) is late
+    assert ("ms late" in finding_sentence(found.finding)) is late
     assert found.finding.held_out.rmse_after < 0.5 * found.finding.held_out.rmse_before
 
 
@@ -131,7 +132,7 @@ def test_a_single_low_passed_log_is_named_for_itself(robot, study, one):
     assert found.band.logs == (recordings[one].log.name,)
     assert found.finding.held_out.log == recordings[one].log.name
     assert abs(found.band.cutoff.value - 3.0) < 3.0 * found.band.cutoff.std
-    assert f"in {recordings[one].log.name}, turns included" in found.finding.sentence
+    assert f"in {recordings[one].log.name}, turns included" in finding_sentence(found.finding)
 
 
 def test_a_log_that_ends_less_clearly_counts_where_its_fellows_end():
@@ -256,7 +257,7 @@ def test_what_the_noise_floor_stands_for_is_said(robot, study, noise, limited, s
     recordings[limited] = changed(recordings[limited], stored_through(butter(4, 3.0, fs=RATE, output="sos")))
     found = limits(replace(robot, noise=noise), recordings)
     assert found is not None
-    assert said in found.finding.sentence
+    assert said in finding_sentence(found.finding)
 
 
 @pytest.mark.parametrize(("order", "late"), [(2, True), (3, False)])

@@ -16,6 +16,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.robots.kinematics import forward
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import contact_effect
+from exogauge.studies.words.finding_sentences import finding_sentence, motion_words
 
 pytestmark = pytest.mark.slow
 
@@ -104,7 +105,7 @@ def test_log_time_link_and_size_of_a_push_come_out(touched, pushed, look, link, 
     assert abs(size.value - np.linalg.norm(force)) < 3.0 * size.std
     assert start.value == pytest.approx(begin, abs=0.05)
     assert lasts.value == pytest.approx(length, abs=0.1)
-    assert f"log{where} from {start.value:.2f} s" in finding.sentence
+    assert f"log{where} from {start.value:.2f}\u00a0s" in finding_sentence(finding)
     assert np.abs(finding.evidence.before).max() > 5.0 * np.abs(finding.evidence.after).max()
 
 
@@ -114,7 +115,7 @@ def test_a_push_that_the_last_joint_feels_is_at_the_last_link(touched, pushed, l
     (finding,) = found.findings
     assert finding.place.name == "lj3"
     assert finding.also_possible == ()
-    assert finding.motion == ""
+    assert motion_words(finding) == ""
 
 
 def test_links_that_a_resting_joint_cannot_tell_apart_are_said(touched, pushed, look):
@@ -124,7 +125,7 @@ def test_links_that_a_resting_joint_cannot_tell_apart_are_said(touched, pushed, 
     (finding,) = found.findings
     assert "lj3" in [finding.place.name, *(each.place.name for each in finding.also_possible)]
     assert finding.also_possible
-    assert "once more" in finding.motion
+    assert "once more" in motion_words(finding)
 
 
 @pytest.mark.slow

@@ -1,10 +1,11 @@
 """Where held-out logs go beyond what was fitted, a formula is only continued, and the finding says so."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+
+from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow
 
@@ -23,11 +24,12 @@ def test_a_log_that_is_warmer_than_all_that_were_fitted_is_told(study, search, b
     found = search([warmed(each, begin) for each, begin in zip(study(noise=0.02), begins, strict=True)])
     (finding,) = found.discrepancy.findings
     assert (finding.effect, finding.place.name) == ("thermal_viscous", "j1")
-    assert ("only continued" in finding.sentence) is beyond
-    told = re.search(r"reach a temperature of ([\d.]+) °C, what was fitted ends at ([\d.]+) °C", finding.sentence)
+    assert ("only continued" in finding_sentence(finding)) is beyond
+    told = finding.basis.continued
     assert bool(told) is beyond
     if told:  # most of 50 to 56 °C, and of 37 to 43 °C
-        assert [float(each) for each in told.groups()] == pytest.approx([56.0, 43.0], abs=0.3)
+        assert (told.coordinate, told.unit) == ("temperature", "°C")
+        assert [told.reached, told.fitted] == pytest.approx([56.0, 43.0], abs=0.3)
 
 
 def test_friction_that_warms_up_is_drawn_over_time_where_no_thermometer_is_logged(study, search):
@@ -35,7 +37,7 @@ def test_friction_that_warms_up_is_drawn_over_time_where_no_thermometer_is_logge
     (finding,) = found.discrepancy.findings
     assert (finding.effect, finding.place.name) == ("thermal_viscous", "j1")
     assert (finding.evidence.coordinate, finding.evidence.unit) == ("time", "s")
-    assert "°C" not in finding.sentence
+    assert "°C" not in finding_sentence(finding)
     assert finding.evidence.at.max() <= 60.0
 
 

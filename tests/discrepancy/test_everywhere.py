@@ -2,14 +2,17 @@
 
 import numpy as np
 
+from exogauge.effects.ft_drift import EFFECT
+from exogauge.findings.basis import OfRobot
 from exogauge.findings.common_cause import merged
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
+from exogauge.studies.words.finding_sentences import finding_sentence
 
 NOTHING = Evidence("", "", *([np.zeros(0)] * 5))
 
 
 def finding(rank, effect, place):
-    return Finding(rank, effect, place, {}, HeldOut("", "N", 2.0, 1.0, 1.0), 0.5, "why", (), (), "", NOTHING)
+    return Finding(rank, effect, place, {}, HeldOut("", "N", 2.0, 1.0, 1.0), 0.5, OfRobot(EFFECT), (), (), NOTHING)
 
 
 def test_a_zero_that_moves_on_most_axes_of_one_sensor_is_one_finding():
@@ -18,7 +21,8 @@ def test_a_zero_that_moves_on_most_axes_of_one_sensor_is_one_finding():
     other = [finding(5, "ft_drift", Place("sensor", "foot", "fx")), finding(6, "stribeck", Place("joint", "j1"))]
     first, second, third = merged([*found, *other], 6)
     assert (first.place, first.rank) == (Place("sensor", "wrist", "all"), 1)
-    assert all(axis in first.sentence for axis in axes)
+    assert [each.part for each in first.alike] == list(axes)
+    assert finding_sentence(first).startswith("All axes alike (fx, fy, mx, mz): wrist.fx: ")
     assert [second.place.name, third.effect, third.rank] == ["foot", "stribeck", 3]
 
 
@@ -33,4 +37,6 @@ def test_a_delay_of_half_of_the_joints_is_one_of_all():
     found = [finding(k, "torque_delay", Place("joint", f"j{k}")) for k in (1, 2, 3)]
     (told,) = merged(found, 6)
     assert told.place == Place("joint", "all")
+    assert [each.name for each in told.alike] == ["j1", "j2", "j3"]
+    assert finding_sentence(told).startswith("All joints alike (j1, j2, j3): j1: ")
     assert len(merged(found[:2], 6)) == 2

@@ -3,6 +3,7 @@
 import numpy as np
 
 from exogauge.devices.result import Estimate
+from exogauge.findings.basis import BesideStated
 from exogauge.findings.importance import by_importance
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 
@@ -12,7 +13,7 @@ NOTHING = Evidence("", "", *([np.zeros(0)] * 5))
 def finding(rank, effect, before, after, **parameters):
     known = {name: Estimate(value, 0.0, "1") for name, value in parameters.items()}
     held_out = HeldOut("tau.j1", "N·m", before, after, 0.1)
-    return Finding(rank, effect, Place("joint", "j1"), known, held_out, 0.5, "", (), (), "", NOTHING)
+    return Finding(rank, effect, Place("joint", "j1"), known, held_out, 0.5, BesideStated(0.1), (), (), NOTHING)
 
 
 def test_effects_stand_by_the_gap_they_close_behind_what_was_done_about_the_logs():

@@ -11,17 +11,21 @@ import pytest
 from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.basis import OfRobot
+from exogauge.findings.objection import Why
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
 from exogauge.search.may_be_named import refused, told
+from exogauge.studies.words.finding_sentences import objection_words
 
 
 def finding(effect: str, before: float, after: float, **parameters: tuple[float, float]) -> Finding:
     return Finding(
         1, effect, Place("joint", "j1"), {name: Estimate(*pair, "") for name, pair in parameters.items()},
-        HeldOut("tau.j1", "N·m", before, after, 0.1), 0.5, "…", (), (), "", Evidence("", "", *([np.zeros(0)] * 5)),
+        HeldOut("tau.j1", "N·m", before, after, 0.1), 0.5, OfRobot(shaped_effects()["stribeck"]), (), (),
+        Evidence("", "", *([np.zeros(0)] * 5)),
     )  # fmt: skip
 
 
@@ -30,32 +34,36 @@ def test_nothing_is_named_whose_held_out_error_does_not_fall(before: float, afte
     named, others = told([finding("kt_gain", before, after, gain=(2.0, 0.01), ratio=(1.2, 0.01))])
     assert named == ()
     (other,) = others
-    assert "does not fall" in other.reason
-    assert f"{before:.3g}" in other.reason
+    assert other.objection.why is Why.NOT_FALLING
+    assert (other.objection.value, other.objection.beside) == pytest.approx((before, after), nan_ok=True)
 
 
 def test_a_load_that_may_as_well_weigh_nothing_is_not_named() -> None:
-    assert "0 ± 0.3" in refused(finding("payload", 2.0, 1.0, mass=(0.0, 0.3), x=(0.1, 0.01)))
-    assert refused(finding("payload", 2.0, 1.0, mass=(0.7, 0.3), x=(0.0, 0.01))) == ""
+    light = refused(finding("payload", 2.0, 1.0, mass=(0.0, 0.3), x=(0.1, 0.01)))
+    assert light is not None
+    assert light.sizes == {"mass": Estimate(0.0, 0.3, "")}
+    assert refused(finding("payload", 2.0, 1.0, mass=(0.7, 0.3), x=(0.0, 0.01))) is None
 
 
 def test_a_gain_is_news_by_its_distance_from_what_is_stated() -> None:
     assert refused(finding("kt_gain", 2.0, 1.0, gain=(5.0, 0.1), stated=(4.9, 0.1), ratio=(1.02, 0.02)))
-    assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02))) == ""
+    assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02))) is None
 
 
 def test_one_part_of_a_wave_may_be_zero_and_not_both() -> None:
-    assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1))) == ""
-    assert "d_a 0.01 ± 0.1" in refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)))
+    assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1))) is None
+    nothing = refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)))
+    assert nothing is not None
+    assert objection_words(nothing) == "its size may as well be none (d_a 0.01 ±\u00a00.1)"
 
 
 def test_a_curve_whose_size_and_shape_trade_against_each_other_is_told_as_drawn() -> None:
     """Its error falls, so it is there; 7.5 ± 6.2 N·m is no number."""
     open_shape = finding("stribeck", 2.0, 1.0, tau_b=(7.5, 6.2), v_s=(0.004, 0.006))
-    assert refused(open_shape) == ""
+    assert refused(open_shape) is None
     told_so = as_drawn(open_shape, shaped_effects()["stribeck"])
     assert not told_so.parameters
-    assert "as drawn" in told_so.sentence
+    assert told_so.as_drawn == ("tau_b", "v_s")
     known = finding("stribeck", 2.0, 1.0, tau_b=(1.5, 0.1), v_s=(0.04, 0.001))
     assert as_drawn(known, shaped_effects()["stribeck"]) is known
 

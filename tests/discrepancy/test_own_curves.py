@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from exogauge.studies.words.finding_sentences import finding_sentence
+
 pytestmark = pytest.mark.slow
 
 MU, MORE = 0.10, 0.012  # of the load, and of its square [1/(N·m)]
@@ -41,7 +43,8 @@ def test_the_effect_keeps_its_name_and_the_error_falls_to_what_it_is_with_the_fo
 
 def test_the_bend_is_told_and_stands_in_the_chain_and_the_lineage(bent):
     (finding,) = bent.discrepancy.findings
-    assert "Its curve is not quite that of the formula" in finding.sentence
+    assert [each.what for each in finding.refined] == ["own_curve"]
+    assert "Its curve is not quite that of the formula" in finding_sentence(finding)
     assert [each.step.identifier for each in bent.discrepancy.chain][1:] == [
         "load_coulomb@j2", "own curve of load_coulomb@j2",
     ]  # fmt: skip
@@ -65,4 +68,4 @@ def test_the_curve_that_is_handed_on_is_the_true_one(bent):
 
 def test_what_follows_the_formula_is_not_bent(straight):
     assert len(straight.discrepancy.chain) == 2
-    assert "Its curve" not in straight.discrepancy.findings[0].sentence
+    assert straight.discrepancy.findings[0].refined == ()

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from exogauge.studies.words.finding_sentences import finding_sentence
+
 pytestmark = pytest.mark.slow
 
 
@@ -26,7 +28,8 @@ def test_only_what_is_large_gets_a_name(found):
 
 def test_the_rest_is_in_the_model_and_told(found):
     (finding,) = found.findings
-    assert "What is left beside it looks like" in finding.sentence
+    assert [each.what for each in finding.refined] == ["remainder"]
+    assert "What is left beside it looks like" in finding_sentence(finding)
     assert found.chain[-1].step.identifier == "remainder of load_coulomb@j2"
     assert finding.held_out.rmse_after < 1.2 * finding.held_out.noise_floor
     assert found.chain[-1].rmse < 0.8 * found.chain[-2].rmse
@@ -36,4 +39,4 @@ def test_the_rest_is_in_the_model_and_told(found):
 def test_where_nothing_is_left_nothing_is_added(search, study, on_joint):
     alone = search(study(on_joint(1, much))).discrepancy
     assert [(each.step.what, each.step.effect) for each in alone.chain] == [("robot", ""), ("effect", "load_coulomb")]
-    assert "What is left beside it" not in alone.findings[0].sentence
+    assert alone.findings[0].refined == ()

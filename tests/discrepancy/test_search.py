@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.objection import Why
 from exogauge.findings.result import Place
 from exogauge.identification.added import AddedEffect
 from exogauge.identification.site import AxisSite
@@ -41,7 +42,7 @@ def test_several_that_later_ones_make_needless_are_all_taken_back(named):
     assert [each.added for each in named.steps] == [true.added]
     assert [each.finding.rank for each in named.steps] == [1]
     for added in needless:
-        assert "not needed any more" in named.failed["joint_spring", added.site].reason
+        assert named.failed["joint_spring", added.site].objection.why is Why.NOT_NEEDED
 
 
 def test_what_is_needed_stays(named):

@@ -9,7 +9,8 @@ import pytest
 
 from exogauge.search.residual_correction import held_out_rmse
 from exogauge.search.search import Search
-from exogauge.search.shapes_again import SOUGHT_AGAIN, shapes_again
+from exogauge.search.shapes_again import shapes_again
+from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow
 
@@ -51,7 +52,8 @@ def test_a_shape_that_is_off_is_put_right_and_told(named):
     assert found["tau_b"].value == pytest.approx(PEAK, rel=0.1)
     assert again.found.model.extension.effects == (again.added,), "the model that is handed on has the new shape"
     assert again.finding.held_out.rmse_after < 1.05 * floor
-    assert SOUGHT_AGAIN.split("{")[0] in again.finding.sentence
+    assert [each.what for each in again.finding.refined] == ["shape"]
+    assert "With its shape sought again" in finding_sentence(again.finding)
 
 
 def test_one_that_leaves_nothing_stays(named):

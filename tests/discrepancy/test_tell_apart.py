@@ -17,6 +17,8 @@ from exogauge.experiment.motion_choices import choices
 from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
 from exogauge.experiment.with_motions import with_motions
 from exogauge.experiment.workspace_limits import carrying, room
+from exogauge.findings.basis import OfRobot
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.planned_motion import SURE
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.identification.identify import identify
@@ -32,6 +34,7 @@ from exogauge.search.candidates import Candidate
 from exogauge.search.refine import refined
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import collect_rows, sums_of
+from exogauge.studies.words.finding_sentences import motion_words, not_told, planned_sentence
 
 SWEPT = AxisSite(1)
 FASTER_THAN = 0.8  # [rad/s] whatever the logs hold
@@ -152,17 +155,17 @@ def test_a_finding_gets_its_motion_in_words_and_as_a_path(fast_only, doubt):
     nothing = np.zeros(0)
     place = Place("joint", "j2")
     finding = Finding(
-        1, "stribeck", place, {}, HeldOut("tau.j2", "N·m", 2.0, 1.0, 1.0), 0.9, "", (),
-        (Alternative("nonlinear_viscous", place, 0.9, ""),), "Slow motion.", Evidence("", "", *([nothing] * 5)),
-        undecided=doubt,
+        1, "stribeck", place, {}, HeldOut("tau.j2", "N·m", 2.0, 1.0, 1.0), 0.9,
+        OfRobot(shaped_effects()["stribeck"]), (),
+        (Alternative("nonlinear_viscous", place, 0.9, Objection(Why.ALIKE)),), Evidence("", "", *([nothing] * 5)),
     )  # fmt: skip
     alone = replace(finding, also_possible=())
-    told, untouched = with_motions([finding, alone], fast_only.logs)
-    assert told.undecided is None
-    assert told.motion == told.plans[0].sentence
+    told, untouched = with_motions([finding, alone], {("stribeck", place): doubt}, fast_only.logs)
+    assert motion_words(told) == planned_sentence(told.plans[0])
     assert [each.rival for each in told.apart] == ["nonlinear_viscous"]
     assert told.plans[0].q.shape == (len(told.plans[0].time), len(JOINTS))
-    assert (untouched.motion, untouched.plans) == ("Slow motion.", ())
+    assert (motion_words(untouched), untouched.plans) == ("", ())
+    assert motion_words(finding) == shaped_effects()["stribeck"].needs
 
 
 def test_an_effect_is_never_told_from_itself(fast_only, pair):
@@ -173,7 +176,7 @@ def test_an_effect_is_never_told_from_itself(fast_only, pair):
     assert apart.seconds is None
     assert apart.left_now < 1e-9
     assert apart.left_then < 1e-9
-    assert "both look the same" in outcome.sentence
+    assert "both look the same" in not_told(apart)
 
 
 class _Scaled:
@@ -321,4 +324,4 @@ def test_a_search_that_cannot_decide_says_what_to_record(robot):
     (apart,) = finding.apart
     assert apart.rival == also.effect
     assert finding.plans[0].joint == "j2"
-    assert finding.motion == finding.plans[0].sentence
+    assert motion_words(finding) == planned_sentence(finding.plans[0])

@@ -11,12 +11,15 @@ from hypothesis import strategies as st
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy_text import discrepancy_text, lead_text
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.basis import OfRobot
 from exogauge.findings.result import ChainStep, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
-from exogauge.findings.verdict import ABOVE, NEEDED_S, Facts, Seen, decide
+from exogauge.findings.verdict import ABOVE, NEEDED_S, Caveat, Facts, Seen, decide
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
+from exogauge.studies.words.finding_sentences import reason_words
 
 NOTHING = ("No effect is missing", "Nothing is left above the noise", "stand at their noise floors")
 JOINTS = [f"tau.j{number}" for number in range(4)] + ["base.fz", "ft.wrist.fx", "support.j1"]
@@ -29,7 +32,8 @@ seen = st.builds(Seen, st.sampled_from(JOINTS), ratios, seconds, seconds)
 def finding(rank: int) -> Finding:
     return Finding(
         rank, "stribeck", Place("joint", f"j{rank}"), {"tau_b": Estimate(1.0, 0.1, "N·m")},
-        HeldOut(f"tau.j{rank}", "N·m", 2.0, 1.0, 0.9), 0.9, "…", (), (), "", Evidence("", "", *([[]] * 5)),
+        HeldOut(f"tau.j{rank}", "N·m", 2.0, 1.0, 0.9), 0.9, OfRobot(shaped_effects()["stribeck"]), (), (),
+        Evidence("", "", *([[]] * 5)),
     )  # fmt: skip
 
 
@@ -39,13 +43,13 @@ def discrepancies(draw: st.DrawFn) -> Discrepancy:
     channels = draw(st.lists(seen, max_size=5, unique_by=lambda each: each.channel))
     far = [each for each in channels if each.ratio >= ABOVE]
     sure = draw(st.lists(st.sampled_from(far), unique=True)) if far else []
-    above = tuple(Excess(each.channel, "N·m", each.ratio, 1.0, 4.0, "throughout") for each in sure)
+    above = tuple(Excess(each.channel, "N·m", each.ratio, 1.0, 4.0) for each in sure)
     worst = draw(st.floats(0.5, 30.0))
     end = Link(ChainStep("robot"), worst, 1.0, "tau.j0", worst, 1.0)
     named = tuple(finding(rank) for rank in range(1, 1 + draw(st.integers(0, 2))))
-    cannot = draw(st.sampled_from([(), ("cannot judge the bands: no log has steady motion",)]))
+    cannot = draw(st.sampled_from([(), (Caveat("no_steady_motion", "suit"),)]))
     links = (end,) if draw(st.booleans()) else ()
-    return Discrepancy(named, links, (), above, (), (), 100, (), {}, seen=tuple(channels), cannot=cannot)
+    return Discrepancy(named, links, (), above, (), (), 100, (), (), seen=tuple(channels), cannot=cannot)
 
 
 def told(found: Discrepancy) -> tuple[dict[str, Any], dict[str, str]]:
@@ -103,7 +107,7 @@ def test_a_channel_far_above_its_floor_is_never_nothing_however_little_was_seen_
 def test_what_is_asked_for_and_what_there_was_is_told_in_seconds() -> None:
     found = decide(Facts(0, (), (Seen("tau.j1", 1.0, 1.2, 30.0), Seen("tau.j2", 1.0, 40.0, 60.0))))
     assert found.verdict == "undecided"
-    assert "1.2 of 5 s of steady held-out motion at j1" in found.reason
+    assert "1.2 of 5 s of steady held-out motion at j1" in reason_words(found.reason)
 
 
 def test_a_joint_that_never_moves_is_not_asked_for_motion() -> None:

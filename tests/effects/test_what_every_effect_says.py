@@ -15,7 +15,7 @@ from exogauge.effects.catalogue import (
 )
 from exogauge.effects.effect import Quantity
 from exogauge.effects.scales import OWN_SIZES
-from exogauge.effects.words import effect_words, parameter_words
+from exogauge.studies.words.names import effect_words, parameter_words
 
 PLACES = {
     "joint": shaped_effects(),

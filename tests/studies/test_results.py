@@ -59,6 +59,8 @@ def test_results_hold_the_contract(out: Path, identification: Identification) ->
     found = content(out)
     assert found["version"] == 1
     said = found["identification"]
+    words = [each.pop("channel_words") for each in said["validation"]]
+    assert words[:6] == [f"base {what} {axis}" for what in ("force", "moment") for axis in "xyz"]
     assert said["validation"] == [dataclasses.asdict(fit) for fit in identification.validation]
     for entry, parameter in zip(said["parameters"], identification.parameters, strict=True):
         assert entry["name"] == parameter.name

@@ -36,9 +36,11 @@ def link(found: Identification, step: ChainStep, channels: Sequence[str], logs: 
 
 
 def lineage(additions: Sequence[ChainStep]) -> tuple[Lineage, ...]:
-    names = ["identified"]
-    lines = [Lineage(names[0], None, "")]
+    lines = [Lineage("identified", None, None)]
     for step in additions:
-        names.append(f"{names[-1]}+{step.identifier}")
-        lines.append(Lineage(names[-1], names[-2], step.identifier))
+        lines.append(descendant(lines[-1], step))
     return tuple(lines)
+
+
+def descendant(parent: Lineage, step: ChainStep) -> Lineage:
+    return Lineage(f"{parent.version}+{step.identifier}", parent.version, step)

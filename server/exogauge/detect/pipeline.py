@@ -22,6 +22,7 @@ from exogauge.experiment.with_motions import with_motions
 from exogauge.findings.common_cause import merged
 from exogauge.findings.importance import by_importance
 from exogauge.findings.result import ChainStep, Discrepancy, Finding
+from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
@@ -39,10 +40,6 @@ from exogauge.search.shapes_again import shapes_again
 
 CONTACT = "contact"
 ALMOST = 0.99  # done, as it is told while all is sought once more
-NOT_HELD_OUT = (
-    "No log was held out, so nothing can be claimed: give at least one log of the same kind of motion the role "
-    "`validation`."
-)
 
 
 @final
@@ -65,10 +62,10 @@ def find_missing_effects(
     settings: Settings,
     progress: Progress = lambda _fraction, _phrase: None,
     touched: bool = True,
-    cannot: tuple[str, ...] = (),
+    cannot: tuple[Caveat, ...] = (),
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing. touched: whether
-    something may have touched the robot. cannot: what could not be judged so far, in words."""
+    something may have touched the robot. cannot: what could not be judged so far."""
     given = recordings
     recordings, models, findings = _filtered_alike(found, recordings, settings, progress)
     whole = recordings
@@ -112,11 +109,12 @@ def find_missing_effects(
                for n, each in enumerate(odd, 1)]  # fmt: skip
     contradictions, doubtful = told(numbers)
     findings += contradictions
-    notes = joined if any(each.held_out for each in recordings) else (NOT_HELD_OUT,)
+    undecided = {(each.finding.effect, each.finding.place): doubt for each in search.steps if (doubt := each.undecided)}
+    notes = joined if any(each.held_out for each in recordings) else (Caveat("not_held_out"),)
     progress(1.0, "compared")
     return Found(
         Discrepancy(
-            findings=with_motions(by_importance(merged(findings, len(current.model.robot.joints))), fitted),
+            findings=with_motions(by_importance(merged(findings, len(current.model.robot.joints))), undecided, fitted),
             chain=chain,
             located=before,
             unexplained=unexplained,
@@ -124,7 +122,7 @@ def find_missing_effects(
             lineage=lineage(additions),
             candidates=search.tried,
             notes=notes,
-            before_after={},
+            before_after=(),
             seen=seen(equations, current),
             cannot=cannot,
         ),

@@ -30,7 +30,7 @@ class BandEstimate:
 
     stiffness_interval, natural_length_interval: (low, high), 95 %.
     true_stiffness, error_percent: None where no truth is known. identifiable, length_identifiable: the data decide it;
-    note: in words, why not, or "".
+    note: in words, why not, or "". with_effects: with what was named of the bands in the model, not as springs alone.
     """
 
     band: str
@@ -44,6 +44,7 @@ class BandEstimate:
     identifiable: bool
     length_identifiable: bool
     note: str
+    with_effects: bool = False
 
 
 @final

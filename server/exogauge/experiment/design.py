@@ -18,7 +18,7 @@ from exogauge.effects.order import LOG
 from exogauge.experiment.motion_choices import Choice, choices
 from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import Room, room
-from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion, not_told
+from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
 from exogauge.logs.model import Log
 from exogauge.search.ambiguity import Undecided
 
@@ -42,12 +42,6 @@ class Outcome:
 
     pairs: tuple[Apart, ...]
     motions: tuple[PlannedMotion, ...]
-
-    @property
-    def sentence(self) -> str:
-        """What to do, and what no motion helps with."""
-        never = [not_told(each) for each in self.pairs if each.seconds is None]
-        return " ".join([*(each.sentence for each in self.motions), *never])
 
 
 def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:

@@ -9,7 +9,6 @@ from typing import final
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
 
 Z_95 = 1.959963984540054  # standard normal quantile of 97.5 %
-WITH_EFFECTS = "with what was named of the bands in the model"
 
 
 @final
@@ -46,7 +45,7 @@ def _told(band: BandEstimate, now: BandNumbers | None) -> BandEstimate:
         stiffness_interval=_interval(now.stiffness),
         natural_length_interval=_interval(now.natural_length),
         error_percent=100.0 * (k - truth) / truth if truth else None,
-        note="; ".join(part for part in (band.note, WITH_EFFECTS) if part),
+        with_effects=True,
     )
 
 

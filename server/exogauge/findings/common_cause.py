@@ -21,9 +21,7 @@ def merged(findings: Sequence[Finding], joints: int) -> tuple[Finding, ...]:
     for name in dict.fromkeys(each.effect for each in findings):
         same = [each for each in findings if each.effect == name]
         if name in _shared("joint") and len(same) >= max(FEWEST, MOST * joints):
-            where = ", ".join(each.place.name for each in same)
-            sentence = f"All joints alike ({where}): {same[0].sentence}"
-            result.append(replace(same[0], place=Place("joint", ALL), sentence=sentence))
+            result.append(replace(same[0], place=Place("joint", ALL), alike=tuple(each.place for each in same)))
         else:
             result += same
     result = _of_sensors(result)
@@ -39,9 +37,8 @@ def _of_sensors(findings: Sequence[Finding]) -> list[Finding]:
     ):
         same = [each for each in result if (each.effect, each.place.name) == (name, sensor)]
         if name in _shared("sensor") and len(same) >= AXES:
-            axes = ", ".join(each.place.part for each in same)
-            one = replace(same[0], place=Place("sensor", sensor, ALL), also_possible=(), motion="",
-                          sentence=f"All axes alike ({axes}): {same[0].sentence}")  # fmt: skip
+            alike = tuple(each.place for each in same)
+            one = replace(same[0], place=Place("sensor", sensor, ALL), also_possible=(), alike=alike)
             result = [one if each is same[0] else each for each in result if each is same[0] or each not in same]
     return result
 

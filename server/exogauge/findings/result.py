@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 import numpy as np
@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
 from exogauge.findings.band_numbers import BandNumbers
+from exogauge.findings.basis import Basis
+from exogauge.findings.objection import Objection
 from exogauge.findings.planned_motion import Apart, PlannedMotion
-from exogauge.findings.verdict import Decision, Facts, Seen, Verdict, decide
+from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, Verdict, decide
 
 Array = NDArray[np.float64]
 
+Coordinate = Literal["time", "speed", "position", "load"]
 What = Literal["robot", "bands", "effect", "own_curve", "remainder"]
 
 AT_MOST = 0.995  # of the held-out error before: with more the two are told by the same three digits
@@ -68,15 +71,12 @@ class HeldOut:
 @final
 @dataclass(frozen=True)
 class Alternative:
-    """A candidate that was not chosen. score: share of the excess residual it explains on held-out logs, 0…1.
-
-    reason: why it was not chosen, in words.
-    """
+    """A candidate that was not chosen. score: share of the excess residual it explains on held-out logs, 0…1."""
 
     effect: str
     place: Place
     score: float
-    reason: str
+    objection: Objection
 
 
 @final
@@ -101,11 +101,22 @@ class Evidence:
 
 @final
 @dataclass(frozen=True)
+class Refinement:
+    """What was done to a named effect later. what: a shape sought again, a curve of its own, or a remainder beside it
+    that looks like `effect`. before: the held-out error until then."""
+
+    what: Literal["shape", "own_curve", "remainder"]
+    before: HeldOut
+    effect: str = ""
+
+
+@final
+@dataclass(frozen=True)
 class Finding:
     """One named effect. parameters: coefficients and shapes by name. score: share of the excess it explains on held-out
-    logs. sentence: the evidence in words. also_possible: what these data cannot tell from it; motion: in words, the one
-    that would. apart: how far each of those is from it, where that was computed; plans: the motions that tell them
-    apart. undecided: what planning them needs (`search.ambiguity.Undecided`), None once that is done."""
+    logs. also_possible: what these data cannot tell from it. apart: how far each of those is from it, where that was
+    computed; plans: the motions that tell them apart. as_drawn: parameters that the data do not decide, which are not
+    told. alike: places that have it in common, the first of which this is about."""
 
     rank: int
     effect: str
@@ -113,14 +124,26 @@ class Finding:
     parameters: Mapping[str, Estimate]
     held_out: HeldOut
     score: float
-    sentence: str
+    basis: Basis
     alternatives: tuple[Alternative, ...]
     also_possible: tuple[Alternative, ...]
-    motion: str
     evidence: Evidence
+    refined: tuple[Refinement, ...] = ()
+    as_drawn: tuple[str, ...] = ()
+    alike: tuple[Place, ...] = ()
     apart: tuple[Apart, ...] = ()
     plans: tuple[PlannedMotion, ...] = ()
-    undecided: object | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def named_at(self) -> Place:
+        """Where its evidence is from."""
+        return self.alike[0] if self.alike else self.place
+
+    def refined_by(self, what: Literal["shape", "own_curve", "remainder"], rmse: float, effect: str = "") -> Finding:
+        """rmse: the held-out error after it."""
+        held = replace(self.held_out, rmse_after=rmse)
+        refined = (*self.refined, Refinement(what, self.held_out, effect))
+        return replace(self, held_out=held, score=held.explained, refined=refined)
 
 
 @final
@@ -164,37 +187,61 @@ class Link:
 
 @final
 @dataclass(frozen=True)
-class Excess:
-    """A channel whose residual is above what noise explains. rmse, noise_floor [unit]; z: standard errors above it.
+class Concentration:
+    """Where most of an error sits: in a few moments, (log, [s]); or where a coordinate is above or below `at` [unit];
+    else throughout."""
 
-    where: in words, at which speeds, positions or times it is largest.
-    """
+    moments: tuple[tuple[str, float], ...] = ()
+    coordinate: Coordinate | None = None
+    above: bool = False
+    at: float = float("nan")
+    unit: str = ""
+
+
+THROUGHOUT = Concentration()
+
+
+@final
+@dataclass(frozen=True)
+class Excess:
+    """A channel whose residual is above what noise explains. rmse, noise_floor [unit]; z: standard errors above it."""
 
     channel: str
     unit: str
     rmse: float
     noise_floor: float
     z: float
-    where: str
+    where: Concentration = THROUGHOUT
 
 
 @final
 @dataclass(frozen=True)
 class Lineage:
-    """A model version: its parent's version, what was added, and the settings that name it again."""
+    """A model version: its parent's version, and what was added; None of the first."""
 
     version: str
     parent: str | None
-    added: str
+    added: ChainStep | None
+
+
+@final
+@dataclass(frozen=True)
+class Consequence:
+    """A quantity without and with the named effects. of: of an RMSE of approach B the device, the motion and the joint;
+    of a group its name, the approach and the device; of a band its name and, where there are several, the device."""
+
+    what: Literal["rmse", "group_stiffness", "stiffness", "natural_length"]
+    of: tuple[str, ...]
+    before: Estimate
+    after: Estimate
 
 
 @final
 @dataclass(frozen=True)
 class Discrepancy:
-    """before_after: quantity name -> (before, after), of supporting torque and stiffness. wear_chain: as chain, of the
-    supporting torque and the model of the wear; empty where nothing was added to it. seen: every channel that was
-    looked at, with all that was named. cannot: why something was not judged, in words. bands: their numbers beside the
-    effects that were named of them."""
+    """before_after: of supporting torque and stiffness. wear_chain: as chain, of the supporting torque and the model of
+    the wear; empty where nothing was added to it. seen: every channel that was looked at, with all that was named.
+    cannot: why something was not judged. bands: their numbers beside the effects that were named of them."""
 
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
@@ -203,11 +250,11 @@ class Discrepancy:
     rejected: tuple[Alternative, ...]
     lineage: tuple[Lineage, ...]
     candidates: int
-    notes: tuple[str, ...]
-    before_after: Mapping[str, tuple[Estimate, Estimate]]
+    notes: tuple[Caveat, ...]
+    before_after: tuple[Consequence, ...]
     wear_chain: tuple[Link, ...] = ()
     seen: tuple[Seen, ...] = ()
-    cannot: tuple[str, ...] = ()
+    cannot: tuple[Caveat, ...] = ()
     bands: tuple[BandNumbers, ...] = ()
 
     @property

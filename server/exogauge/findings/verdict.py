@@ -15,7 +15,28 @@ Left = Literal["above", "open", "nothing"]
 
 ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
 NEEDED_S = 5.0  # steady held-out motion of a channel: five independent parts of a second, with which errors are judged
-NOT_HELD_OUT = "cannot judge: no log was held out"
+
+
+@final
+@dataclass(frozen=True)
+class Caveat:
+    """What was not judged, or has to be kept in mind. of: the channel, joint, log or device that it is about.
+
+    not_held_out; joined: a log had to be fitted. too_short: `value` [s] of steady motion, of `others` more channels too
+    little, too; far: `value` noise floors in `seconds` [s], or of a channel without name. creeping: below `value`
+    [rad/s], unless there is the rival (effect; kind, name and part of its place). Of the bands of a device:
+    no_steady_motion, nothing_left_out, unclear_course.
+    """
+
+    why: Literal[
+        "not_held_out", "joined", "too_short", "far", "creeping",
+        "no_steady_motion", "nothing_left_out", "unclear_course",
+    ]  # fmt: skip
+    of: str = ""
+    value: float = math.nan
+    seconds: float = math.nan
+    others: int = 0
+    rival: tuple[str, ...] = ()
 
 
 @final
@@ -35,24 +56,24 @@ class Seen:
 class Facts:
     """named: effects that were. above: channels that stand above their floors surely, with all that was named. seen:
     all channels that were looked at. told: the other ratios of RMSE to noise floor that a reader is shown of the last
-    model, such as the ends of chains. cannot: why something else was not judged, in words."""
+    model, such as the ends of chains. cannot: why something else was not judged."""
 
     named: int
     above: tuple[str, ...]
     seen: tuple[Seen, ...]
     told: tuple[float, ...] = ()
-    cannot: tuple[str, ...] = ()
+    cannot: tuple[Caveat, ...] = ()
 
 
 @final
 @dataclass(frozen=True)
 class Decision:
     """left: what stands above the noise with all that was named: some channels surely, nothing, or it is open, for the
-    reason given, in numbers."""
+    reason given."""
 
     verdict: Verdict
     left: Left
-    reason: str
+    reason: Caveat | None
 
 
 def decide(facts: Facts) -> Decision:
@@ -60,30 +81,26 @@ def decide(facts: Facts) -> Decision:
     reason = _open(facts)
     left: Left = "above" if facts.above else "open" if reason else "nothing"
     without: dict[Left, Verdict] = {"above": "unexplained", "open": "undecided", "nothing": "none"}
-    return Decision("effects" if facts.named else without[left], left, reason if left == "open" else "")
+    return Decision("effects" if facts.named else without[left], left, reason if left == "open" else None)
 
 
-def _open(facts: Facts) -> str:
-    """Why it cannot be said that nothing is left, or ""."""
+def _open(facts: Facts) -> Caveat | None:
+    """Why it cannot be said that nothing is left."""
     if facts.cannot:
         return facts.cannot[0]
     if not facts.seen:
-        return NOT_HELD_OUT
+        return Caveat("not_held_out")
     asked = [each for each in facts.seen if each.moved_s >= NEEDED_S]
     short = [each for each in asked or _longest(facts.seen) if each.steady_s < NEEDED_S]
     if short:
-        return _too_short(short)
+        worst = min(short, key=lambda each: each.steady_s)
+        return Caveat("too_short", worst.channel, worst.steady_s, others=len(short) - 1)
     far = [each for each in facts.seen if _is_far(each.ratio)]
     if far:
-        worst = max(far, key=lambda each: each.ratio if math.isfinite(each.ratio) else math.inf)
-        return (
-            f"cannot judge: {_name(worst)} stands at {worst.ratio:.3g} noise floors, and {worst.steady_s:.1f} s of "
-            "steady held-out motion are too short to be sure of that"
-        )
-    if any(_is_far(ratio) for ratio in facts.told):
-        worst_told = max(ratio for ratio in facts.told if _is_far(ratio))
-        return f"cannot judge: a channel stands at {worst_told:.3g} noise floors, and nothing says that it surely does"
-    return ""
+        worst = max(far, key=lambda each: each.ratio)
+        return Caveat("far", worst.channel, worst.ratio, worst.steady_s)
+    told = [ratio for ratio in facts.told if _is_far(ratio)]
+    return Caveat("far", value=max(told)) if told else None
 
 
 def _longest(seen: Sequence[Seen]) -> list[Seen]:
@@ -91,16 +108,5 @@ def _longest(seen: Sequence[Seen]) -> list[Seen]:
     return [max(seen, key=lambda each: each.steady_s)]
 
 
-def _too_short(short: Sequence[Seen]) -> str:
-    worst = min(short, key=lambda each: each.steady_s)
-    others = len(short) - 1
-    more = f"; {others} other channel{'s have' if others > 1 else ' has'} less than that, too" if others else ""
-    return f"cannot judge: {worst.steady_s:.1f} of {NEEDED_S:.0f} s of steady held-out motion at {_name(worst)}{more}"
-
-
 def _is_far(ratio: float) -> bool:
     return math.isfinite(ratio) and ratio >= ABOVE
-
-
-def _name(seen: Seen) -> str:
-    return seen.channel.removeprefix("tau.").removeprefix("ft.")

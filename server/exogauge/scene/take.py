@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Device
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
-from exogauge.effects.words import effect_words
 from exogauge.errors import BadInput
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.scene.frames import Frames
 from exogauge.studies.series.recorded_motion import LoggedRobot
+from exogauge.studies.words.names import effect_words
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
-from exogauge.effects.words import at_place
+from exogauge.findings.verdict import Caveat
 from exogauge.identification.pair_site import PairSite
 from exogauge.identification.result import Identification
 from exogauge.identification.site import AxisSite, Site
@@ -31,10 +31,10 @@ LEFT = 0.25  # of the noise floor, that soft friction may be less than Coulomb's
 @final
 @dataclass(frozen=True)
 class Creeping:
-    """below: joint -> speed [rad/s or m/s] under which it creeps. open: why it may be something else, in words."""
+    """below: joint -> speed [rad/s or m/s] under which it creeps. open: what else it may be."""
 
     below: Mapping[str, float]
-    open: tuple[str, ...]
+    open: tuple[Caveat, ...]
 
 
 def creeping(
@@ -44,7 +44,7 @@ def creeping(
 
     named: where effects are. What is left there is what their formulas do not hold, at low speed too.
     """
-    below, doubts = dict[str, float](), list[str]()
+    below, doubts = dict[str, float](), list[Caveat]()
     for soft in judged:
         site = soft.score.candidate.site
         if not is_soft(soft) or not isinstance(site, AxisSite) or not soft.after < soft.before:
@@ -56,7 +56,10 @@ def creeping(
         if joint in known or lead < -OPEN or speed == 0.0 or _has_a_name(found, named, site):
             continue
         below[joint] = speed
-        doubts += [_doubt(found, rivals[0], joint, below[joint])] if lead < OPEN else []
+        if lead < OPEN:
+            other = rivals[0].score.candidate
+            rival = (other.effect.name, *other.site.label(found.model.equations))
+            doubts.append(Caveat("creeping", joint, speed, rival=rival))
     return Creeping(below, tuple(doubts))
 
 
@@ -83,12 +86,3 @@ def _speed(found: Identification, soft: Judgement, site: AxisSite) -> float:
     v_s = share * float(found.model.sizes.velocity[site.axis])
     lacking = np.clip(LEFT * floor / max(float(tau_c), 1e-300), np.finfo(float).eps, 1.0)
     return float(v_s * np.arctanh(1.0 - lacking))
-
-
-def _doubt(found: Identification, rival: Judgement, joint: str, speed: float) -> str:
-    other = rival.score.candidate
-    there = at_place(other.effect.name, *other.site.label(found.model.equations))
-    return (
-        f"cannot judge: friction of {joint} is less than Coulomb's below {speed:.2g} rad/s, or there is {there}: these "
-        "logs do not tell the two apart"
-    )

@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.words import effect_words
+from exogauge.findings.objection import Objection, Why
 
 MATTERS = 0.5  # of the noise floor: what takes less off the held-out error is no name worth
 REMAINDER = 0.25  # of what was named at the same place: less may be what that one's formula does not hold
@@ -30,11 +30,11 @@ class Named:
     same_curve: bool
 
 
-def not_worth(size: float, floor: float, named: Sequence[Named]) -> str:
-    """Why an effect that takes this much off the held-out error is no name worth, or "". floor: of the same channel."""
+def not_worth(size: float, floor: float, named: Sequence[Named]) -> Objection | None:
+    """Why an effect that takes this much off the held-out error is not worth a name. floor: of the same channel."""
     if size < MATTERS * floor:
-        return f"it is there, and smaller than what matters ({size:.2g} where the sensors' noise is {floor:.2g})"
+        return Objection(Why.TOO_SMALL, size, floor)
     for each in named:
         if size < (OF_THE_CURVE if each.same_curve else REMAINDER) * each.took:
-            return f"it is small beside {effect_words(each.effect)}, and may be what that one's formula does not hold"
-    return ""
+            return Objection(Why.SMALL_BESIDE, of=(each.effect,))
+    return None

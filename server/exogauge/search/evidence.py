@@ -1,4 +1,4 @@
-"""The plot and the sentence that show an effect: what is missing against the coordinate that it depends on."""
+"""The plot that shows an effect: what is missing against the coordinate that it depends on."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.flags import along_motion
+from exogauge.findings.basis import Continued
 from exogauge.findings.result import Evidence
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
@@ -66,31 +67,24 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     return Evidence(name, unit, *binned, along_motion=along_motion(effect))
 
 
-def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> str:
-    """A sentence where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on;
-    or ""."""
+def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> Continued | None:
+    """Where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on."""
     candidate, name = found.candidate, _logged(found.candidate.effect.coordinate, rows)
     if name not in COVERED:
-        return ""
+        return None
     seen: dict[bool, list[Array]] = {False: [], True: []}
     for each in (each for each in rows if kind in each.rows):
         values = each.seen.coordinate(name, candidate.shape)[each.rows[kind].samples]
         seen[each.held_out].append(np.quantile(values, [1.0 - MOST_OF, MOST_OF]) if len(values) else np.zeros(0))
     if not all(any(len(ends) for ends in each) for each in seen.values()):
-        return ""
+        return None
     (low, high), (least, most) = (
         (min(ends[0] for ends in each if len(ends)), max(ends[1] for ends in each if len(ends)))
         for each in (seen[False], seen[True])
     )
     beyond = [(low - least, least, low), (most - high, most, high)]
     further, reached, fitted = max(beyond)
-    if further <= BEYOND * (high - low):
-        return ""
-    unit = UNITS[name]
-    return (
-        f" The held-out logs reach a {name} of {reached:.3g} {unit}, what was fitted ends at {fitted:.3g} {unit}: "
-        "between them the formula is only continued."
-    )
+    return Continued(name, UNITS[name], reached, fitted) if further > BEYOND * (high - low) else None
 
 
 def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:
@@ -102,12 +96,3 @@ def _sign(equations: Equations, kind: int) -> float:
     """Of what is shown against what a row holds: torque beyond the motor's; a reading, with the log's sign."""
     row = equations.layout.rows[kind]
     return -equations.robot.cuts[row.place].sign if row.type == RowType.SENSOR else -1.0
-
-
-def strongest(shown: Evidence, unit: str) -> str:
-    """Where what is missing is largest: `+3.1 N·m at a velocity of 0.02 rad/s`, `-0.5 N·m along the motion at …`."""
-    if not len(shown.at):
-        return ""
-    k, over = int(np.argmax(np.abs(shown.before))), shown.coordinate.replace("_", " ")
-    way = " along the motion" if shown.along_motion else ""
-    return f"{shown.before[k]:+.2g} {unit}{way} at a {over} of {shown.at[k]:.2g} {shown.unit}"

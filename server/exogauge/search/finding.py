@@ -1,25 +1,25 @@
-"""A candidate that may be claimed, as a finding: its numbers, its evidence in words, what it beat."""
+"""A candidate that may be claimed, as a finding: its numbers, its evidence, what it beat."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from exogauge.effects.words import at_place, opening
+from exogauge.findings.basis import OfRobot
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import AT_MOST, Alternative, Finding, HeldOut, Place
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
-from exogauge.identification.site import Effect, Site
+from exogauge.identification.site import Site
 from exogauge.identification.validate import unit_of
 from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import Ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.doubt import parameters
-from exogauge.search.evidence import continued, evidence, strongest
+from exogauge.search.evidence import continued, evidence
 from exogauge.search.judge import Judgement, apart
 from exogauge.search.locate import pooled
 from exogauge.search.may_be_named import refused
@@ -33,9 +33,9 @@ def place_of(model: RobotModel, candidate: Candidate) -> Place:
     return Place(*candidate.site.label(model.equations))
 
 
-def rejection(model: RobotModel, judged: Judgement) -> Alternative:
+def rejection(model: RobotModel, judged: Judgement, objection: Objection) -> Alternative:
     candidate = judged.score.candidate
-    return Alternative(candidate.effect.name, place_of(model, candidate), max(judged.explained, 0.0), judged.objection)
+    return Alternative(candidate.effect.name, place_of(model, candidate), max(judged.explained, 0.0), objection)
 
 
 def name_effect(
@@ -47,34 +47,30 @@ def name_effect(
     after: Identification,
     rows_of: Mapping[Site, Sequence[SiteRows]],
     kind: int,
-) -> Finding:
-    """kind: of the rows whose error is told."""
+) -> tuple[Finding, Undecided | None]:
+    """And what planning a motion needs that tells it from what is as good. kind: of the rows whose error is told."""
     model, candidate = ground.model, winner.score.candidate
-    effect, place, rows = candidate.effect, place_of(ground.model, candidate), rows_of[candidate.site]
-    channel = channel_of(model.equations, kind)
-    held_out = _held_out(channel, before, after, winner)
-    score = held_out.explained
+    rows = rows_of[candidate.site]
+    held_out = _held_out(channel_of(model.equations, kind), before, after, winner)
     kinds = set(candidate.site.kinds(model.equations))
     rivals = [each for each in judged if each is not winner
               and kinds & set(each.score.candidate.site.kinds(model.equations))]  # fmt: skip
     alike = [each for each in rivals if _as_good(winner, each)]
-    shown = evidence(model, winner.score, winner.kind, rows)
-    others = [_alternative(model, each, alike) for each in rivals]
-    return Finding(
+    others = [rejection(model, each, each.objection or Objection(Why.ALIKE if each in alike else Why.LESS))
+              for each in rivals]  # fmt: skip
+    finding = Finding(
         rank=rank,
-        effect=effect.name,
-        place=place,
+        effect=candidate.effect.name,
+        place=place_of(model, candidate),
         parameters=parameters(model, winner.score, rows),
         held_out=held_out,
-        score=score,
-        sentence=_sentence(place, effect, strongest(shown, held_out.unit), _falls(held_out), others)
-        + continued(winner.score, winner.kind, rows),
+        score=held_out.explained,
+        basis=OfRobot(candidate.effect, continued(winner.score, winner.kind, rows)),
         alternatives=tuple(others),
         also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
-        motion=effect.needs if alike else "",
-        evidence=shown,
-        undecided=_doubt(model, [winner, *alike], rows_of) if alike else None,
+        evidence=evidence(model, winner.score, winner.kind, rows),
     )
+    return finding, _doubt(model, [winner, *alike], rows_of) if alike else None
 
 
 def _as_good(winner: Judgement, rival: Judgement) -> bool:
@@ -94,14 +90,13 @@ def channel_of(equations: Equations, kind: int) -> str:
     return channel_of_row(equations.robot, kind)
 
 
-def objection(finding: Finding, without: float, with_it: float) -> str:
-    """Why an effect is dropped again once the robot has been identified with it, or "". without, with_it: `low_passed`.
+def objection(finding: Finding, without: float, with_it: float) -> Objection | None:
+    """Why an effect is dropped again once the robot has been identified with it. without, with_it: `low_passed`.
 
     The error has to fall as it is told as well, in steady motion, and the size of the effect to be known.
     """
     if with_it > AT_MOST * without:
-        change = f"{without:.3g} to {with_it:.3g} {finding.held_out.unit}"
-        return f"with the robot identified again the held-out error does not fall ({change})"
+        return Objection(Why.NOT_FALLING_AGAIN, without, with_it, finding.held_out.unit)
     return refused(finding)
 
 
@@ -112,39 +107,9 @@ def low_passed(ground: Ground, kind: int, logs: Sequence[str]) -> float:
     return float(np.sqrt(np.nanmean(np.concatenate(left) ** 2)))
 
 
-def _alternative(model: RobotModel, judged: Judgement, alike: Sequence[Judgement]) -> Alternative:
-    reason = judged.objection or (
-        "these data cannot tell it from what was named" if judged in alike else "explains less"
-    )
-    return replace(rejection(model, judged), reason=reason)
-
-
 def _held_out(channel: str, before: Identification, after: Identification, judged: Judgement) -> HeldOut:
     fits = [[fit for fit in each.validation if fit.log in judged.logs and fit.channel == channel]
             for each in (before, after)]  # fmt: skip
     (rmse_before, floor), (rmse_after, _) = (pooled(each) for each in fits)
     log = ", ".join(judged.logs) if judged.once else ""
     return HeldOut(channel, unit_of(channel, before.model.robot), rmse_before, rmse_after, floor, log)
-
-
-def _falls(held_out: HeldOut) -> str:
-    which = f"the error in {held_out.log}, the one log that has it," if held_out.log else "the held-out error"
-    before, after, unit = held_out.rmse_before, held_out.rmse_after, held_out.unit
-    share = f"{100 * held_out.explained:.0f} % of the excess"
-    return (
-        f"{which} falls from {before:.2g} to {after:.2g} {unit} RMSE (noise floor {held_out.noise_floor:.2g}), {share}."
-    )
-
-
-def _named(other: Alternative) -> str:
-    return at_place(other.effect, other.place.kind, other.place.name, other.place.part)
-
-
-def _sentence(place: Place, effect: Effect, where: str, falls: str, others: Sequence[Alternative]) -> str:
-    best = max(others, key=lambda each: each.score, default=None)
-    told = best is not None and best.score >= 0.005
-    next_best = f" The next best, {_named(best)}, explains {100 * best.score:.0f} %." if best and told else ""
-    return (
-        f"{opening(place.kind, place.name, place.part)}{effect.sentence} Without it the model lacks up to {where}. "
-        f"Added, {falls}{next_best}"
-    )

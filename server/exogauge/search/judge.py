@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.effects.order import bounded
 from exogauge.effects.shaped import AxisSignals
+from exogauge.findings.objection import Objection, Why
 from exogauge.identification.model import RobotModel
 from exogauge.search.block_gains import sureness
 from exogauge.search.score import Score
@@ -40,7 +41,7 @@ class Judgement:
     kind: of the rows that gain most, which is what is shown. before, after: RMSE of these on held-out logs, low-passed
     [N·m or N]; of_kinds: the same of all that it acts on. blocks: by how much the weighted square error falls in each
     held-out block, for comparing candidates with each other. logs: that all of this is about, the held-out ones.
-    objection: why it may not be claimed, or "".
+    objection: why it may not be claimed.
     once: what sits in fitted logs alone cannot be held out: then it is about these, and more is asked.
     """
 
@@ -54,7 +55,7 @@ class Judgement:
     blocks: Blocks
     logs: tuple[str, ...]
     once: bool
-    objection: str
+    objection: Objection | None
 
     @property
     def explained(self) -> float:
@@ -154,17 +155,15 @@ def _objection(
     weights: Array,
     sure: float,
     once: bool,
-) -> str:
+) -> Objection | None:
     if blocks < FEWEST_BLOCKS:
-        there = f"{blocks * BLOCK_S:.0f} of {FEWEST_BLOCKS * BLOCK_S:.0f} s"
-        return f"too little steady motion in logs that were not fitted to judge it: {there}"
+        return Objection(Why.TOO_SHORT, blocks * BLOCK_S, FEWEST_BLOCKS * BLOCK_S)
     if z_fitted < SURE_FITTED:
-        return f"one or two moments of the fitted logs alone ask for it ({z_fitted:.1f} standard errors)"
+        return Objection(Why.FEW_MOMENTS, z_fitted)
     if explained < LEAST:
-        return f"on held-out logs it explains {100 * max(explained, 0.0):.1f} % of the error: not worth a name"
+        return Objection(Why.LITTLE, max(explained, 0.0))
     if z < sure:
-        where = "in the log that has it" if once else "on held-out logs"
-        return f"{where} the error does not fall surely ({z:.1f} standard errors, {sure:.2g} are asked for)"
+        return Objection(Why.NOT_SURE_ONCE if once else Why.NOT_SURE, z, sure)
     for name, chosen in REGIMES.items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
         inside = [chosen(each) for each in moving]
@@ -175,8 +174,8 @@ def _objection(
         )
         worse = sureness(np.array(list(change.values())))
         if worse < -WORSE:
-            return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
-    return ""
+            return Objection(Why.WORSE, -worse, of=(name,))
+    return None
 
 
 def _velocity(each: _Change) -> Array:
@@ -186,8 +185,8 @@ def _velocity(each: _Change) -> Array:
 
 
 REGIMES: dict[str, Callable[[_Change], NDArray[np.bool_]]] = {
-    "at low speed": lambda each: np.abs(_velocity(each)) < 0.5,
-    "at high speed": lambda each: np.abs(_velocity(each)) > 1.2,
-    "in positive motion": lambda each: _velocity(each) > 0.0,
-    "in negative motion": lambda each: _velocity(each) < 0.0,
+    "low_speed": lambda each: np.abs(_velocity(each)) < 0.5,
+    "high_speed": lambda each: np.abs(_velocity(each)) > 1.2,
+    "positive_motion": lambda each: _velocity(each) > 0.0,
+    "negative_motion": lambda each: _velocity(each) < 0.0,
 }

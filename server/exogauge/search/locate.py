@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.findings.result import Excess
+from exogauge.findings.result import THROUGHOUT, Concentration, Coordinate, Excess
 from exogauge.findings.verdict import ABOVE, Seen
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import channel_of_row
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 SURE = 3.0  # standard errors
 BLOCK_S = 1.0
-PART = 1.5  # times the mean square error of the channel: a third of its samples with more is worth a word
+PART = 1.5  # times the mean square error of the channel: a third of its samples with more is told
 MOMENTS, OF_ALL = 0.1, 2.0 / 3.0  # share of all blocks that hold this share of the square error: it sits in moments
 RESOLVED = 1e-9  # of the largest error: a lower floor is that of rounding
 FEWEST = 10  # rows that say anything
@@ -103,53 +103,48 @@ def _sureness(
     return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
-def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> str:
+def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> Concentration:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
-    positions, in which it is largest; in words."""
+    positions, in which it is largest."""
     known = [each for each in residuals if kind in each.residual]
     moments = _moments(known, kind)
     if moments:
-        return moments
+        return Concentration(moments)
     e = np.concatenate([each.residual[kind] for each in known])
     used = np.isfinite(e)
     if used.sum() < 30:
-        return "throughout"
+        return THROUGHOUT
     square = e[used] ** 2
-    words = {"time since the start": (np.concatenate([each.time for each in known])[used], "s")}
+    over: dict[Coordinate, tuple[Array, str]] = {"time": (np.concatenate([each.time for each in known])[used], "s")}
     if row.type == RowType.AXIS:
 
         def of_axis(name: str) -> Array:
             return np.asarray(np.concatenate([getattr(each.axes[row.place], name) for each in known])[used])
 
-        words |= {
+        over |= {
             "speed": (np.abs(of_axis("velocity")), "rad/s"),
             "position": (of_axis("position"), "rad"),
             "load": (np.abs(of_axis("load")), "N·m"),
         }
-    best, said = PART, "throughout"
-    for name, (values, unit) in words.items():
-        low, high = np.quantile(values, [1 / 3, 2 / 3])
-        for phrase, part in (
-            (f"at a {name} below {low:.3g} {unit}", values <= low),
-            (f"at a {name} above {high:.3g} {unit}", values >= high),
-        ):
+    best, found = PART, THROUGHOUT
+    for name, (values, unit) in over.items():
+        low, high = (float(end) for end in np.quantile(values, [1 / 3, 2 / 3]))
+        for above, at, part in ((False, low, values <= low), (True, high, values >= high)):
             if part.any() and square[part].mean() / square.mean() > best:
-                best, said = float(square[part].mean() / square.mean()), phrase
-    return said
+                best, found = float(square[part].mean() / square.mean()), Concentration((), name, above, at, unit)
+    return found
 
 
-def _moments(residuals: Sequence[LogResiduals], kind: int) -> str:
-    """`in a few moments: at 12 s of val_1, …`; "" where the error is spread wider."""
-    blocks: list[tuple[float, str]] = []
+def _moments(residuals: Sequence[LogResiduals], kind: int) -> tuple[tuple[str, float], ...]:
+    """(log, [s]) of the few blocks that hold most of it; none where the error is spread wider."""
+    blocks: list[tuple[float, tuple[str, float]]] = []
     for each in residuals:
         square = each.residual[kind] ** 2
         used = np.isfinite(square)
         starts, number = np.unique(np.floor(each.time[used] / BLOCK_S), return_inverse=True)
-        at = [f"{start * BLOCK_S:.0f} s of {each.log}" for start in starts]
+        at = [(each.log, float(start * BLOCK_S)) for start in starts]
         blocks += zip(np.bincount(number, square[used]).tolist(), at, strict=True)
     blocks.sort(reverse=True)
     held = np.cumsum([total for total, _ in blocks])
     needed = int(np.searchsorted(held, OF_ALL * held[-1])) + 1 if blocks else 0
-    if not 0 < needed <= MOMENTS * len(blocks):
-        return ""
-    return f"in a few moments: at {', '.join(at for _, at in blocks[:needed])}"
+    return tuple(at for _, at in blocks[:needed]) if needed <= MOMENTS * len(blocks) else ()

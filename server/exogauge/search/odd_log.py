@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.findings.verdict import ABOVE
+from exogauge.findings.verdict import ABOVE, Caveat
 from exogauge.identification.identify import identify
 from exogauge.identification.result import ChannelFit
 from exogauge.identification.settings import Recording
@@ -15,13 +15,8 @@ from exogauge.search.search import Search
 
 ODD = 1.5  # times the fitted logs' error on the same channel
 
-JOINED = (
-    "{log} was held out and had to be fitted: something begins with it, or is in no other log. What is said of "
-    "held-out logs is about the others."
-)
 
-
-def look_into_odd_logs(search: Search) -> tuple[Search, tuple[str, ...]]:
+def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
     """What it finds once a log that differs from all others is fitted, and notes; or the same search."""
     for recording in odd_logs(search):
         joined = [replace(each, held_out=False) if each is recording else each for each in search.recordings]
@@ -30,7 +25,7 @@ def look_into_odd_logs(search: Search) -> tuple[Search, tuple[str, ...]]:
         again = replace(search, base=base, recordings=joined, steps=[], rejected=list(search.rejected), only=number)
         again.resume(search.steps)
         if len(again.steps) > len(search.steps):
-            return again, (JOINED.format(log=recording.log.name),)
+            return again, (Caveat("joined", recording.log.name),)
     return search, ()
 
 

@@ -6,9 +6,7 @@ It is no reason to leave it in the residual: it goes into the model without a na
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from exogauge.effects.words import effect_words
 from exogauge.identification.site import AxisSite, SensorSite, Site
 from exogauge.search.baseline import lay_ground
 from exogauge.search.effect_size import gone
@@ -17,10 +15,6 @@ from exogauge.search.residual_correction import LEAST, Bend, held_out_rmse
 from exogauge.search.search import Search, Step, as_added, judge_best
 
 ABOVE = 1.1  # noise floors: below, nothing is left to look at
-LOOKS_LIKE = (
-    " What is left beside it looks like {}, and is too small for a name. With that in the model the error is {:.2g} "
-    "{}: {:.0f} % of the excess is gone."
-)
 
 
 def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
@@ -52,7 +46,5 @@ def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
     sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
     if gone(*(rmse for rmse, _ in sizes)) < LEAST * sizes[1][1]:
         return []
-    held = replace(finding.held_out, rmse_after=held_out_rmse(finding, finding.held_out.channel, after)[0])
-    told = LOOKS_LIKE.format(effect_words(added.effect.name), held.rmse_after, held.unit, 100 * held.explained)
-    finding = replace(finding, held_out=held, score=held.explained, sentence=finding.sentence + told)
-    return [Bend(step, added, finding, after, "remainder")]
+    rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
+    return [Bend(step, added, finding.refined_by("remainder", rmse, added.effect.name), after, "remainder")]

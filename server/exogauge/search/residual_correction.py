@@ -29,10 +29,6 @@ from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 
 SURE = 2.0  # standard errors by which held-out error must fall: few bends are tried, and none gets a name
 LEAST = 0.25  # of the noise floor, that a bend must take off the held-out error
-BENT = (
-    " Its curve is not quite that of the formula. With one of its own the error is {:.2g} {}: {:.0f} % of the excess "
-    "is gone."
-)
 
 
 @final
@@ -103,16 +99,11 @@ def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
 def _told(
     finding: Finding, before: Identification, after: Identification, scored: Score, rows: Sequence[SiteRows]
 ) -> Finding:
-    held = replace(finding.held_out, rmse_after=held_out_rmse(finding, finding.held_out.channel, after)[0])
+    rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
     names = [each.name for each in scored.candidate.effect.coefficients]
     every = parameters(before.model, scored, rows)
-    return replace(
-        finding,
-        held_out=held,
-        score=held.explained,
-        parameters={**finding.parameters, **{name: every[name] for name in names}},
-        sentence=finding.sentence + BENT.format(held.rmse_after, held.unit, 100 * held.explained),
-    )
+    numbers = {**finding.parameters, **{name: every[name] for name in names}}
+    return replace(finding.refined_by("own_curve", rmse), parameters=numbers)
 
 
 def held_out_rmse(finding: Finding, channel: str, found: Identification) -> tuple[float, float]:

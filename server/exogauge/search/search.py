@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
-from exogauge.effects.words import effect_words
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Finding
 from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
@@ -22,6 +22,7 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.site import AxisSite, Effect, Site
 from exogauge.identification.validate import floors_of
+from exogauge.search.ambiguity import Undecided
 from exogauge.search.baseline import Ground, lay_ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.creeping import Creeping, creeping, is_soft
@@ -53,12 +54,13 @@ Key = tuple[str, Site]
 @dataclass(frozen=True)
 class Step:
     """One effect that was added: as it is in the model, as it is told, and the model with it. gone: RMS that it takes
-    off the held-out error, low-passed [N·m or N]."""
+    off the held-out error, low-passed [N·m or N]. undecided: what tells it from what it may be, too."""
 
     added: AddedEffect
     finding: Finding
     found: Identification
     gone: float
+    undecided: Undecided | None = None
 
 
 @final
@@ -122,7 +124,7 @@ class Search:
         if self.creeping.below:
             return None
         judged = [self._weighed(each) for each in judged if not is_soft(each)]
-        self.rejected = [rejection(ground.model, each) for each in judged if each.objection]
+        self.rejected = [rejection(ground.model, each, each.objection) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
         for first in claimed if len(self.steps) < MOST_EFFECTS else []:
             winner = self._weighed(with_closest_shape(ground, first, rows))
@@ -135,12 +137,13 @@ class Search:
             kind = self._kind_that_gains(winner, ground, following)
             without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
             size = gone(without, with_it)
-            finding = name_effect(len(self.steps) + 1, ground, winner, judged, self.current, found, rows, kind)
+            rank = len(self.steps) + 1
+            finding, undecided = name_effect(rank, ground, winner, judged, self.current, found, rows, kind)
             refused = objection(finding, without, with_it) or self._not_worth(winner, kind, size)
             if not refused:
-                self.steps.append(Step(added, finding, found, size))
+                self.steps.append(Step(added, finding, found, size, undecided))
                 return following
-            self.failed[candidate.key] = replace(rejection(ground.model, winner), reason=refused)
+            self.failed[candidate.key] = rejection(ground.model, winner, refused)
         return None
 
     def _tell(self, fraction: float, phrase: str) -> None:
@@ -180,7 +183,7 @@ class Search:
         channel = channel_of(self.base.model.equations, kind)
         return pooled([fit for fit in self.base.validation if fit.held_out and fit.channel == channel])[1]
 
-    def _not_worth(self, judged: Judgement, kind: int, size: float) -> str:
+    def _not_worth(self, judged: Judgement, kind: int, size: float) -> Objection | None:
         candidate = judged.score.candidate
         elsewhere = [each for each in self.steps if each.added.effect.name == candidate.effect.name]
         named = [
@@ -206,11 +209,7 @@ class Search:
         if named is not None and best.score.evidence < named.score.evidence + BETTER:
             return False
         kept = [each for k, each in enumerate(self.steps) if k != number]
-        reason = f"with {listed(kept)} in the model, another one explains more"
-        self.failed[step.added.effect.name, site] = Alternative(
-            step.finding.effect, step.finding.place, step.finding.score, reason
-        )
-        self._again(kept)
+        self._take_out(number, Objection(Why.BETTERED, of=_effects(kept)))
         return True
 
     def drop_what_is_not_needed(self) -> None:
@@ -225,18 +224,17 @@ class Search:
             if then > NO_BETTER * now:
                 number += 1
                 continue
-            reason = f"with {listed(kept[-1:])} in the model it is not needed any more"
-            self.failed[step.added.effect.name, step.added.site] = Alternative(
-                step.finding.effect, step.finding.place, step.finding.score, reason
-            )
-            self._again(kept)
+            self._take_out(number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
 
-    def take_back(self, number: int, reason: str) -> None:
+    def take_back(self, number: int, objection: Objection) -> None:
         """One that turned out not to be worth its name once all others were there."""
-        step, kept = self.steps[number], [each for k, each in enumerate(self.steps) if k != number]
-        self.failed[step.added.effect.name, step.added.site] = not_named(step.finding, reason)
-        self._again(kept)
+        self._take_out(number, objection)
         self.last = self._lay(self.current)
+
+    def _take_out(self, number: int, objection: Objection) -> None:
+        step, kept = self.steps[number], [each for k, each in enumerate(self.steps) if k != number]
+        self.failed[step.added.effect.name, step.added.site] = not_named(step.finding, objection)
+        self._again(kept)
 
     def _again(self, kept: Sequence[Step]) -> None:
         """The same steps without the one that was taken out; their findings keep what was said of them."""
@@ -244,7 +242,7 @@ class Search:
         for each in kept:
             found = self.identified([*(step.added for step in self.steps), each.added])
             finding = replace(each.finding, rank=len(self.steps) + 1)
-            self.steps.append(Step(each.added, finding, found, each.gone))
+            self.steps.append(replace(each, finding=finding, found=found))
 
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = floors_of(self.base.validation)
@@ -324,8 +322,8 @@ def as_added(candidate: Candidate) -> AddedEffect:
     return AddedEffect(candidate.effect, candidate.site, candidate.shape)
 
 
-def listed(steps: Sequence[Step]) -> str:
-    return ", ".join(effect_words(each.finding.effect) for each in steps)
+def _effects(steps: Sequence[Step]) -> tuple[str, ...]:
+    return tuple(each.finding.effect for each in steps)
 
 
 def _held_out_rmse(found: Identification, channel: str) -> float:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from exogauge.devices.result import Estimate
 from exogauge.findings.result import Finding
 from exogauge.identification.added import AddedEffect
 from exogauge.identification.model import RobotModel
@@ -25,9 +24,6 @@ from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 
 ABOVE = 1.05  # noise floors: below, no shape is worth a search
 BETTER = 0.98  # of the held-out error: what the new shape must leave at most
-SOUGHT_AGAIN = (
-    " With its shape sought again in the model that has it the error is {:.2g} {}: {:.0f} % of the excess is gone."
-)
 
 
 def shapes_again(search: Search) -> None:
@@ -67,7 +63,7 @@ def _bettered(search: Search, number: int) -> bool:
     left, _ = _left(step.finding, found)
     if left > BETTER * now:
         return False
-    finding = _told(step.finding, left, parameters(without.model, best, rows))
+    finding = replace(step.finding.refined_by("shape", left), parameters=parameters(without.model, best, rows))
     search.steps[number] = replace(step, added=added, finding=finding)
     search.steps[-1] = replace(search.steps[-1], found=found)
     return True
@@ -90,11 +86,3 @@ def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memor
 
 def _left(finding: Finding, found: Identification) -> tuple[float, float]:
     return held_out_rmse(finding, finding.held_out.channel, found)
-
-
-def _told(finding: Finding, left: float, parameters: Mapping[str, Estimate]) -> Finding:
-    held = replace(finding.held_out, rmse_after=left)
-    told = SOUGHT_AGAIN.format(left, held.unit, 100 * held.explained)
-    return replace(
-        finding, held_out=held, score=held.explained, parameters=parameters, sentence=finding.sentence + told
-    )

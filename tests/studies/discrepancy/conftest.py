@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from exogauge.devices.result import Estimate
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.basis import BesideStated, OfRobot
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import (
     Alternative,
     ChainStep,
+    Concentration,
+    Consequence,
     Discrepancy,
     Evidence,
     Excess,
@@ -20,7 +25,7 @@ from exogauge.findings.result import (
     Link,
     Place,
 )
-from exogauge.findings.verdict import Seen
+from exogauge.findings.verdict import Caveat, Seen
 
 PITCH, HAND = Place("joint", "torso_pitch"), Place("link", "r_arm")
 TAU_B, V_S = 3.0, 0.04  # [N·m], [rad/s] of the friction that was missing
@@ -46,21 +51,14 @@ def stribeck() -> Finding:
         parameters={"tau_b": Estimate(3.04, 0.21, "N·m"), "v_s": Estimate(0.0413, 0.0062, "rad/s")},
         held_out=HeldOut("tau.torso_pitch", "N·m", 2.251, 1.083, 1.021),
         score=0.924,
-        sentence=(
-            "torso_pitch: within 0.05 rad/s of rest the measured torque exceeds the model by up to 3.1 N·m at the "
-            "start of motion and not elsewhere. Stribeck friction (tau_b 3.0 ± 0.2 N·m, v_s 0.04 rad/s) "
-            "explains 92 % of the excess on held-out logs (RMSE 2.25 -> 1.08, floor 1.02)."
-        ),
+        basis=OfRobot(shaped_effects()["stribeck"]),
         alternatives=(
-            Alternative("joint_spring", PITCH, 0.031, "the residual does not depend on the angle"),
-            Alternative("presliding", PITCH, 0.402, "explains the starts, not the slow motion between them"),
-            Alternative("nonlinear_viscous", PITCH, 0.213, "adds nothing once tau_b is in the model"),
-            Alternative("elasticity", PITCH, -0.04, "worse than without it on held-out logs"),
+            Alternative("joint_spring", PITCH, 0.031, Objection(Why.WORSE, 4.2, of=("high_speed",))),
+            Alternative("presliding", PITCH, 0.402, Objection(Why.NOT_SURE, 2.1, 3.0)),
+            Alternative("nonlinear_viscous", PITCH, 0.213, Objection(Why.NOT_NEEDED, of=("stribeck",))),
+            Alternative("elasticity", PITCH, -0.04, Objection(Why.LITTLE, 0.0)),
         ),
-        also_possible=(
-            Alternative("presliding", PITCH, 0.402, "differs only below 0.01 rad/s, where these logs have no samples"),
-        ),
-        motion="three slow reversals of torso_pitch at ± 0.1 rad/s, two seconds each.",
+        also_possible=(Alternative("presliding", PITCH, 0.402, Objection(Why.ALIKE)),),
         evidence=stribeck_evidence(),
     )
 
@@ -76,10 +74,9 @@ def payload() -> Finding:
         parameters={"mass": Estimate(0.612, 0.031, "kg")},
         held_out=HeldOut("tau.r_elbow", "N·m", 1.312, 0.644, 0.601),
         score=0.97,
-        sentence="r_elbow: the residual follows the angle like a weight. 0.61 ± 0.03 kg at r_arm explain 97 % of it.",
-        alternatives=(Alternative("joint_spring", Place("joint", "r_elbow"), 0.71, "does not follow gravity"),),
+        basis=BesideStated(0.05),
+        alternatives=(Alternative("joint_spring", Place("joint", "r_elbow"), 0.71, Objection(Why.LESS_LIKELY)),),
         also_possible=(),
-        motion="",
         evidence=Evidence("position", "rad", at, model + rest, rest, np.full(21, 0.1), model),
     )
 
@@ -96,26 +93,30 @@ def discrepancy() -> Discrepancy:
             Link(ChainStep("effect", "payload", HAND), 0.67, 0.62, "tau.torso_yaw", 0.81, 0.62),
         ),
         located=(
-            Excess("tau.r_elbow", "N·m", 1.312, 0.601, 18.2, "away from the upright posture"),
-            Excess("tau.torso_pitch", "N·m", 2.251, 1.021, 31.7, "within 0.05 rad/s of rest"),
+            Excess("tau.r_elbow", "N·m", 1.312, 0.601, 18.2, Concentration((), "position", True, 0.4, "rad")),
+            Excess("tau.torso_pitch", "N·m", 2.251, 1.021, 31.7, Concentration((), "speed", False, 0.05, "rad/s")),
         ),
-        unexplained=(Excess("tau.torso_yaw", "N·m", 0.811, 0.622, 4.1, "above 1.2 rad/s, in val_1 only"),),
+        unexplained=(Excess("tau.torso_yaw", "N·m", 0.811, 0.622, 4.1, Concentration((("val_1", 12.0),))),),
         rejected=(
-            Alternative("backlash", PITCH, 0.012, "below what chance gives"),
-            Alternative("torque_ripple", Place("joint", "all"), 0.055, "absorbed by the offset to 94 %"),
-            Alternative("base_tilt", Place("base", "base"), float("nan"), "no held-out log moves the base"),
+            Alternative("backlash", PITCH, 0.012, Objection(Why.LESS)),
+            Alternative("torque_ripple", Place("joint", "all"), 0.055, Objection(Why.TOO_SMALL, 0.012, 0.04)),
+            Alternative("base_tilt", Place("base", "base"), float("nan"), Objection(Why.TOO_SHORT, 0.0, 5.0)),
         ),
         lineage=(
-            Lineage("m0-3f2a", None, "identified model"),
-            Lineage("m1-77c1", "m0-3f2a", "stribeck at torso_pitch"),
-            Lineage("m2-0b9e", "m1-77c1", "payload at r_arm"),
+            Lineage("m0-3f2a", None, None),
+            Lineage("m1-77c1", "m0-3f2a", ChainStep("effect", "stribeck", PITCH)),
+            Lineage("m2-0b9e", "m1-77c1", ChainStep("remainder", "stribeck", PITCH)),
         ),
         candidates=214,
-        notes=("Static friction is judged from rest alone.",),
-        before_after={
-            "RMSE of support B at torso_pitch, bend": (Estimate(1.83, 0.12, "N·m"), Estimate(0.171, 0.02, "N·m")),
-            "stiffness of A by B": (Estimate(241.0, 6.0, "N/m"), Estimate(199.5, 4.0, "N/m")),
-        },
+        notes=(Caveat("joined", "val_2"),),
+        before_after=(
+            Consequence(
+                "rmse", ("suit", "bend", "torso_pitch"), Estimate(1.83, 0.12, "N·m"), Estimate(0.171, 0.02, "N·m")
+            ),
+            Consequence(
+                "group_stiffness", ("A", "B", "suit"), Estimate(241.0, 6.0, "N/m"), Estimate(199.5, 4.0, "N/m")
+            ),
+        ),
         seen=(Seen("tau.torso_yaw", 1.3, 30.0, 90.0), Seen("tau.torso_pitch", 1.06, 30.0, 90.0)),
     )
 
@@ -146,7 +147,7 @@ def clean(discrepancy: Discrepancy) -> Discrepancy:
         located=(),
         unexplained=(),
         lineage=discrepancy.lineage[:1],
-        before_after={},
+        before_after=(),
         seen=(Seen("tau.torso_yaw", 1.06, 30.0, 90.0), Seen("tau.torso_pitch", 1.0, 30.0, 90.0)),
     )
 

@@ -31,10 +31,18 @@ def test_the_keys_are_those_of_the_contract(entry: dict[str, Any]) -> None:
         "rank", "effect", "where", "parameters", "held_out", "score", "evidence", "alternatives", "also_possible",
         "motion",
     }  # fmt: skip
-    assert found["held_out"].keys() == {"channel", "unit", "rmse_before", "rmse_after", "noise_floor", "log"}
+    assert found["held_out"].keys() == {
+        "channel",
+        "unit",
+        "rmse_before",
+        "rmse_after",
+        "noise_floor",
+        "log",
+        "channel_words",
+    }
     assert entry["chain"][0].keys() >= {"step", "rmse", "noise_floor", "worst", "worst_rmse", "worst_floor"}
     for other in (*found["alternatives"], *found["also_possible"], *entry["rejected"]):
-        assert other.keys() == {"effect", "where", "title", "score", "reason"}
+        assert other.keys() == {"effect", "where", "title", "score", "reason", "objection"}
 
 
 def test_a_step_of_the_chain_is_data_and_the_sentence_is_made_of_it(entry: dict[str, Any]) -> None:
@@ -51,7 +59,7 @@ def test_a_finding_says_what_where_how_large_and_how_it_is_known(entry: dict[str
     assert first["title"] == "Stribeck friction at torso_pitch"
     assert first["parameters"]["tau_b"] == {"value": 3.04, "std": 0.21, "unit": "N·m"}
     assert first["held_out"]["rmse_after"] == 1.083
-    assert first["evidence"].startswith("torso_pitch: within 0.05 rad/s of rest")
+    assert first["evidence"].startswith("torso_pitch: Friction is larger at low speed")
 
 
 def test_the_curve_of_the_evidence_can_be_drawn_again(entry: dict[str, Any]) -> None:
@@ -66,12 +74,13 @@ def test_the_curve_of_the_evidence_can_be_drawn_again(entry: dict[str, Any]) -> 
 def test_what_is_not_a_number_is_null(entry: dict[str, Any]) -> None:
     assert entry["rejected"][2] == {
         "effect": "base_tilt", "where": {"base": True}, "title": "a tilted base", "score": None,
-        "reason": "no held-out log moves the base",
+        "reason": "too little steady motion that was not fitted to judge it: 0 of 5\u00a0s",
+        "objection": {"why": "too_short", "value": 0.0, "beside": 5.0, "of": [], "sizes": {}},
     }  # fmt: skip
 
 
 def test_before_and_after_of_a_quantity_stand_together(entry: dict[str, Any]) -> None:
-    assert entry["before_after"]["stiffness of A by B"] == {
+    assert entry["before_after"]["stiffness of group A by approach B · suit"] == {
         "before": {"value": 241.0, "std": 6.0, "unit": "N/m"},
         "after": {"value": 199.5, "std": 4.0, "unit": "N/m"},
     }

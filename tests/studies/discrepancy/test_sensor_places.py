@@ -11,6 +11,10 @@ import pytest
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy_text import discrepancy_text
+from exogauge.effects.catalogue import missing_effects
+from exogauge.effects.imu_tilt import ImuTilt
+from exogauge.findings.basis import OfRobot
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import (
     Alternative,
     ChainStep,
@@ -27,8 +31,7 @@ from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.report.figures import label
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
-from exogauge.studies.words.discrepancy_sentences import at, channel, left_sentence, place, verdict_sentence
-from exogauge.studies.words.effect_words import at_place, place_words
+from exogauge.studies.words.names import at_place, channel, place_words
 
 FX, BASE = Place("sensor", "wrist", "fx"), Place("base", "base")
 
@@ -36,8 +39,10 @@ FX, BASE = Place("sensor", "wrist", "fx"), Place("base", "base")
 def finding(rank: int, effect: str, where: Place, held: HeldOut, coordinate: str, unit: str) -> Finding:
     at_ = np.linspace(-30.0, 40.0, 15)
     seen = Evidence(coordinate, unit, at_, 0.1 * at_, 0.0 * at_, np.full(15, 0.05), 0.1 * at_)
-    other = Alternative("ft_crosstalk", Place("sensor", "wrist", "mz"), 0.31, "explains less")
-    return Finding(rank, effect, where, {"gain": Estimate(0.1, 0.002, "1")}, held, 0.97, "…", (other,), (), "", seen)
+    other = Alternative("ft_crosstalk", Place("sensor", "wrist", "mz"), 0.31, Objection(Why.LESS))
+    (known,) = [each for each in missing_effects() if each.name == effect and not isinstance(each, ImuTilt)]
+    found = {"gain": Estimate(0.1, 0.002, "1")}
+    return Finding(rank, effect, where, found, held, 0.97, OfRobot(known), (other,), (), seen)
 
 
 @pytest.fixture
@@ -66,7 +71,7 @@ def found(clean: Discrepancy) -> Discrepancy:
                 "N",
             ),
         ),
-        unexplained=(Excess("ft.wrist.fy", "N", 0.9, 0.5, 5.0, "throughout"),),
+        unexplained=(Excess("ft.wrist.fy", "N", 0.9, 0.5, 5.0),),
     )
 
 
@@ -86,19 +91,18 @@ def test_a_component_of_a_sensor_is_called_as_in_the_log() -> None:
 def test_results_name_sensor_and_axis_and_what_reads_them_understands(found: Discrepancy) -> None:
     first, second = content(found)["discrepancy"]["findings"]
     assert (first["where"], second["where"]) == ({"sensor": "wrist", "axis": "fx"}, {"base": True})
-    assert first["title"] == at(first) == "a wrong gain of the force/torque sensor at wrist.fx"
-    assert second["title"] == at(second) == "a tilted base"
-    assert (place(first), place(second)) == ("wrist.fx", "the base")
+    assert first["title"] == "a wrong gain of the force/torque sensor at wrist.fx"
+    assert second["title"] == "a tilted base"
     assert first["alternatives"][0]["title"] == "crosstalk of the force/torque sensor at wrist.mz"
 
 
 def test_sentences_hold_each_channels_own_unit(found: Discrepancy) -> None:
     entry = content(found)["discrepancy"]
-    assert verdict_sentence(entry).startswith(
+    assert entry["sentence"].startswith(
         "The identified model does not know of 2 effects: a wrong gain of the force/torque sensor at wrist.fx "
         "(3.20 → 0.520 N, noise floor 0.500) and a tilted base (wrist.mz: 0.0900 → 0.0110 N·m, noise floor 0.0100)."
     )
-    assert left_sentence(entry) == "One channel stays above the noise, at wrist.fy (0.900 N RMSE, noise floor 0.500)."
+    assert entry["left_sentence"] == "One channel stays above the noise, at wrist.fy (0.900 N RMSE, noise floor 0.500)."
 
 
 def test_a_chain_over_several_units_is_told_in_multiples_of_the_floors(found: Discrepancy) -> None:

@@ -10,12 +10,12 @@ import pytest
 
 from exogauge.devices.result import Estimate
 from exogauge.discrepancy_text import discrepancy_text, lead_text
-from exogauge.effects.words import words_of_effects
-from exogauge.findings.result import Discrepancy, Excess
+from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.result import Consequence, Discrepancy, Excess
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
-from exogauge.studies.words.effect_words import at_place, listed, place_words
+from exogauge.studies.words.names import at_place, listed, place_words, words_of_effects
 
 CONTRACT = """
 motor_gain viscous coulomb static_friction motor_offset stribeck load_coulomb asym_viscous nonlinear_viscous presliding
@@ -45,14 +45,14 @@ def one_line(text: str) -> str:
 
 
 def test_one_effect_is_named_with_what_it_explains(one: Discrepancy) -> None:
-    assert verdict_sentence(entry(one)) == (
+    assert verdict_sentence(one) == (
         "The identified model does not know of Stribeck friction at torso_pitch. With it the error of torso_pitch on "
         "held-out logs falls from 2.25 to 1.08 N·m RMSE (noise floor 1.02)."
     )
 
 
 def test_several_effects_are_named_in_their_order(discrepancy: Discrepancy) -> None:
-    text = verdict_sentence(entry(discrepancy))
+    text = verdict_sentence(discrepancy)
     assert text.startswith(
         "The identified model does not know of 2 effects: Stribeck friction at torso_pitch (2.25 → 1.08 N·m"
     )
@@ -61,51 +61,51 @@ def test_several_effects_are_named_in_their_order(discrepancy: Discrepancy) -> N
 
 def test_of_many_effects_three_are_named_and_the_others_counted(discrepancy: Discrepancy) -> None:
     many = dataclasses.replace(discrepancy, findings=discrepancy.findings[:1] * 5)
-    assert "does not know of 5 effects" in verdict_sentence(entry(many))
-    assert verdict_sentence(entry(many)).count("Stribeck") == 3
-    assert " and 2 more." in verdict_sentence(entry(many))
+    assert "does not know of 5 effects" in verdict_sentence(many)
+    assert verdict_sentence(many).count("Stribeck") == 3
+    assert " and 2 more." in verdict_sentence(many)
 
 
 def test_a_named_effect_that_does_not_help_is_not_said_to(one: Discrepancy) -> None:
     held = dataclasses.replace(one.findings[0].held_out, rmse_after=2.4)
     worse = dataclasses.replace(one, findings=(dataclasses.replace(one.findings[0], held_out=held),))
-    assert "rises from 2.25 to 2.40 N·m" in verdict_sentence(entry(worse))
+    assert "rises from 2.25 to 2.40 N·m" in verdict_sentence(worse)
 
 
 def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy) -> None:
-    assert verdict_sentence(entry(clean)) == (
+    assert verdict_sentence(clean) == (
         "No effect is missing as far as these logs can show: none of 214 candidates surely explains anything "
         "beyond noise."
     )
 
 
 def test_without_held_out_logs_nothing_is_claimed(clean: Discrepancy) -> None:
-    found = entry(dataclasses.replace(clean, seen=()))
-    assert found["verdict"] == "undecided"
+    found = dataclasses.replace(clean, seen=())
+    assert found.verdict == "undecided"
     assert verdict_sentence(found) == (
         "Whether the model lacks an effect is undecided. Cannot judge: no log was held out."
     )
 
 
 def test_too_little_motion_is_told_in_seconds(short: Discrepancy) -> None:
-    text = verdict_sentence(entry(short))
+    text = verdict_sentence(short)
     assert "undecided" in text
     assert "1.2 of 5 s of steady held-out motion at torso_yaw" in text
 
 
 def test_a_gap_that_nothing_explains_is_said_where_it_is_largest(unexplained: Discrepancy) -> None:
-    text = verdict_sentence(entry(unexplained))
+    text = verdict_sentence(unexplained)
     assert "most at torso_pitch (2.25 N·m RMSE, noise floor 1.02)" in text
     assert "none of 214 candidates explains it" in text
 
 
 def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, one: Discrepancy) -> None:
-    assert left_sentence(entry(discrepancy)) == (
+    assert left_sentence(discrepancy) == (
         "One channel stays above the noise, at torso_yaw (0.811 N·m RMSE, noise floor 0.622)."
     )
-    assert left_sentence(entry(one)) == "Nothing is left above the noise."
-    two = (*discrepancy.unexplained, Excess("tau.r_elbow", "N·m", 0.9, 0.6, float("nan"), ""))
-    assert left_sentence(entry(dataclasses.replace(discrepancy, unexplained=two))).startswith(
+    assert left_sentence(one) == "Nothing is left above the noise."
+    two = (*discrepancy.unexplained, Excess("tau.r_elbow", "N·m", 0.9, 0.6, float("nan")))
+    assert left_sentence(dataclasses.replace(discrepancy, unexplained=two)).startswith(
         "2 channels stay above the noise, most at torso_yaw"
     )
 
@@ -146,13 +146,13 @@ def test_the_terminal_tells_the_whole_story(discrepancy: Discrepancy) -> None:
         "does not know of 2 effects",
         "2 joint torques in steady motion on 2 held-out logs; 214 candidates",
         "+ Stribeck friction at torso_pitch 0.930 0.620 r_elbow 1.31 0.600",
-        "1. Stribeck friction at torso_pitch torso_pitch: within 0.05 rad/s of rest",
+        "1. Stribeck friction at torso_pitch torso_pitch: Friction is larger at low speed",
         "tau_b 3.04 ± 0.21 N·m, v_s 0.0413 ± 0.0062 rad/s",
         "Explains 92 % of the excess. Next best: presliding friction at torso_pitch 40 %, nonlinear",
         "These data cannot tell it from presliding friction at torso_pitch.",
-        "The motion that would tell: three slow reversals",
-        "torso_yaw 0.811 0.622 N·m above 1.2 rad/s, in val_1 only",
-        "stiffness of A by B 241.0 ± 6.0 N/m 199.5 ± 4.0 N/m",
+        f"The motion that would tell: {shaped_effects()['stribeck'].needs}",
+        "torso_yaw 0.811 0.622 N·m in a few moments: at 12 s of val_1",
+        "stiffness of group A by approach B · suit 241.0 ± 6.0 N/m 199.5 ± 4.0 N/m",
     ):
         assert said in flat
     assert max(map(len, text.splitlines())) <= 110
@@ -207,7 +207,7 @@ def test_a_quantity_is_unchanged_within_a_tenth_of_its_doubt(
 
 def test_only_what_changes_on_the_device_is_tabled(one: Discrepancy) -> None:
     same = Estimate(0.092, 0.0, "N·m")
-    found = {**one.before_after, "RMSE of B at l_hip_pitch": (same, same)}
+    found = (*one.before_after, Consequence("rmse", ("suit", "bend", "l_hip_pitch"), same, same))
     text = discrepancy_text(result(dataclasses.replace(one, before_after=found)))
     assert "l_hip_pitch" not in text
     assert "… and 1 that hardly change" in text

@@ -7,15 +7,16 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from exogauge.detect.device import finding as band_finding
+from exogauge.devices.result import Estimate
 from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
-from exogauge.effects.words import words_of_effects
+from exogauge.findings.basis import OfBand, OfRobot
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Discrepancy, HeldOut, Link, Place
-from exogauge.search import finding
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
-from exogauge.studies.words.discrepancy_sentences import step_words
+from exogauge.studies.words.finding_sentences import finding_sentence, objection_words
+from exogauge.studies.words.names import step_words, words_of_effects
 
 IDENTIFIER = re.compile(r"[A-Za-z]\w*_\w+|\w+@\w+")
 PLACES = {
@@ -38,16 +39,16 @@ def place_of(name: str) -> Place:
 
 def told(name: str, next_to: str, one: Discrepancy) -> Iterator[str]:
     """Everything that is said of one effect with another one as the next best."""
-    place, other = place_of(name), Alternative(next_to, place_of(next_to), 0.3, "explains less")
+    place, other = place_of(name), Alternative(next_to, place_of(next_to), 0.3, Objection(Why.LESS))
     found = dataclasses.replace(
-        one.findings[0], effect=name, place=place, held_out=HELD_OUT, sentence="It shows.", motion="Move it.",
-        parameters={}, alternatives=(other,), also_possible=(other,),
+        one.findings[0], effect=name, place=place, held_out=HELD_OUT, parameters={},
+        alternatives=(other,), also_possible=(other,),
     )  # fmt: skip
     steps = (ChainStep("robot"), ChainStep("effect", name, place))
     links = [Link(step, 1.0, 0.5, "tau.elbow", 1.0, 0.5, "N·m") for step in steps]
     made = dataclasses.replace(
         one, findings=(found,), chain=tuple(links), rejected=(other,), notes=(), unexplained=(), located=(),
-        before_after={},
+        before_after=(),
     )  # fmt: skip
     entry: Any = finite(discrepancy_entry(made))
     fit = {"channel": "tau.elbow", "log": "swing", "held_out": True}
@@ -81,17 +82,35 @@ def test_what_each_effect_says_of_itself_are_whole_sentences_without_identifiers
             assert re.fullmatch(r"[A-Z].*[.]", text, re.S), (effect.name, text)
 
 
-def test_the_evidence_names_its_place_and_the_next_best_in_words() -> None:
+def test_the_evidence_names_its_place_and_the_next_best_in_words(one: Discrepancy) -> None:
     words = words_of_effects()
-    for effect in missing_effects():
-        place = place_of(effect.name)
+    bases = [OfRobot(effect) for effect in missing_effects()]
+    bases += [OfBand(effect, "suit", "motions") for effect in band_effects().values()]
+    for basis in bases:
         for name in words:
-            others = [Alternative(name, place_of(name), 0.3, "explains less")]
-            text = finding._sentence(place, effect, "1 N·m near rest", finding._falls(HELD_OUT), others)
+            other = Alternative(name, place_of(name), 0.3, Objection(Why.LESS))
+            text = finding_sentence(dataclasses.replace(
+                one.findings[0], effect=basis.effect.name, place=place_of(basis.effect.name), held_out=HELD_OUT,
+                basis=basis, alternatives=(other,),
+            ))  # fmt: skip
             assert IDENTIFIER.search(text) is None, text
             assert f"The next best, {words[name]}" in text
             assert "the base: " not in text
-            assert IDENTIFIER.search(band_finding._next(others)) is None
+
+
+def test_every_objection_is_a_sentence_with_its_own_numbers() -> None:
+    sizes = {"mass": Estimate(-0.1, 0.3, "kg")}
+    of = {
+        Why.WORSE: ("low_speed",), Why.NOT_FALLING: ("tau.elbow", "swing"), Why.SMALL_BESIDE: ("stribeck",),
+        Why.BETTERED: ("payload", "stribeck"), Why.NOT_NEEDED: ("base_tilt",),
+    }  # fmt: skip
+    said = [objection_words(Objection(why, 1.25, 4.5, "N·m", of.get(why, ()), sizes)) for why in Why]
+    assert len(set(said)) == len(Why)
+    for text in said:
+        assert re.fullmatch(r"[a-z][^{}]*[^ .]", text), text
+        assert IDENTIFIER.search(text) is None, text
+    assert "error in swing of elbow does not fall (1.25 to 4.5\u00a0N·m)" in " ".join(said)
+    assert "with a payload and Stribeck friction in the model, another one explains more" in said
 
 
 def test_a_step_of_the_chain_is_told_in_words_whether_it_is_an_effect_or_its_own_curve() -> None:

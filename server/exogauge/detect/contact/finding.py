@@ -9,6 +9,8 @@ import numpy as np
 
 from exogauge.detect.contact.fit import Push
 from exogauge.devices.result import Estimate
+from exogauge.findings.basis import Touch, Touched
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
@@ -18,10 +20,6 @@ from exogauge.robots.rows import RowType
 from exogauge.search.locate import pooled
 
 SHOWN_S = 0.7  # before and after the push
-MOTION = (
-    "The same contact once more while all joints between these links and the base move at steady speed: a joint that "
-    "rests or turns does not show what pulls at it. A force/torque sensor below them tells more."
-)
 
 
 @final
@@ -39,26 +37,25 @@ class Contact:
 def name_contact(rank: int, contact: Contact, before: Identification, after: Identification) -> Finding:
     """before, after: identified with and without the time in which it happened."""
     robot, bodies = after.model.robot, after.model.robot.tree.bodies
-    push, link = contact.pushes[0], bodies[contact.body]
+    push = contact.pushes[0]
     held_out = _held_out(channels(robot)[push.kind], before, after, contact)
 
-    def other(body: int, reason: str) -> Alternative:
+    def other(body: int, why: Why) -> Alternative:
         gain = next(each.gain for each in push.links if each.body == body)
         score = push.share * float(np.clip(gain / max(push.best.gain, 1e-300), 0.0, 1.0))
-        return Alternative("contact", Place("link", bodies[body]), score, reason)
+        return Alternative("contact", Place("link", bodies[body]), score, Objection(why))
 
-    alike = tuple(other(body, "these data cannot tell it from what was named") for body, _ in contact.alike)
+    alike = tuple(other(body, Why.ALIKE) for body, _ in contact.alike)
     return Finding(
         rank=rank,
         effect="contact",
-        place=Place("link", link),
+        place=Place("link", bodies[contact.body]),
         parameters=_parameters(contact),
         held_out=held_out,
         score=push.share,
-        sentence=_sentence(link, contact, held_out),
-        alternatives=(*alike, *(other(body, "explains less") for body, _ in contact.others)),
+        basis=_touched(contact),
+        alternatives=(*alike, *(other(body, Why.LESS) for body, _ in contact.others)),
         also_possible=alike,
-        motion=MOTION if alike else "",
         evidence=_evidence(robot, push),
     )
 
@@ -81,19 +78,16 @@ def _parameters(contact: Contact) -> dict[str, Estimate]:
     return found
 
 
-def _sentence(link: str, contact: Contact, held_out: HeldOut) -> str:
-    said = [
-        f"{each.rows.name} from {each.start:.2f} s on for {each.duration:.2f} s, with "
-        f"{each.force:.1f} ± {each.force_std:.1g} N at its largest"
-        for each in contact.pushes
-    ]
+def _touched(contact: Contact) -> Touched:
     push = contact.pushes[0]
     inside = (push.time > push.start) & (push.time < push.stop) & (push.weight[:, push.kind] > 0.0)
     lacks = float(np.max(np.abs(push.before[inside, push.kind]), initial=0.0))
-    return (
-        f"{link}: something touched it that no log tells of, in {' and in '.join(said)}. {held_out.channel} is off by "
-        f"up to {lacks:.2g} {held_out.unit} then, and one force at this link explains {100 * push.share:.0f} % of what "
-        "all channels show. Nothing like it comes at other moments. This time is left out of the fit and of the errors."
+    return Touched(
+        tuple(
+            Touch(each.rows.name, each.start, each.duration, Estimate(each.force, each.force_std, "N"))
+            for each in contact.pushes
+        ),
+        lacks,
     )
 
 

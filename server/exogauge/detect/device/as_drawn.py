@@ -15,7 +15,6 @@ from exogauge.findings.result import Finding
 from exogauge.identification.site import Effect
 from exogauge.search.may_be_named import SURE
 
-AS_DRAWN = " The curve is known as drawn; its formula's {} these data do not decide, and no number is given."
 PLACES = (LOG, SINCE)  # in the order of the logs: no number of a curve
 
 
@@ -31,10 +30,9 @@ def as_drawn(finding: Finding, effect: Effect) -> Finding:
     open_sizes = [name for name in sizes if SURE * _std_over_value(finding, name) > 1.0]
     if not open_shapes and not (shapes and sizes and open_sizes == sizes):
         return finding
-    dropped = [*open_sizes, *open_shapes]
+    dropped = (*open_sizes, *open_shapes)
     kept = {name: each for name, each in finding.parameters.items() if name not in dropped}
-    sentence = finding.sentence + AS_DRAWN.format(" and ".join(dropped))
-    return replace(finding, parameters=kept, sentence=sentence)
+    return replace(finding, parameters=kept, as_drawn=dropped)
 
 
 def _std_over_value(finding: Finding, name: str) -> float:

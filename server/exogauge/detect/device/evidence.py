@@ -36,11 +36,3 @@ def band_evidence(ground: Ground, wire: Wire, coordinate: str, joint: int, befor
     spread = np.sqrt(np.maximum(mean(was**2) - mean(was) ** 2, 0.0) / count[full])
     unit = UNITS[coordinate] if wire.course.routing is not None else UNITS[coordinate].replace("m", "rad")
     return Evidence(NAMES[coordinate], unit, mean(at), mean(was), mean(now), spread, mean(was - now))
-
-
-def strongest(shown: Evidence) -> str:
-    """Where the missing torque is largest: `+0.31 N·m at a band length of 0.92 m`."""
-    if not len(shown.at):
-        return ""
-    k = int(np.argmax(np.abs(shown.before)))
-    return f"{shown.before[k]:+.2g} N·m at a {shown.coordinate} of {shown.at[k]:.3g} {shown.unit}"

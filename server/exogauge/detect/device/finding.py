@@ -1,4 +1,4 @@
-"""An effect of a band that may be claimed, as a finding: its numbers, its evidence in words, what it beat."""
+"""An effect of a band that may be claimed, as a finding: its numbers, its evidence, what it beat."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground, weighed
-from exogauge.detect.device.evidence import band_evidence, strongest
+from exogauge.detect.device.evidence import band_evidence
 from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
 from exogauge.detect.device.logs import Wire
 from exogauge.detect.device.model import fit
@@ -18,7 +18,8 @@ from exogauge.detect.device.score import BandScore, Scorer
 from exogauge.devices.result import Estimate
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
-from exogauge.effects.words import at_place
+from exogauge.findings.basis import Moment, OfBand
+from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Finding, HeldOut, Place
 
 Array = NDArray[np.float64]
@@ -35,22 +36,21 @@ def place_of(wire: Wire) -> Place:
     return Place(wire.course.kind, wire.course.name)
 
 
-def rejection(ground: Ground, judged: BandJudgement) -> Alternative:
+def rejection(ground: Ground, judged: BandJudgement, objection: Objection) -> Alternative:
     wire = ground.setting.wires[judged.added.wire]
-    return Alternative(judged.added.effect.name, place_of(wire), max(judged.explained, 0.0), judged.objection)
+    return Alternative(judged.added.effect.name, place_of(wire), max(judged.explained, 0.0), objection)
 
 
 def name_effect(
     rank: int, ground: Ground, winner: BandJudgement, judged: Sequence[BandJudgement], folds: Folds, of: str
 ) -> Finding:
-    """of: which wear, in words, where there are several; or ""."""
+    """of: which wear, where there are several; or ""."""
     effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
     held_out = held(ground, winner.joint, winner.before, winner.after)
     rivals = [each for each in judged if each is not winner]
     alike = [each for each in rivals if each.z > NEARLY_SURE and abs(apart(winner, each)) < TELL_APART]
-    others = [_alternative(ground, each, alike) for each in rivals]
-    shown = band_evidence(ground, wire, effect.coordinate, winner.joint, winner.before, winner.after)
-    words = "all logs" if winner.once else folds.words
+    others = [rejection(ground, each, Objection(Why.ALIKE) if each in alike else each.objection or Objection(Why.LESS))
+              for each in rivals]  # fmt: skip
     return Finding(
         rank=rank,
         effect=effect.name,
@@ -58,24 +58,20 @@ def name_effect(
         parameters=parameters(ground, winner),
         held_out=held_out,
         score=held_out.explained,
-        sentence=(
-            f"{wire.course.name}{of}: {effect.sentence}{_moment(ground, winner)} Without it the model of the wear "
-            f"lacks up to {strongest(shown)} on {ground.joints[winner.joint]}. {_falls(held_out, words)}{_next(others)}"
+        basis=OfBand(
+            effect, of, "nothing" if winner.once else folds.what, _moment(ground, winner) if winner.once else None
         ),
         alternatives=tuple(others),
         also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
-        motion=effect.needs if alike else "",
-        evidence=shown,
+        evidence=band_evidence(ground, wire, effect.coordinate, winner.joint, winner.before, winner.after),
     )
 
 
 def name_contradicted(rank: int, ground: Ground, found: Contradicted, scorer: Scorer, folds: Folds, of: str) -> Finding:
     effect, wire = band_effects()[found.effect], ground.setting.wires[found.band]
     held_out = held(ground, found.joint, found.before, found.after)
-    unit, word = ("N/m", "stiffness") if found.of == "stiffness" else ("m", "natural length")
-    shown = band_evidence(ground, wire, effect.coordinate, found.joint, found.before, found.after)
+    unit = "N/m" if found.of == "stiffness" else "m"
     alike = tuple(_instead(ground, scorer, found))
-    percent = 100.0 * (found.value / found.stated - 1.0)
     return Finding(
         rank=rank,
         effect=found.effect,
@@ -86,14 +82,10 @@ def name_contradicted(rank: int, ground: Ground, found: Contradicted, scorer: Sc
         },
         held_out=held_out,
         score=held_out.explained,
-        sentence=(
-            f"{wire.course.name}{of}: {effect.sentence} Its {word} is {found.value:.4g} ± {found.std:.2g} {unit}, "
-            f"{found.stated:.4g} {unit} are stated ({percent:+.0f} %). {_falls(held_out, folds.words)}"
-        ),
+        basis=OfBand(effect, of, folds.what),
         alternatives=alike,
         also_possible=alike,
-        motion=effect.needs if alike else "",
-        evidence=shown,
+        evidence=band_evidence(ground, wire, effect.coordinate, found.joint, found.before, found.after),
     )
 
 
@@ -162,15 +154,13 @@ def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
     return float(step / np.sqrt(fallen)) if fallen > 0.0 else float("inf")
 
 
-def _moment(ground: Ground, winner: BandJudgement) -> str:
+def _moment(ground: Ground, winner: BandJudgement) -> Moment:
     """Where on the logs laid end to end an effect of one moment happens."""
-    if not winner.once:
-        return ""
     logs = ground.setting.logs
     moment = winner.added.shape[0] * logs.span
     log = int(np.searchsorted(logs.starts, moment, side="right")) - 1
-    stays = ", and stays so in later logs" if winner.added.shape[1] >= 0.5 and log < len(logs.logs) - 1 else ""
-    return f" It happens {moment - logs.starts[log]:.1f} s into {logs.logs[log].name}{stays}."
+    stays = winner.added.shape[1] >= 0.5 and log < len(logs.logs) - 1
+    return Moment(logs.logs[log].name, float(moment - logs.starts[log]), stays)
 
 
 def _instead(ground: Ground, scorer: Scorer, found: Contradicted) -> list[Alternative]:
@@ -182,31 +172,9 @@ def _instead(ground: Ground, scorer: Scorer, found: Contradicted) -> list[Altern
             if scored is not None and scored.gain > 0.5 * found.gain:
                 place = place_of(ground.setting.wires[found.band])
                 share = min(scored.gain / max(found.gain, 1e-300), 1.0)
-                result.append(Alternative(effect.name, place, share, "these data cannot tell it from what was named"))
+                result.append(Alternative(effect.name, place, share, Objection(Why.ALIKE)))
     return result
 
 
 def _of(effect: BandEffect, confounded: str) -> tuple[str, ...]:
     return (effect.name,) if effect.sort == "law" and confounded in effect.confounds else ()
-
-
-def _alternative(ground: Ground, judged: BandJudgement, alike: Sequence[BandJudgement]) -> Alternative:
-    told = "these data cannot tell it from what was named" if judged in alike else judged.objection or "explains less"
-    return replace(rejection(ground, judged), reason=told)
-
-
-def _falls(held_out: HeldOut, where: str) -> str:
-    return (
-        f"Added, the error of the supporting torque on {where} falls from {held_out.rmse_before:.2g} to "
-        f"{held_out.rmse_after:.2g} {held_out.unit} RMSE (noise floor {held_out.noise_floor:.2g}), "
-        f"{100 * held_out.explained:.0f} % of the excess."
-    )
-
-
-def _next(others: Sequence[Alternative]) -> str:
-    best = max(others, key=lambda each: each.score, default=None)
-    if best is None or best.score < 0.005:
-        return ""
-    return (
-        f" The next best, {at_place(best.effect, best.place.kind, best.place.name)}, explains {100 * best.score:.0f} %."
-    )

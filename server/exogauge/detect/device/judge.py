@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.doubt import deviations
-from exogauge.detect.device.logs import WearLogs
+from exogauge.detect.device.logs import BLOCK_S, WearLogs
 from exogauge.detect.device.model import Added, Fitted, Setting, Wear, fit, residual
 from exogauge.detect.device.score import BandScore, evidence
+from exogauge.findings.basis import LeftOut
+from exogauge.findings.objection import Objection, Why
 from exogauge.search.block_gains import summed, sureness
 
 Array = NDArray[np.float64]
@@ -36,10 +38,10 @@ FEWEST_IN_REGIME = 30
 @final
 @dataclass(frozen=True)
 class Folds:
-    """left_out: (N,) masks, one per fit. words: what is left out in turn; "" where nothing can be."""
+    """left_out: (N,) masks, one per fit. what: is left out in turn."""
 
     left_out: tuple[BoolArray, ...]
-    words: str
+    what: LeftOut
 
 
 @final
@@ -61,7 +63,7 @@ class BandJudgement:
     blocks: Array
     fitted_blocks: Array
     joint: int
-    objection: str
+    objection: Objection | None
 
     @property
     def once(self) -> bool:
@@ -86,18 +88,19 @@ def folds_of(logs: WearLogs) -> Folds:
     """The k-th log of every motion together; one log each where none is repeated; parts of a single log."""
     motions = [each.motion for each in logs.logs]
     place = np.array([motions[:k].count(motion) for k, motion in enumerate(motions)])
+    what: LeftOut
     repeated = np.array([motions.count(motion) > 1 for motion in motions])
     if repeated.any():
-        number, words = np.where(repeated, place % MOST_FOLDS, -1), "repetitions that were not fitted"
+        number, what = np.where(repeated, place % MOST_FOLDS, -1), "repetitions"
     elif len(motions) > 1:
-        number, words = np.arange(len(motions)) % MOST_FOLDS, "motions that were not fitted"
+        number, what = np.arange(len(motions)) % MOST_FOLDS, "motions"
     else:
         parts = int(min(PARTS, logs.time[-1] // SHORTEST_PART_S))
         if parts < 2:
-            return Folds((), "")
+            return Folds((), "nothing")
         part = np.minimum((logs.time / (logs.time[-1] / parts)).astype(np.intp), parts - 1)
-        return Folds(tuple(part == k for k in range(parts)), "parts of the log that were not fitted")
-    return Folds(tuple(number[logs.log] == k for k in range(number.max() + 1)), words)
+        return Folds(tuple(part == k for k in range(parts)), "parts")
+    return Folds(tuple(number[logs.log] == k for k in range(number.max() + 1)), what)
 
 
 def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
@@ -142,7 +145,7 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
         blocks=blocks,
         fitted_blocks=fitted_blocks,
         joint=int(np.argmax(by_joint)),
-        objection="",
+        objection=None,
     )
     return replace(judged, objection=_objection(judged, after_all))
 
@@ -174,35 +177,33 @@ def rmse(e: Array, joint: int) -> float:
     return float(np.sqrt(np.nanmean(own**2))) if np.isfinite(own).any() else float("nan")
 
 
-def _objection(judged: BandJudgement, ground: Ground) -> str:
+def _objection(judged: BandJudgement, ground: Ground) -> Objection | None:
     size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
     sure = SURE_ONCE if judged.once else SURE
     if float(size.max()) < sure:
-        return (
-            f"its size is not surely other than zero ({size.max():.1f} standard deviations, {sure:.0f} are asked for)"
-        )
+        return Objection(Why.SIZE_NOT_SURE, float(size.max()), sure)
     if judged.once:
         if judged.evidence < EVIDENCE_ONCE:
-            return "it happens once, so nothing can be held out, and the evidence is not overwhelming"
-    elif np.isfinite(judged.blocks).sum() < FEWEST_BLOCKS:
-        return "too little steady motion is left out of the fit to judge it"
+            return Objection(Why.ONCE)
+    elif (blocks := int(np.isfinite(judged.blocks).sum())) < FEWEST_BLOCKS:
+        return Objection(Why.TOO_SHORT, blocks * BLOCK_S, FEWEST_BLOCKS * BLOCK_S)
     needed = SPREAD_ONCE if judged.once else SURE
     if judged.z < needed:
-        return f"the error does not fall surely ({judged.z:.1f} standard errors, {needed:.0f} are asked for)"
+        return Objection(Why.NOT_SURE_ONCE if judged.once else Why.NOT_SURE, judged.z, needed)
     if rmse(judged.before, judged.joint) <= ground.floor[judged.joint]:
-        return "the error is no more than the noise floor without it"
+        return Objection(Why.AT_FLOOR)
     if _size(judged, ground) < 1.0:
-        return f"it is less than the noise and {100 * LEAST_OF_SUPPORT:.0f} % of the support where it shows most"
+        return Objection(Why.UNDER_SUPPORT, LEAST_OF_SUPPORT)
     if judged.explained < LEAST:
-        return f"it explains {100 * max(judged.explained, 0.0):.1f} % of the error: not worth a name"
+        return Objection(Why.LITTLE, max(judged.explained, 0.0))
     gains = (judged.before**2 - judged.after**2) / ground.sigma**2
     for name, inside in _regimes(ground, judged.added.wire):
         own = np.where(inside[:, None], gains, np.nan)
         if np.isfinite(own).any(axis=1).sum() >= FEWEST_IN_REGIME:
             worse = sureness(by_block(ground.setting.logs, own))
             if worse < -WORSE:
-                return f"it makes the error larger {name} ({-worse:.1f} standard errors)"
-    return ""
+                return Objection(Why.WORSE, -worse, of=(name,))
+    return None
 
 
 def _size(judged: BandJudgement, ground: Ground) -> float:
@@ -218,9 +219,9 @@ def _regimes(ground: Ground, wire: int) -> Sequence[tuple[str, BoolArray]]:
     own = ground.setting.wires[wire]
     usual = float(np.median(own.length))
     chosen: Mapping[str, Callable[[], BoolArray]] = {
-        "where the band is short": lambda: own.length < usual,
-        "where the band is long": lambda: own.length > usual,
-        "while the band lengthens": lambda: own.rate > 0.0,
-        "while the band shortens": lambda: own.rate < 0.0,
+        "short": lambda: own.length < usual,
+        "long": lambda: own.length > usual,
+        "lengthening": lambda: own.rate > 0.0,
+        "shortening": lambda: own.rate < 0.0,
     }
     return [(name, np.asarray(inside())) for name, inside in chosen.items()]

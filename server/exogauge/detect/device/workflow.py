@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.detect.chain import descendant
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.doubt import deviations
 from exogauge.detect.device.extra_band import further_wires, led_on
@@ -29,8 +30,9 @@ from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
 from exogauge.findings.band_numbers import BandNumbers
-from exogauge.findings.result import Alternative, ChainStep, Discrepancy, Excess, Finding, Lineage, Link
-from exogauge.findings.verdict import ABOVE, Seen
+from exogauge.findings.objection import Objection, Why
+from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Excess, Finding, Link
+from exogauge.findings.verdict import ABOVE, Caveat, Seen
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
 from exogauge.search.block_gains import summed, sureness
@@ -47,10 +49,6 @@ REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be l
 OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
 CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
 LED_ON = 4  # times, as joints are weighed anew each time
-UNCLEAR = (
-    "Something pulls on the robot with {} that is not described, on a course that these logs do not show exactly; "
-    "nothing is said of the other bands until it is."
-)
 
 
 @final
@@ -62,11 +60,11 @@ class WearFindings:
     chain: tuple[Link, ...]
     rejected: tuple[Alternative, ...]
     unexplained: tuple[Excess, ...]
-    before_after: Mapping[str, tuple[Estimate, Estimate]]
+    before_after: tuple[Consequence, ...]
     tried: int
-    notes: tuple[str, ...]
+    notes: tuple[Caveat, ...]
     seen: tuple[Seen, ...] = ()
-    cannot: tuple[str, ...] = ()
+    cannot: tuple[Caveat, ...] = ()
     bands: tuple[BandNumbers, ...] = ()
 
 
@@ -87,7 +85,7 @@ def find_band_effects(
     found = so_far
     for done, device in enumerate(devices.values()):
         progress(done / len(devices), f"looking for effects of {device.name}")
-        of = f" of {device.name}" if len(devices) > 1 else ""
+        of = device.name if len(devices) > 1 else ""
         said = search_wear(model, gathered, device, stiffness, beyond, effects, len(found.findings), of)
         found = appended(found, said)
     progress(1.0, "compared")
@@ -104,29 +102,27 @@ def search_wear(
     named: int,
     of: str,
 ) -> WearFindings:
-    """One device. named: findings that there are already. of: words that tell it from other devices, or ""."""
+    """One device. named: findings that there are already. of: its name where there are others, or ""."""
     ground = lay_ground(model, gathered, device, stiffness, beyond)
     if ground is None:
-        return _unjudged(f"No log with {device.name} has steady motion to judge its bands by.")
+        return _unjudged(Caveat("no_steady_motion", device.name))
     folds = folds_of(ground.setting.logs)
     if not folds.left_out:
-        return _unjudged(
-            f"Nothing can be held out of the only log with {device.name}, so no effect of its bands is claimed."
-        )
+        return _unjudged(Caveat("nothing_left_out", device.name))
     first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
     wears, explained = [ground.fitted.wear], np.zeros(len(ground.joints))
     while True:
         ground, judged, count = _judged(ground, effects, folds)
         judged = [each if each.objection else replace(each, objection=_remainder(each, explained)) for each in judged]
         tried = max(tried, count)
-        rejected = [rejection(ground, each) for each in judged if each.objection]
+        rejected = [rejection(ground, each, each.objection) for each in judged if each.objection]
         winner = next((each for each in judged if not each.objection), None)
         if winner is None or len(findings) >= MOST_EFFECTS:
             break
         sharpened, winner, judged = _sharpened(ground, winner, judged, folds)
         finding = name_effect(named + len(findings) + 1, sharpened, winner, judged, folds, of)
-        if reason := refused(finding):
-            rejected.append(not_named(finding, reason))
+        if objection := refused(finding):
+            rejected.append(not_named(finding, objection))
             break
         ground = sharpened
         findings.append(finding)
@@ -151,15 +147,15 @@ def search_wear(
         rejected=tuple(rejected),
         unexplained=_unexplained(ground, folds),
         seen=_seen(ground, folds),
-        before_after=_before_after(first, ground, of) if len(wears) > 1 else {},
+        before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
         bands=_numbers(ground) if len(wears) > 1 else (),
         tried=tried,
-        notes=(UNCLEAR.format(device.name),) if unclear else (),
+        notes=(Caveat("unclear_course", device.name),) if unclear else (),
     )
 
 
-def _unjudged(why: str) -> WearFindings:
-    return WearFindings((), (), (), (), {}, 0, (why,), cannot=(f"cannot judge the bands: {why[0].lower()}{why[1:-1]}",))
+def _unjudged(why: Caveat) -> WearFindings:
+    return WearFindings((), (), (), (), (), 0, (why,), cannot=(why,))
 
 
 def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
@@ -167,9 +163,7 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
     findings, unexplained = (*found.findings, *said.findings), (*found.unexplained, *said.unexplained)
     lines = list(found.lineage)
     for each in said.findings:
-        parent = lines[-1].version if lines else None
-        label = f"{each.effect}@{each.place.name}"
-        lines.append(Lineage(f"{parent}+{label}" if parent else label, parent, label))
+        lines.append(descendant(lines[-1], ChainStep("effect", each.effect, each.place)))
     return replace(
         found,
         findings=findings,
@@ -179,7 +173,7 @@ def appended(found: Discrepancy, said: WearFindings) -> Discrepancy:
         lineage=tuple(lines),
         candidates=found.candidates + said.tried,
         notes=(*found.notes, *said.notes),
-        before_after={**found.before_after, **said.before_after},
+        before_after=(*found.before_after, *said.before_after),
         seen=(*found.seen, *said.seen),
         cannot=(*found.cannot, *said.cannot),
         bands=(*found.bands, *said.bands),
@@ -243,13 +237,13 @@ def _leaves_least(found: Sequence[tuple[Ground, BandJudgement]]) -> tuple[Ground
     return min([found[0], *(each for each in found[1:] if not each[1].objection)], key=left)
 
 
-def _remainder(judged: BandJudgement, explained: Array) -> str:
-    """Why it may be what an effect that was named leaves because real bands follow no formula, or "". explained: (D,)
+def _remainder(judged: BandJudgement, explained: Array) -> Objection | None:
+    """Whether it may be what an effect that was named leaves because real bands follow no formula. explained: (D,)
     [N·m] RMS that the largest of those explained."""
     share = OF_A_WIRE if judged.added.effect.sort == "wire" else REMAINDER
     if judged.gone[judged.joint] < share * explained[judged.joint]:
-        return "it is small beside what was named before, and may be what that one's formula does not hold"
-    return ""
+        return Objection(Why.SMALL_BESIDE)
+    return None
 
 
 def _chain(
@@ -283,7 +277,7 @@ def _unexplained(ground: Ground, folds: Folds) -> tuple[Excess, ...]:
             count = summed(used[used].astype(float), ground.setting.logs.block[used])
             z = sureness(summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (ABOVE * floor) ** 2)
             if z > SURE:
-                found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z, "with the wear on"))
+                found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z))
     return tuple(found)
 
 
@@ -314,13 +308,18 @@ def _numbers(ground: Ground) -> tuple[BandNumbers, ...]:
     )
 
 
-def _before_after(first: Ground, last: Ground, of: str) -> Mapping[str, tuple[Estimate, Estimate]]:
+def _before_after(first: Ground, last: Ground, of: str) -> tuple[Consequence, ...]:
     """Stiffness and natural length of every band, as springs alone and with what was named."""
-    told: dict[str, tuple[Estimate, Estimate]] = {}
+    told: list[Consequence] = []
     W, was, now = len(first.device.bands), deviations(first, first.fitted), deviations(last, last.fitted)
+
+    def estimates(place: int, unit: str) -> tuple[Estimate, Estimate]:
+        pair = [(first.fitted.wear.theta, was), (last.fitted.wear.theta, now)]
+        one, other = (Estimate(float(theta[place]), float(std[place]), unit) for theta, std in pair)
+        return one, other
+
     for b, band in enumerate(first.device.bands):
-        for place, what, unit in ((b, "stiffness", "N/m"), (W + b, "natural length", "m")):
-            pair = [(first.fitted.wear.theta, was), (last.fitted.wear.theta, now)]
-            one, other = (Estimate(float(theta[place]), float(std[place]), unit) for theta, std in pair)
-            told[f"{what} of {band.name}{of}, without and with the wear's effects"] = one, other
-    return told
+        name = (band.name, of) if of else (band.name,)
+        told.append(Consequence("stiffness", name, *estimates(b, "N/m")))
+        told.append(Consequence("natural_length", name, *estimates(W + b, "m")))
+    return tuple(told)

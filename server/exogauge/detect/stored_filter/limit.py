@@ -18,10 +18,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.detect.stored_filter.floor import of_the_noise_floor
+from exogauge.detect.stored_filter.floor import floor_of
 from exogauge.detect.stored_filter.stored_pass import BLOCK_S, Band, beside_rest, stored_band
 from exogauge.detect.stored_filter.turn_evidence import turn_evidence
 from exogauge.errors import NotIdentifiable
+from exogauge.findings.basis import LowPassed
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
@@ -101,10 +102,6 @@ class _Judges:
     logs: tuple[str, ...]
     themselves: bool
 
-    @property
-    def said(self) -> str:
-        return f"error of {{}} in {', '.join(self.logs)}" if self.themselves else "held-out error of {}"
-
 
 def _stored_alike(edges: Mapping[str, Edge], among: Sequence[str]) -> tuple[str, ...]:
     """Logs that end as those `among` do in the middle."""
@@ -169,15 +166,7 @@ def _finding(
 ) -> Finding:
     held_out = _held_out(before, after, judges, free)
     where = ALL if len(band.logs) == len(limited) else ", ".join(band.logs)
-    sentence = (
-        f"The signals were low-passed at {band.cutoff.value:.2f} ± {band.cutoff.std:.2f} Hz "
-        f"(where half of an amplitude is left; {_shape_words(band, limited)}) "
-        f"before they were stored: the sensors' noise "
-        f"fades above, and in every joint friction turns round as slowly as such a filter does. "
-        f"With the model passed through the same low-pass the {judges.said.format(held_out.channel)}, turns included, "
-        f"falls from {held_out.rmse_before:.2g} to {held_out.rmse_after:.2g} {held_out.unit} RMSE. "
-        f"{of_the_noise_floor(after.model, limited, held_out.channel)}"
-    )
+    rate_hz = next(each.log.rate_hz for each in limited if each.log.name in band.logs)
     return Finding(
         rank=1,
         effect="band_limited_log",
@@ -185,19 +174,17 @@ def _finding(
         parameters={"cutoff": band.cutoff},
         held_out=held_out,
         score=held_out.explained,
-        sentence=sentence,
+        basis=LowPassed(
+            kind=band.stored.kind,
+            order=band.stored.order,
+            delay_s=band.stored.delay_s(rate_hz) if band.stored.late else None,
+            judges=judges.logs if judges.themselves else (),
+            floor=floor_of(after.model, limited, held_out.channel),
+        ),
         alternatives=tuple[Alternative, ...](),
         also_possible=tuple[Alternative, ...](),
-        motion="",
         evidence=_evidence(held_out.channel, judges.logs, before, after, limited),
     )
-
-
-def _shape_words(band: Band, limited: Sequence[Recording]) -> str:
-    """`Bessel, order 2, which makes them 75 ms late`."""
-    rate_hz = next(each.log.rate_hz for each in limited if each.log.name in band.logs)
-    late = f"which makes them {1e3 * band.stored.delay_s(rate_hz):.0f} ms late" if band.stored.late else "without delay"
-    return f"{band.stored.kind.capitalize()}, order {band.stored.order}, {late}"
 
 
 def _held_out(before: Identification, after: Identification, judges: _Judges, free: Mapping[str, BoolArray]) -> HeldOut:

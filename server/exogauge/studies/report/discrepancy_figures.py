@@ -11,7 +11,8 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from exogauge.findings.result import Evidence, Link
 from exogauge.studies.report.figures import COLOURS, STYLE, Array, draw_line, sheet, svg_text
-from exogauge.studies.words.discrepancy_sentences import chain_unit, channel, step_words
+from exogauge.studies.words.discrepancy_sentences import chain_unit
+from exogauge.studies.words.names import channel, step_words
 from exogauge.studies.words.rounding import significant
 
 FLOOR = "noise floor"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
@@ -11,22 +10,26 @@ from typing import Any, final
 from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
-from exogauge.findings.result import Alternative, Discrepancy, Excess, Finding, Link
+from exogauge.findings.result import Alternative, Consequence, Discrepancy, Excess, Finding, Lineage, Link
 from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence, is_cut
 from exogauge.studies.report.support_section import plus_minus
 from exogauge.studies.results.support_results import number
 from exogauge.studies.words.discrepancy_sentences import (
     chain_unit,
     chain_words,
-    channel,
     kind_of_channels,
-    left_sentence,
     looked_at,
     moves,
-    step_words,
-    verdict_sentence,
 )
-from exogauge.studies.words.effect_words import at_place, capital, parameter_words
+from exogauge.studies.words.finding_sentences import (
+    consequence_words,
+    finding_sentence,
+    motion_words,
+    note_words,
+    objection_words,
+    where_words,
+)
+from exogauge.studies.words.names import added_words, capital, channel, parameter_words, step_words, titled
 from exogauge.studies.words.rounding import significant, with_std
 
 COORDINATES = {
@@ -35,8 +38,6 @@ COORDINATES = {
     "load": "load on the joint",
     "reading": "expected reading",
 }
-_MINUS = re.compile(r"(?<![^\s(±])-(?=\d)")
-_UNIT = re.compile(r"(?<=\d) (?=%|±|[Nmk]·?[mg/]|rad|°|s\b)|(?<=±) (?=\d)")
 CHAIN = "From the first model to the noise floor"
 BEYOND_BAND = "Above the cut-off, of which the model says nothing, the noise alone counts. "
 WEAR_CHAIN = "The model of the wear, from bands as described to the noise floor of the supporting torque"
@@ -155,12 +156,11 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
     findings = tuple(_finding(each, f"d{each.rank}") for each in found.findings)
     chain = _chain(found.chain, "dc", CHAIN) if found.chain else None
     wear_chain = _chain(found.wear_chain, "dw", WEAR_CHAIN) if found.wear_chain else None
-    pairs = found.before_after.items()
     return DiscrepancyView(
         verdict=entry["verdict"],
         at_floor=entry["left"] == "nothing",
-        sentence=verdict_sentence(entry),
-        left=left_sentence(entry),
+        sentence=entry["sentence"],
+        left=entry["left_sentence"],
         looked_at=looked_at(content),
         channels=kind_of_channels(content),
         chain=chain,
@@ -169,10 +169,10 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
         rejected=_rejected(found.rejected),
-        changes=tuple(_change(quantity, *pair) for quantity, pair in pairs if moves(*map(number, pair))),
-        unchanged=tuple(_change(quantity, *pair) for quantity, pair in pairs if not moves(*map(number, pair))),
-        lineage=tuple((each.version, each.parent or "–", each.added or "–") for each in found.lineage),
-        notes=tuple(dict.fromkeys(found.notes)),
+        changes=tuple(_change(each) for each in found.before_after if _moves(each)),
+        unchanged=tuple(_change(each) for each in found.before_after if not _moves(each)),
+        lineage=tuple((each.version, each.parent or "–", _added(each)) for each in found.lineage),
+        notes=tuple(dict.fromkeys(map(note_words, found.notes))),
         drawn=len(findings) + (chain is not None) + (wear_chain is not None),
     )
 
@@ -194,13 +194,13 @@ def _chain(links: Sequence[Link], key: str, of: str) -> Picture:
 
 def _finding(finding: Finding, key: str) -> FindingView:
     held = finding.held_out
-    title = at_place(finding.effect, finding.place.kind, finding.place.name, finding.place.part)
+    title = titled(finding.effect, finding.place)
     own = CandidateRow(capital(title), finding.effect, *_share(finding.score), "the one named", chosen=True)
     others = sorted(finding.alternatives, key=_by_score)
     return FindingView(
         title=capital(title),
         effect=finding.effect,
-        sentence=typeset(finding.sentence),
+        sentence=finding_sentence(finding),
         channel=channel(held.channel),
         before=significant(held.rmse_before),
         after=significant(held.rmse_after),
@@ -210,7 +210,7 @@ def _finding(finding: Finding, key: str) -> FindingView:
         parameters=tuple(_parameter(finding.effect, name, each) for name, each in finding.parameters.items()),
         beaten=(own, *(_candidate(each) for each in others)),
         alike=tuple(_candidate(each) for each in finding.also_possible),
-        motion=typeset(finding.motion),
+        motion=motion_words(finding),
     )
 
 
@@ -246,19 +246,14 @@ def _parameter(effect: str, name: str, found: Estimate) -> ParameterRow:
 
 
 def _candidate(other: Alternative) -> CandidateRow:
-    title = at_place(other.effect, other.place.kind, other.place.name, other.place.part)
-    return CandidateRow(capital(title), other.effect, *_share(other.score), typeset(other.reason))
+    title = capital(titled(other.effect, other.place))
+    return CandidateRow(title, other.effect, *_share(other.score), objection_words(other.objection))
 
 
 def _rejected(found: Sequence[Alternative]) -> tuple[CandidateRow, ...]:
     """Each effect at its place once, with the most that it ever explained: rounds of the search repeat them."""
     best = {(each.effect, each.place): each for each in sorted(found, key=_by_score, reverse=True)}
     return tuple(_candidate(each) for each in sorted(best.values(), key=_by_score))
-
-
-def typeset(text: str) -> str:
-    """True arrows and minus signs, and no line break between a number and its unit."""
-    return _UNIT.sub("\u00a0", _MINUS.sub("−", text.replace("->", "→")))
 
 
 def _share(score: float) -> tuple[str, float]:
@@ -282,15 +277,23 @@ def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
             significant(each.rmse / each.noise_floor, 2) if each.noise_floor > 0.0 else "–",
             significant(each.z, 2),
             each.unit,
-            typeset(each.where),
+            where_words(each),
         )
         for each in ordered
     )
 
 
-def _change(quantity: str, before: Estimate, after: Estimate) -> ChangeRow:
-    change = ""
+def _moves(found: Consequence) -> bool:
+    return moves(number(found.before), number(found.after))
+
+
+def _change(found: Consequence) -> ChangeRow:
+    before, after, change = found.before, found.after, ""
     if math.isfinite(before.value) and math.isfinite(after.value) and before.value != 0.0:
         percent = round(100 * (abs(after.value) / abs(before.value) - 1.0))
         change = f"{'+' if percent > 0 else '−' if percent < 0 else ''}{abs(percent)} %"
-    return ChangeRow(quantity, plus_minus(before), plus_minus(after), after.unit, change)
+    return ChangeRow(consequence_words(found), plus_minus(before), plus_minus(after), after.unit, change)
+
+
+def _added(version: Lineage) -> str:
+    return capital(added_words(version.added)) if version.added else "–"

@@ -11,7 +11,6 @@ from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.studies.report.figures import label
 from exogauge.studies.report.stiffness_section import headline_band, stiffness_sentence
 from exogauge.studies.report.support_section import strongest, support_sentence
-from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import Evaluation, Summary
 from exogauge.studies.results.support_results import devices
 from exogauge.studies.words.discrepancy_sentences import verdict_sentence
@@ -91,11 +90,11 @@ def lead(evaluation: Evaluation, pooled: Sequence[Summary]) -> str:
 
 def leads(evaluation: Evaluation) -> list[str]:
     """The first sentences. What the model lacks comes first, for it bears on all else; that it lacks nothing, last."""
-    device, entry = device_lead(evaluation), discrepancy_entry(evaluation.discrepancy)
-    if entry is None:
+    device, found = device_lead(evaluation), evaluation.discrepancy
+    if found is None:
         return device
-    gap = [verdict_sentence(entry)]
-    return device + gap if entry["verdict"] == "none" else gap + device
+    gap = [verdict_sentence(found)]
+    return device + gap if found.verdict == "none" else gap + device
 
 
 def device_lead(evaluation: Evaluation) -> list[str]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
 from exogauge.studies.report.support_section import plus_minus
+from exogauge.studies.words.finding_sentences import band_note
 from exogauge.studies.words.rounding import between, rounded, significant
 
 APPROACHES: tuple[Approach, ...] = ("A", "B", "prior")
@@ -150,7 +151,7 @@ def _notes(by: dict[Approach, StiffnessResult]) -> tuple[str, ...]:
     """What the identification says of bands and of the whole, each sentence once."""
     identified = [each for approach, each in by.items() if approach != "prior"]
     whole = [note for each in identified for note in each.notes]
-    of_bands = [f"{band.band}: {band.note}" for each in identified for band in each.bands if band.note]
+    of_bands = [f"{band.band}: {said}" for each in identified for band in each.bands if (said := band_note(band))]
     return tuple(dict.fromkeys([*whole, *of_bands]))
 
 

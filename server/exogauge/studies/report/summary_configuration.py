@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from exogauge.studies.report.page_model import plain
-from exogauge.studies.words.discrepancy_sentences import counted
-from exogauge.studies.words.effect_words import listed
+from exogauge.studies.words.names import counted, listed
 from exogauge.studies.words.notices import repeats
 from exogauge.studies.words.rounding import significant
 

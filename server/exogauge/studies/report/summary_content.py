@@ -12,11 +12,9 @@ from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, 
 from exogauge.studies.report.summary_configuration import configuration_facts, provenance_facts
 from exogauge.studies.report.summary_figure import support_figure
 from exogauge.studies.report.support_section import plus_minus
-from exogauge.studies.words.discrepancy_sentences import counted, left_sentence, verdict_sentence
-from exogauge.studies.words.effect_words import listed
+from exogauge.studies.words.names import NO_BREAK, counted, listed
 from exogauge.studies.words.rounding import significant
 
-NO_BREAK = "\u00a0"
 LABEL = "SYNTHETIC DATA: made by a simulator, not measured"
 FOOTER = (
     "± one standard deviation: noise, what the model leaves unexplained, and the prior; not effects that nobody named. "
@@ -92,8 +90,7 @@ def _found(results: Mapping[str, Any], detail: Detail) -> list[str]:
     worn = " ".join(_strongest(results, device) for device in results["scope"]["devices"][: detail.devices])
     lacks = ""
     if results["discrepancy"] is not None:
-        verdict = verdict_sentence(results["discrepancy"])
-        lacks = f"{verdict} {left_sentence(results['discrepancy'])}"
+        lacks = f"{results['discrepancy']['sentence']} {results['discrepancy']['left_sentence']}"
     return [each for each in (worn, lacks.strip(), _errors(results["identification"]["summary"])) if each]
 
 

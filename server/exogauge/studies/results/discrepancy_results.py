@@ -2,42 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from exogauge.devices.result import Estimate
-from exogauge.findings.result import Alternative, Discrepancy, Evidence, Finding, Link, Place
-from exogauge.studies.results.planned_motions import apart_entries, planned_entries
+from exogauge.findings.objection import Objection
+from exogauge.findings.result import Alternative, Discrepancy, Evidence, Excess, Finding, Lineage, Link, Place
+from exogauge.studies.results.planned_motions import planned_entries
 from exogauge.studies.results.support_results import number
-from exogauge.studies.words.discrepancy_sentences import left_sentence, step_words, verdict_sentence
-from exogauge.studies.words.effect_words import at_place, parameter_words
+from exogauge.studies.words.discrepancy_sentences import left_sentence, verdict_sentence
+from exogauge.studies.words.finding_sentences import (
+    consequence_words,
+    finding_sentence,
+    motion_words,
+    note_words,
+    objection_words,
+    reason_words,
+    where_words,
+)
+from exogauge.studies.words.names import added_words, capital, channel, parameter_words, step_words, titled
 
 
 def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
     """`discrepancy`: None where the step was skipped; `steps[]` then says why."""
     if found is None:
         return None
-    entry = {
-        **asdict(found.decision),
+    return {
+        "verdict": found.verdict,
+        "left": found.decision.left,
+        "reason": reason_words(found.decision.reason),
+        "sentence": verdict_sentence(found),
+        "left_sentence": left_sentence(found),
         "findings": [
             _finding(each, 1 + sum(len(before.plans) for before in found.findings[:number]))
             for number, each in enumerate(found.findings)
         ],
         "chain": [_link(each) for each in found.chain],
         "wear_chain": [_link(each) for each in found.wear_chain],
-        "located": [asdict(each) for each in found.located],
-        "unexplained": [asdict(each) for each in found.unexplained],
+        "located": [_excess(each) for each in found.located],
+        "unexplained": [_excess(each) for each in found.unexplained],
         "rejected": [_alternative(each) for each in found.rejected],
-        "lineage": [asdict(each) for each in found.lineage],
+        "lineage": [_version(each, found.findings) for each in found.lineage],
         "candidates": found.candidates,
-        "notes": list(found.notes),
+        "notes": [note_words(each) for each in found.notes],
         "before_after": {
-            quantity: {"before": number(before), "after": number(after)}
-            for quantity, (before, after) in found.before_after.items()
+            consequence_words(each): {"before": number(each.before), "after": number(each.after)}
+            for each in found.before_after
         },
     }
-    return entry | {"sentence": verdict_sentence(entry), "left_sentence": left_sentence(entry)}
 
 
 def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:
@@ -45,20 +58,38 @@ def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:
         "rank": finding.rank,
         "effect": finding.effect,
         "where": where(finding.place),
-        "title": at_place(finding.effect, finding.place.kind, finding.place.name, finding.place.part),
+        "title": titled(finding.effect, finding.place),
         "parameters": numbers(finding.parameters),
         "parameter_words": {
             name: said for name in finding.parameters if (said := parameter_words(finding.effect, name))
         },
-        "held_out": asdict(finding.held_out),
+        "held_out": asdict(finding.held_out) | {"channel_words": channel(finding.held_out.channel)},
         "score": finding.score,
-        "evidence": finding.sentence,
+        "evidence": finding_sentence(finding),
         "alternatives": [_alternative(each) for each in finding.alternatives],
         "also_possible": [_alternative(each) for each in finding.also_possible],
-        "motion": finding.motion,
-        "apart": apart_entries(finding),
+        "motion": motion_words(finding),
+        "apart": [asdict(each) for each in finding.apart],
         "planned": planned_entries(finding, first_plan),
         "curve": _curve(finding.evidence, finding.held_out.unit),
+    }
+
+
+def _excess(excess: Excess) -> dict[str, Any]:
+    return asdict(excess) | {"where": where_words(excess), "channel_words": channel(excess.channel)}
+
+
+def _version(version: Lineage, findings: Sequence[Finding]) -> dict[str, Any]:
+    """finding: rank of the one that made the version."""
+    step = version.added
+    made = next((each for each in findings if step and step.what == "effect" and each.effect == step.effect
+                 and step.place in (each.place, *each.alike)), None)  # fmt: skip
+    return {
+        "version": version.version,
+        "parent": version.parent,
+        "added": step.identifier if step else "",
+        "title": capital(added_words(step)) if step else "",
+        "finding": made.rank if made else None,
     }
 
 
@@ -76,18 +107,29 @@ def numbers(found: Mapping[str, Estimate]) -> dict[str, dict[str, Any]]:
 
 def _link(link: Link) -> dict[str, Any]:
     step = link.step
-    place = where(step.place) if step.place else None
-    return asdict(link) | {"step": step_words(step), "what": step.what, "effect": step.effect or None, "where": place}
+    return asdict(link) | {
+        "step": step_words(step),
+        "what": step.what,
+        "effect": step.effect or None,
+        "where": where(step.place) if step.place else None,
+        "worst_words": channel(link.worst),
+    }
 
 
 def _alternative(other: Alternative) -> dict[str, Any]:
     return {
         "effect": other.effect,
         "where": where(other.place),
-        "title": at_place(other.effect, other.place.kind, other.place.name, other.place.part),
+        "title": titled(other.effect, other.place),
         "score": other.score,
-        "reason": other.reason,
+        "reason": objection_words(other.objection),
+        "objection": _objection(other.objection),
     }
+
+
+def _objection(found: Objection) -> dict[str, Any]:
+    sizes = numbers(found.sizes)
+    return {"why": found.why.value, "value": found.value, "beside": found.beside, "of": list(found.of), "sizes": sizes}
 
 
 def _curve(evidence: Evidence, unit: str) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from exogauge.studies.results.scope import scope_entry
 from exogauge.studies.results.stiffness_results import stiffness_details, stiffness_entries
 from exogauge.studies.results.study_record import StudyRecord, says_synthetic
 from exogauge.studies.results.support_results import support_entries
+from exogauge.studies.words.names import channel
 from exogauge.studies.words.reading_words import READING
 from exogauge.support.result import SupportResult
 from exogauge.support.settings import SupportSettings
@@ -119,7 +120,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "doctor": list(evaluation.findings),
         "identification": {
             "summary": [asdict(each) for each in summaries(found, joints)],
-            "validation": [asdict(fit) for fit in found.validation],
+            "validation": [asdict(fit) | {"channel_words": channel(fit.channel)} for fit in found.validation],
             "parameters": [parameter_entry(each) for each in found.parameters],
             "joints": joint_entries(found, joints),
             "sensors": sensor_entries(found, evaluation.robot),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from exogauge.findings.planned_motion import PlannedMotion
 from exogauge.findings.result import Discrepancy, Finding
 from exogauge.studies.csv_table import csv_table
+from exogauge.studies.words.finding_sentences import planned_sentence
 
 PLANNED = "planned_motion_*.csv"
 PLACES = 5  # decimals: 10 µrad
@@ -30,11 +30,6 @@ def file_name(name: str) -> str:
 def planned_entries(finding: Finding, first: int) -> list[dict[str, Any]]:
     """`planned[]` of a finding; first: number of its first file."""
     return [_entry(plan, file_name(f"planned_motion_{number}")) for number, plan in enumerate(finding.plans, first)]
-
-
-def apart_entries(finding: Finding) -> list[dict[str, Any]]:
-    """`apart[]`: of every rival, how far it is from the finding."""
-    return [asdict(each) for each in finding.apart]
 
 
 def motion_table(plan: PlannedMotion) -> bytes:
@@ -60,5 +55,5 @@ def _entry(plan: PlannedMotion, file: str) -> dict[str, Any]:
         "repeats": plan.repeats,
         "duration_s": plan.duration,
         "tells_from": [each.rival for each in plan.pairs],
-        "sentence": plan.sentence,
+        "sentence": planned_sentence(plan),
     }

@@ -9,8 +9,7 @@ from typing import Any
 from exogauge.robots.description import Robot
 from exogauge.studies.results.study_record import JointTravel, LogRecord, StudyRecord
 from exogauge.studies.results.support_results import main_joints
-from exogauge.studies.words.discrepancy_sentences import counted
-from exogauge.studies.words.effect_words import listed
+from exogauge.studies.words.names import counted, listed
 from exogauge.studies.words.rounding import rounded, significant
 from exogauge.support.result import SupportResult
 

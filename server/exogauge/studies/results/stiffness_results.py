@@ -8,6 +8,7 @@ from typing import Any
 from exogauge.devices.result import StiffnessResult
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.results.support_results import number
+from exogauge.studies.words.finding_sentences import band_note
 
 
 def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
@@ -28,7 +29,7 @@ def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
             "error_percent": band.error_percent,
             "identifiable": bool(band.identifiable),
             "length_identifiable": bool(band.length_identifiable),
-            "note": band.note,
+            "note": band_note(band),
         }
         for each in found
         for band in each.bands
@@ -64,7 +65,7 @@ def stiffness_table(found: Sequence[StiffnessResult]) -> bytes:
             *(band.stiffness.value, band.stiffness.std, *band.stiffness_interval),
             *(band.natural_length.value, band.natural_length.std, *band.natural_length_interval),
             *(band.true_stiffness, band.error_percent, bool(band.identifiable), bool(band.length_identifiable)),
-            band.note,
+            band_note(band),
         ]
         for each in found
         for band in each.bands

@@ -3,7 +3,7 @@ import { Table } from "@mantine/core";
 import { percent } from "../../parts/digits";
 import { number, WideTable } from "../../parts/WideTable";
 import type { Candidate } from "./results";
-import { titleOf, typeset } from "./words";
+import { titleOf } from "./words";
 
 /** Candidates with the share of the excess that each explains on held-out logs, and why it was not chosen. */
 export function CandidateTable({ name, rows, chosen }: { name: string; rows: Candidate[]; chosen?: number }) {
@@ -22,7 +22,7 @@ export function CandidateTable({ name, rows, chosen }: { name: string; rows: Can
             {title}
           </Table.Th>
           <Table.Td data-number>{each.score === null ? "–" : percent(Math.max(each.score, 0))}</Table.Td>
-          <Table.Td>{typeset(each.reason)}</Table.Td>
+          <Table.Td>{each.reason}</Table.Td>
         </Table.Tr>
       ))}
     </WideTable>

@@ -3,7 +3,7 @@ import { Text, Title } from "@mantine/core";
 import { isNumber, significant } from "../../parts/digits";
 import styles from "./Chain.module.css";
 import type { Link } from "./results";
-import { capital, channelWords } from "./words";
+import { capital } from "./words";
 
 const FLOORS = "floors";
 const CUT = 4; // a first bar longer than this times the next is cut, or nothing could be told of the others
@@ -69,10 +69,11 @@ function Bar({ length, floor, end, unit, first }: BarProps) {
   );
 }
 
-function worst({ worst: channel, worst_rmse, worst_floor, unit }: Link): string {
-  if (!channel) return "";
+function worst({ worst, worst_words, worst_rmse, worst_floor, unit }: Link): string {
+  if (!worst) return "";
+  const channel = worst_words ?? worst;
   if ((worst_rmse ?? 0) <= (worst_floor ?? 0)) return "every channel at its floor or below";
   if (unit === FLOORS && isNumber(worst_rmse) && isNumber(worst_floor) && worst_floor > 0)
-    return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse / worst_floor)} times`;
-  return `furthest above its floor: ${channelWords(channel)}, ${significant(worst_rmse)} over ${significant(worst_floor)}`;
+    return `furthest above its floor: ${channel}, ${significant(worst_rmse / worst_floor)} times`;
+  return `furthest above its floor: ${channel}, ${significant(worst_rmse)} over ${significant(worst_floor)}`;
 }

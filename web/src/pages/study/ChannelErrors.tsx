@@ -4,7 +4,6 @@ import { useMemo, useState } from "react";
 import { isNumber } from "../../parts/digits";
 import { BeforeAfter, type ErrorRow } from "./BeforeAfter";
 import type { Fit } from "./results";
-import { channelWords } from "./words";
 
 const FIRST = 10;
 const KINDS = { all: "All", tau: "Joint torque", base: "Base", ft: "Sensors" } as const;
@@ -64,7 +63,7 @@ function pooled(fits: Fit[], samples: ReadonlyMap<string, number>): (ErrorRow & 
   };
   const rows = [...channels].map(([channel, found]) => ({
     channel,
-    name: channelWords(channel),
+    name: found[0]!.channel_words ?? channel,
     before: rms(found, "rmse_prior"),
     after: rms(found, "rmse_identified"),
     steady: channel.startsWith("tau.") ? rms(found, "rmse_moving") : null, // what has no friction is steady throughout

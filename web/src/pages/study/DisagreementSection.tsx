@@ -13,7 +13,7 @@ import { Skipped } from "./Skipped";
 import { counted, leftOf, verdictOf } from "./verdict";
 import { count } from "../../parts/size";
 import { Versions } from "./Versions";
-import { capital, channelWords, typeset } from "./words";
+import { capital } from "./words";
 
 const CHANGED = 0.1;
 
@@ -73,7 +73,7 @@ export function DisagreementSection({ study, job, results }: { study: Study; job
       {found.notes.length > 0 && (
         <List size="sm">
           {[...new Set(found.notes)].map((note) => (
-            <List.Item key={note}>{typeset(note)}</List.Item>
+            <List.Item key={note}>{note}</List.Item>
           ))}
         </List>
       )}
@@ -86,7 +86,7 @@ function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
     <WideTable label={name} columns={["Channel", ...numbers("RMSE", "Noise floor", "Standard errors above"), "Where"]}>
       {rows.map((each) => (
         <Table.Tr key={each.channel}>
-          <Table.Th scope="row">{channelWords(each.channel)}</Table.Th>
+          <Table.Th scope="row">{each.channel_words ?? each.channel}</Table.Th>
           <Table.Td data-number>
             {significant(each.rmse)} {each.unit}
           </Table.Td>
@@ -94,7 +94,7 @@ function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
             {significant(each.noise_floor)} {each.unit}
           </Table.Td>
           <Table.Td data-number>{significant(each.z, 2)}</Table.Td>
-          <Table.Td>{typeset(each.where)}</Table.Td>
+          <Table.Td>{each.where}</Table.Td>
         </Table.Tr>
       ))}
     </WideTable>

@@ -4,26 +4,27 @@ import { useElementSize } from "@mantine/hooks";
 import { isNumber, significant } from "../../parts/digits";
 import { numbers, WideTable } from "../../parts/WideTable";
 import styles from "./EvidencePlot.module.css";
-import type { Curve, Num } from "./results";
+import type { Curve, Finding, Num } from "./results";
 import { spread } from "./stretch";
 import { tickWords, ticks } from "../../plots/ticks";
-import { capital, channelWords, lower } from "./words";
+import { capital } from "./words";
 
 const HEIGHT = 280;
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 46 };
 const DOUBT = 2;
 const WORDS: Record<string, string> = { position: "angle", drive: "torque of the motor", load: "load on the joint" };
 
-type Props = { curve: Curve; channel: string; title: string };
+type Props = { finding: Finding; effect: string };
 
 /** What the model lacks, of a joint's torque or a sensor's reading, over what the effect depends on: means of bins with two standard errors. */
-export function EvidencePlot({ curve, channel, title }: Props) {
+export function EvidencePlot({ finding: { curve, held_out: held }, effect }: Props) {
   const { ref, width } = useElementSize<HTMLDivElement>();
   const { name, unit } = curve.coordinate;
   const over = `${WORDS[name] ?? name.replaceAll("_", " ")}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
-  const torque = /^(tau|support)\./.test(channel);
+  const torque = !held.channel.startsWith("ft.") && !held.channel.startsWith("base.");
+  const channel = held.channel_words ?? held.channel;
   const way = curve.along_motion ? " along its motion" : "";
-  const lack = torque ? `Torque that acts on ${channelWords(channel)}${way} and that the model lacks` : `What the model lacks of ${channelWords(channel)}`;
+  const lack = torque ? `Torque that acts on ${channel}${way} and that the model lacks` : `What the model lacks of ${channel}`;
   const own = torque ? "torque of the effect" : "the effect’s own part";
   return (
     <figure className={styles.figure}>
@@ -37,12 +38,12 @@ export function EvidencePlot({ curve, channel, title }: Props) {
       </div>
       <figcaption>
         <Text size="xs" c="dimmed">
-          {lack}, over {over}: means of bins, without and with {lower(title)}.
+          {lack}, over {over}: means of bins, without and with {effect}.
         </Text>
       </figcaption>
       <details className={styles.numbers}>
         <summary>The same as a table</summary>
-        <Numbers curve={curve} over={over} own={capital(own)} title={title} />
+        <Numbers curve={curve} over={over} own={capital(own)} title={capital(effect)} />
       </details>
     </figure>
   );

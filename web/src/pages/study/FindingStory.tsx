@@ -8,7 +8,7 @@ import { number, WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { EvidencePlot } from "./EvidencePlot";
 import type { Finding, Measured } from "./results";
-import { channelWords, titleOf, typeset } from "./words";
+import { titleOf } from "./words";
 
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
 
@@ -23,15 +23,15 @@ export function FindingStory({ finding, jobId }: { finding: Finding; jobId: stri
         {title}
       </Title>
       <Text mb="xs" style={{ maxWidth: "60rem" }}>
-        {typeset(finding.evidence)}
+        {finding.evidence}
       </Text>
       <Text size="sm" c="dimmed" mb="sm">
-        {channelWords(held.channel)}, {held.log ? `${held.log} alone` : "held-out logs"}: {significant(held.rmse_before)} → {significant(held.rmse_after)} {held.unit} RMSE, noise
+        {held.channel_words ?? held.channel}, {held.log ? `${held.log} alone` : "held-out logs"}: {significant(held.rmse_before)} → {significant(held.rmse_after)} {held.unit} RMSE, noise
         floor {significant(held.noise_floor)}; it explains {percent(finding.score)} of the excess.
       </Text>
       <Stack gap="lg">
         {finding.curve.coordinate.values.length > 1 && (
-          <EvidencePlot curve={finding.curve} channel={held.channel} title={title} />
+          <EvidencePlot finding={finding} effect={finding.title ?? finding.effect} />
         )}
         <div style={{ maxWidth: "30rem" }}>
           <WideTable label={`Parameters of ${title}`} columns={["Parameter", number("Value ± std")]}>
@@ -57,7 +57,7 @@ export function FindingStory({ finding, jobId }: { finding: Finding; jobId: stri
             <CandidateTable name={`What may stand in for ${title}`} rows={finding.also_possible} />
             {finding.motion && (
               <Text size="sm" mt="xs">
-                <strong>The motion that would tell:</strong> {typeset(finding.motion)}
+                <strong>The motion that would tell:</strong> {finding.motion}
                 {finding.planned?.map(({ file }) => (
                   <span key={file}>
                     {" "}

@@ -9,7 +9,7 @@ import type { Results } from "./results";
 import type { SectionKey } from "./sections";
 import { verdictOf } from "./verdict";
 import { plainly } from "./stages";
-import { channelWords, POOLED, STEPS, typeset } from "./words";
+import { POOLED, STEPS } from "./words";
 
 /** The findings on one screen; each leads to where it is told in full. */
 export function SummarySection({ study, results }: { study: Study; results: Results }) {
@@ -42,13 +42,13 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
         {discrepancy && (
           <Card study={study} to="disagreement" title="Disagreement">
             {discrepancy.findings.map((each) => (
-              <Fact key={each.rank} name={channelWords(each.held_out.channel)}>
+              <Fact key={each.rank} name={each.held_out.channel_words ?? each.held_out.channel}>
                 {significant(each.held_out.rmse_before)} → <strong>{significant(each.held_out.rmse_after)}</strong> {each.held_out.unit},
                 noise {significant(each.held_out.noise_floor)}
               </Fact>
             ))}
             <Fact name="Still unexplained">
-              {discrepancy.unexplained.map((each) => channelWords(each.channel)).join(", ") || (discrepancy.left === "nothing" ? "nothing above the noise" : "cannot be judged")}
+              {discrepancy.unexplained.map((each) => each.channel_words ?? each.channel).join(", ") || (discrepancy.left === "nothing" ? "nothing above the noise" : "cannot be judged")}
             </Fact>
             <Fact name="Tried">{count(discrepancy.candidates, "candidate")}</Fact>
           </Card>
@@ -89,7 +89,7 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
               </List.Item>
             ))}
             {results.warnings.map((warning) => (
-              <List.Item key={warning}>{typeset(warning)}</List.Item>
+              <List.Item key={warning}>{warning}</List.Item>
             ))}
           </List>
         </section>

@@ -7,7 +7,6 @@ import { count } from "../../parts/size";
 import type { Job } from "./jobs";
 import type { Discrepancy, Finding, Results } from "./results";
 import { summaryOf } from "./summary";
-import { capital, pointOf, titleOf } from "./words";
 
 const LISTED = 4;
 
@@ -20,9 +19,9 @@ export function Versions({ study, job, results, found }: Props) {
   const fitted = namesOf(validation.filter((fit) => !fit.held_out));
   const judged = namesOf(validation.filter((fit) => fit.held_out));
   const worn = (summaryOf(study).logs ?? []).filter((log) => log.role === "with_device").map((log) => log.name);
-  const rows = found.lineage.map(({ version, added }) => {
-    const finding = found.findings.find((each) => isOf(added, each));
-    return { version, added, finding, logs: finding && isOfWear(finding) ? worn : judged };
+  const rows = found.lineage.map((each) => {
+    const finding = found.findings.find(({ rank }) => rank === each.finding);
+    return { ...each, finding, logs: finding && isOfWear(finding) ? worn : judged };
   });
   return (
     <section aria-labelledby="lineage">
@@ -33,10 +32,10 @@ export function Versions({ study, job, results, found }: Props) {
         Made <When at={job.finished_at ?? job.created_at} />. Each is the one above it with one effect more, fitted anew.
       </Text>
       <WideTable label="Versions of the model" columns={["Version", "What was added", "From which logs", "Identifier"]}>
-        {rows.map(({ version, added, finding, logs }, k) => (
+        {rows.map(({ version, added, title, finding, logs }, k) => (
           <Table.Tr key={version}>
             <Table.Td>{k + 1}</Table.Td>
-            <Table.Th scope="row">{finding ? titleOf(finding) : k === 0 ? "Nothing: the robot as identified" : capital(inWords(added, found.findings))}</Table.Th>
+            <Table.Th scope="row">{k === 0 ? "Nothing: the robot as identified" : (title ?? added)}</Table.Th>
             <Table.Td>
               {k === 0 ? (
                 <>
@@ -72,16 +71,6 @@ function Logs({ names }: { names: string[] }) {
 
 function namesOf(fits: { log: string }[]): string[] {
   return [...new Set(fits.map((fit) => fit.log))];
-}
-
-/** `stribeck@torso_pitch` is what the finding of that effect at that place added. */
-function isOf(added: string, { effect, where }: Finding): boolean {
-  return added === `${effect}@${pointOf(where)}`;
-}
-
-/** An effect at its place, named as its finding is. */
-function inWords(added: string, findings: Finding[]): string {
-  return findings.reduce((words, each) => words.replace(`${each.effect}@${pointOf(each.where)}`, titleOf(each)), added);
 }
 
 function isOfWear({ where }: Finding): boolean {

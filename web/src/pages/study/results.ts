@@ -23,7 +23,6 @@ export type Curve = Schemas["EvidenceCurve"];
 export type Link = Schemas["ChainLink"];
 export type Excess = Schemas["ChannelExcess"];
 export type Measured = Schemas["Measured"];
-export type Place = Finding["where"];
 export type Doubt = Schemas["SignalDoubt"];
 export type Reading = Schemas["Reading"];
 

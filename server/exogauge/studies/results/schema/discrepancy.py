@@ -21,7 +21,19 @@ class HeldOutError(Part):
     rmse_before: Number = Field(description="without the effect [unit]")
     rmse_after: Number = Field(description="with it [unit]")
     noise_floor: Number = Field(description="that the sensors' own noise leaves [unit]")
+    channel_words: str = later("the channel in words")
     log: str = later("the only log that has the effect, then fitted; else empty")
+
+
+@final
+class Objection(Part):
+    """Why a candidate was not chosen, as data."""
+
+    why: str = Field(description="which objection")
+    value: Number = Field(description="the number that stands against it")
+    beside: Number = Field(description="what was asked for, or what it stands beside")
+    of: list[str] = Field(description="effects, the channel and the log, or the regime that it is about")
+    sizes: dict[str, Measured] = Field(description="parameters that may as well be none")
 
 
 @final
@@ -33,6 +45,7 @@ class Candidate(Part):
     title: str = later("effect and place in words")
     score: Number = Field(description="share of the excess over the noise that it explains on held-out logs, 0…1")
     reason: str = Field(description="why it was not chosen, in words")
+    objection: Objection | None = later("the same as data")
 
 
 @final
@@ -116,7 +129,7 @@ class NamedEffect(Part):
     evidence: str = Field(description="the evidence in a sentence")
     alternatives: list[Candidate] = Field(description="what it was tried against")
     also_possible: list[Candidate] = Field(description="what these logs cannot tell from it")
-    motion: str = Field(description="in words: the motion that would, or that makes surer; else empty")
+    motion: str = Field(description="in words: the motion that would; else empty")
     apart: list[RivalApart] = later("of each that is also possible")
     planned: list[Planned] = later("motions that would tell it from those")
     curve: EvidenceCurve = Field(description="the evidence drawn")
@@ -139,6 +152,7 @@ class ChainLink(Part):
     worst_floor: Number = Field(description="its floor [worst_unit]")
     unit: str = Field(description="`floors`: channels of several units, each in multiples of its noise floor")
     worst_unit: str = later("N·m or N")
+    worst_words: str = later("the channel in words")
 
 
 @final
@@ -150,6 +164,7 @@ class ChannelExcess(Part):
     rmse: Number = Field(description="[unit]")
     noise_floor: Number = Field(description="[unit]")
     z: Number = Field(description="standard errors above the floor")
+    channel_words: str = later("the channel in words")
     where: str = Field(description="in words: at which speeds, positions or times it is largest")
 
 
@@ -160,6 +175,8 @@ class ModelVersion(Part):
     version: str = Field(description="its hash")
     parent: str | None = Field(description="null of the first")
     added: str = Field(description="`effect@place`; empty of the first")
+    title: str = later("the same in words")
+    finding: int | None = later("rank of the finding that it was added with; null of what has no name of its own")
 
 
 @final

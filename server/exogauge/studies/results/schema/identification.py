@@ -42,6 +42,7 @@ class ChannelError(Part):
     noise_beyond_band: Number = later("of the noise floor, what is above the cut-off [unit]")
     steady_s: Number = later("in steady motion [s]")
     moved_s: Number = later("not at rest [s]")
+    channel_words: str = later("the channel in words")
 
 
 @final

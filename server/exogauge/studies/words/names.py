@@ -1,13 +1,15 @@
-"""What the identifiers of effects and places mean, in a person's words."""
+"""What the identifiers of effects, places and channels mean, in a person's words."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import every_effect
 from exogauge.effects.effect import JointEffect, Quantity
 from exogauge.effects.shaped import MissingEffect, Shape
+from exogauge.findings.common_cause import ALL
+from exogauge.findings.result import ChainStep, Place
 
 DETECTED = {
     "link_mass": "a wrong link mass",
@@ -15,7 +17,8 @@ DETECTED = {
     "band_limited_log": "signals low-passed before they were stored",
 }  # named by a detector of its own, which no file of an effect describes
 
-ALL = "all"  # name of a place: each of its kind
+FIRST_MODELS = {"robot": "identified model", "bands": "supporting torque, bands as springs"}
+NO_BREAK = "\u00a0"
 
 
 def words_of_effects() -> Mapping[str, str]:
@@ -52,12 +55,53 @@ def at_place(effect: str, kind: str, name: str, part: str = "") -> str:
     return f"{effect_words(effect)} {'in' if kind == 'log' else 'at'} {place_words(kind, name, part)}"
 
 
-def opening(kind: str, name: str, part: str = "") -> str:
-    """What a sentence on a place begins with: `torso_pitch: `; nothing of the base, whose sentences name it."""
+def titled(effect: str, place: Place) -> str:
+    return at_place(effect, place.kind, place.name, place.part)
+
+
+def channel(name: str) -> str:
+    """`tau.torso_pitch` -> `torso_pitch`, `ft.wrist.fx` -> `wrist.fx`, `base.my` -> `base moment y`."""
+    kind, _, rest = name.partition(".")
+    if kind == "support":
+        return f"{rest} (support)"
     if kind == "base":
-        return ""
-    place = place_words(kind, name, part)
-    return f"{place if name != ALL else place[:1].upper() + place[1:]}: "
+        return f"base {'force' if rest[0] == 'f' else 'moment'} {rest[1:]}"
+    return rest if kind in ("tau", "ft") else name
+
+
+def step_words(step: ChainStep) -> str:
+    """`identified model`, `+ Stribeck friction at torso_pitch`, `+ own curve of Stribeck friction at torso_pitch`."""
+    return added_words(step) if step.place is None else f"+ {added_words(step)}"
+
+
+def added_words(step: ChainStep) -> str:
+    if step.place is None:
+        return FIRST_MODELS[step.what]
+    sort = "" if step.what == "effect" else f"{step.what.replace('_', ' ')} of "
+    return f"{sort}{titled(step.effect, step.place)}"
+
+
+def told(value: float, form: str, unit: str = "") -> str:
+    """`−3.1 N·m`: a true minus sign, and no line break before the unit."""
+    return f"{value:{form}}{NO_BREAK if unit else ''}{unit}".replace("-", "\u2212")
+
+
+def plus_minus(value: float, std: float, unit: str = "", forms: tuple[str, str] = (".2g", ".2g")) -> str:
+    return f"{told(value, forms[0])} ±{NO_BREAK}{told(std, forms[1], unit)}"
+
+
+def counted(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}".replace(",", "\u202f")
+
+
+def listed(words: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def capital(text: str) -> str:
+    """The first letter large: names of joints stay as they are."""
+    return text[:1].upper() + text[1:]
 
 
 def _parameters(effect: JointEffect | MissingEffect | BandEffect) -> Mapping[str, str]:
