@@ -56,7 +56,7 @@ def test_whichever_value_of_the_grid_it_begins_with_it_finds_the_same_shape(fitt
     model, rows, best, finer = fitted_to(study(friction))
     (kind,) = SITE.kinds(model.equations)
     samples = float(np.median([residual_memory(each.rows[kind].e) for each in rows]))
-    memory = dict.fromkeys(range(model.equations.kinds), samples)
+    memory = dict.fromkeys(range(len(model.equations.layout.rows)), samples)
     effect = best.candidate.effect
     begun = [score(model, Candidate(effect, SITE, shape), sums_of(rows, effect, shape), memory)
              for shape in grid(effect)]  # fmt: skip
