@@ -20,8 +20,8 @@ from exogauge import synthetic
 from exogauge.client import Client
 from exogauge.errors import Unavailable
 from exogauge.published import published
-from exogauge.result_text import result_text
 from exogauge.settings import Settings
+from exogauge.studies.report.summary_text import summary_text
 from exogauge.terminal import bar
 
 SEED = 1
@@ -45,7 +45,7 @@ def demo(settings: Settings) -> None:
             job = client.wait(client.submit(study))
         result = client.results(job)
         files = [artifact.name for artifact in client.artifacts(job)]
-    print(f"\n{result_text(result)}")
+    print(f"\n{summary_text(result)}")
     if result.get("support"):
         print(f"\n{published()}")
     series = sum(name.startswith("series/") for name in files)

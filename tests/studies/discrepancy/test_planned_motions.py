@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.discrepancy_text import finding as finding_text
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Discrepancy
 from exogauge.findings.sweeps import Sweep
@@ -69,11 +68,6 @@ def test_the_sentence_says_what_to_do_what_for_and_what_is_not_known() -> None:
     assert "for 40 s" in said
     assert "stay still" in said
     assert "touch itself is not known" in said
-
-
-def test_the_terminal_names_the_file(planned: Discrepancy) -> None:
-    entry = json.loads(json.dumps(finite(discrepancy_entry(planned)), allow_nan=False))
-    assert "planned_motion_1.csv" in "\n".join(finding_text(entry["findings"][0]))
 
 
 def test_nothing_planned_leaves_no_file(discrepancy: Discrepancy) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy_text import discrepancy_text
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.imu_tilt import ImuTilt
 from exogauge.findings.basis import OfRobot
@@ -110,10 +109,11 @@ def test_a_chain_over_several_units_is_told_in_multiples_of_the_floors(found: Di
     for said in ("6.40 × floor", "1.00 × floor", "wrist.mz, 0.0900 over 0.0100 N·m", "joint" not in drawn):
         assert said is True or said in drawn
     assert "every channel at its floor or below" in drawn
-    text = " ".join(discrepancy_text(content(found)).split())
-    assert "each in multiples of its noise floor" in text
-    assert "RMSE × floor" in text
-    assert "Looked at: 2 joint torques and 6 sensor readings" in text
+    view = discrepancy_view(found, content(found))
+    assert view is not None
+    assert view.chain is not None
+    assert "each in multiples of its noise floor" in view.chain.caption
+    assert "Looked at: 2 joint torques and 6 sensor readings" in view.looked_at
 
 
 def test_the_section_draws_evidence_in_the_unit_of_its_channel(found: Discrepancy) -> None:

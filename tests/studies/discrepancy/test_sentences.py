@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from typing import Any
 
 import pytest
 
-from exogauge.devices.result import Estimate
-from exogauge.discrepancy_text import discrepancy_text, lead_text
-from exogauge.effects.catalogue import shaped_effects
-from exogauge.findings.result import Consequence, Discrepancy, Excess
+from exogauge.findings.result import Discrepancy, Excess
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
@@ -29,19 +25,6 @@ def entry(found: Discrepancy) -> dict[str, Any]:
     made = finite(discrepancy_entry(found))
     assert isinstance(made, dict)
     return made
-
-
-def result(found: Discrepancy) -> dict[str, Any]:
-    fits = [
-        {"channel": f"tau.{joint}", "log": log, "held_out": held_out}
-        for joint in ("torso_yaw", "torso_pitch")
-        for log, held_out in (("id_1", False), ("val_1", True), ("val_2", True))
-    ]
-    return {"discrepancy": entry(found), "identification": {"validation": fits}}
-
-
-def one_line(text: str) -> str:
-    return " ".join(text.split())
 
 
 def test_one_effect_is_named_with_what_it_explains(one: Discrepancy) -> None:
@@ -138,53 +121,6 @@ def test_an_effect_that_is_not_known_here_keeps_its_name() -> None:
     assert [listed(["a"]), listed(["a", "b"]), listed(["a", "b", "c"])] == ["a", "a and b", "a, b and c"]
 
 
-def test_the_terminal_tells_the_whole_story(discrepancy: Discrepancy) -> None:
-    text = discrepancy_text(result(discrepancy))
-    assert text.startswith("DISAGREEMENT")
-    flat = one_line(text)
-    for said in (
-        "does not know of 2 effects",
-        "2 joint torques in steady motion on 2 held-out logs; 214 candidates",
-        "+ Stribeck friction at torso_pitch 0.930 0.620 r_elbow 1.31 0.600",
-        "1. Stribeck friction at torso_pitch torso_pitch: Friction is larger at low speed",
-        "tau_b 3.04 ± 0.21 N·m, v_s 0.0413 ± 0.0062 rad/s",
-        "Explains 92 % of the excess. Next best: presliding friction at torso_pitch 40 %, nonlinear",
-        "These data cannot tell it from presliding friction at torso_pitch.",
-        f"The motion that would tell: {shaped_effects()['stribeck'].needs}",
-        "torso_yaw 0.811 0.622 N·m in a few moments: at 12 s of val_1",
-        "stiffness of group A by approach B · suit 241.0 ± 6.0 N/m 199.5 ± 4.0 N/m",
-    ):
-        assert said in flat
-    assert max(map(len, text.splitlines())) <= 110
-
-
-def test_the_terminal_opens_with_a_named_effect_only(one: Discrepancy, clean: Discrepancy) -> None:
-    assert one_line(lead_text(result(one))).startswith(
-        "The identified model does not know of Stribeck friction at torso_pitch."
-    )
-    assert lead_text(result(clean)) == ""
-    assert "No effect is missing" in discrepancy_text(result(clean))
-
-
-def test_without_the_step_the_terminal_says_nothing_of_it() -> None:
-    for without in ({}, {"discrepancy": None}):
-        assert (lead_text(without), discrepancy_text(without)) == ("", "")
-
-
-def test_a_model_at_its_floor_has_no_worst_joint(one: Discrepancy) -> None:
-    at_floor = dataclasses.replace(one.chain[-1], worst_rmse=0.5)
-    text = discrepancy_text(result(dataclasses.replace(one, chain=(*one.chain[:-1], at_floor))))
-    assert re.search(r"\+ a payload at r_arm +0\.670 +0\.620 +none$", text, re.M)
-
-
-def test_rivals_that_explain_nothing_are_not_the_next_best(one: Discrepancy) -> None:
-    rivals = tuple(dataclasses.replace(each, score=0.001) for each in one.findings[0].alternatives)
-    text = discrepancy_text(
-        result(dataclasses.replace(one, findings=(dataclasses.replace(one.findings[0], alternatives=rivals),)))
-    )
-    assert "Explains 92 % of the excess. Nothing else that was judged explains any." in one_line(text)
-
-
 @pytest.mark.parametrize(
     ("before", "after", "changed"),
     [
@@ -203,11 +139,3 @@ def test_a_quantity_is_unchanged_within_a_tenth_of_its_doubt(
 ) -> None:
     first, second = (dict(zip(("value", "std"), pair, strict=True)) for pair in (before, after))
     assert moves(first, second) == changed
-
-
-def test_only_what_changes_on_the_device_is_tabled(one: Discrepancy) -> None:
-    same = Estimate(0.092, 0.0, "N·m")
-    found = (*one.before_after, Consequence("rmse", ("suit", "bend", "l_hip_pitch"), same, same))
-    text = discrepancy_text(result(dataclasses.replace(one, before_after=found)))
-    assert "l_hip_pitch" not in text
-    assert "… and 1 that hardly change" in text

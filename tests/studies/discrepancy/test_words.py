@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from exogauge.devices.result import Estimate
-from exogauge.discrepancy_text import discrepancy_text, lead_text
 from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
 from exogauge.findings.basis import OfBand, OfRobot
 from exogauge.findings.objection import Objection, Why
@@ -51,12 +50,12 @@ def told(name: str, next_to: str, one: Discrepancy) -> Iterator[str]:
         before_after=(),
     )  # fmt: skip
     entry: Any = finite(discrepancy_entry(made))
-    fit = {"channel": "tau.elbow", "log": "swing", "held_out": True}
-    result = {"discrepancy": entry, "identification": {"validation": [fit]}}
-    yield lead_text(result)
-    yield discrepancy_text(result)
-    yield entry["findings"][0]["title"]
-    yield from (each["title"] for each in entry["rejected"])
+    yield entry["sentence"]
+    yield entry["findings"][0]["motion"]
+    yield from (each["step"] for each in entry["chain"])
+    yield from (
+        each[key] for each in (entry["findings"][0], *entry["rejected"]) for key in ("title", "reason") if key in each
+    )
 
 
 def test_no_sentence_on_an_effect_holds_an_identifier(one: Discrepancy) -> None:
