@@ -30,8 +30,8 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.TOO_SHORT: "too little steady motion that was not fitted to judge it: {value:.0f} of {beside:.0f}{space}s",
     Why.FEW_MOMENTS: "one or two moments of the fitted logs alone ask for it ({value:.1f} standard errors)",
     Why.LITTLE: "it explains {percent:.1f}{space}% of the error: not worth a name",
-    Why.NOT_SURE: "the held-out error does not fall surely ({value:.1f} standard errors, {beside:.2g} are asked for)",
-    Why.NOT_SURE_ONCE: "the error in the log that has it does not fall surely ({value:.1f} standard errors, "
+    Why.NOT_SURE: "the held-out error does not fall surely ({value:.2f} standard errors, {beside:.2g} are asked for)",
+    Why.NOT_SURE_ONCE: "the error in the log that has it does not fall surely ({value:.2f} standard errors, "
     "{beside:.2g} are asked for)",
     Why.WORSE: "it makes the error larger {regime} ({value:.1f} standard errors)",
     Why.NOT_FALLING: "with it the {error} does not fall ({value:.3g} to {beside:.3g}{space}{unit})",
