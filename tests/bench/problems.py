@@ -102,9 +102,15 @@ def make(name: str, samples: int, seed: int = 0) -> Problem:
     rng = np.random.default_rng(seed + 1)
     rows = RowBlocks(tree, base, np.eye(len(joints)))
     phi_base = base.regroup @ (tree.phi.ravel() * (1.0 + 0.1 * rng.normal(size=tree.phi.size)))
-    forces = np.concatenate([rows.predict(motion.rows(part), phi_base) for part in parts(samples, STEP)])
+    forces = np.concatenate([_forces(rows, motion.rows(part), phi_base) for part in parts(samples, STEP)])
     forces += NOISE * rng.normal(size=forces.shape)
     return Problem(name, urdf, held, tree, model, base, motion, forces)
+
+
+def _forces(rows: RowBlocks, motion: Motion, phi_base: Array) -> Array:
+    """(T, rows) regressor times base parameters."""
+    pairs = zip(rows.fill(motion), rows.columns, strict=True)
+    return np.column_stack([block @ phi_base[own] for block, own in pairs])
 
 
 def parts(samples: int, size: int) -> Iterator[slice]:

@@ -7,8 +7,8 @@ import pytest
 
 from exogauge.detect.pipeline import Found, find_missing_effects
 from exogauge.effects.catalogue import missing_effects
-from exogauge.identification.pair_site import PairSite, neighbours
 from exogauge.identification.settings import Settings
+from exogauge.identification.sites import PairSite, neighbours
 
 pytestmark = pytest.mark.slow
 

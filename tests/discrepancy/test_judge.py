@@ -9,7 +9,7 @@ from scipy.stats import wilcoxon
 
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.objection import Why
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.search.candidates import Candidate
 from exogauge.search.judge import apart, judge
 from exogauge.search.score import Score

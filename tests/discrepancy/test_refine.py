@@ -5,7 +5,7 @@ import pytest
 
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
 from exogauge.search.refine import refined

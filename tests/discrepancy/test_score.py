@@ -7,9 +7,7 @@ from exogauge.effects.base_tilt import BaseTilt
 from exogauge.effects.catalogue import missing_effects, shaped_effects
 from exogauge.effects.imu_tilt import ImuTilt
 from exogauge.estimation.least_squares import PriorLeastSquares
-from exogauge.identification.pair_site import PairSite
-from exogauge.identification.seen import seen_by
-from exogauge.identification.site import AxisSite, BaseSite
+from exogauge.identification.sites import AxisSite, BaseSite, PairSite, seen_by
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import residual_memory, score
 from exogauge.search.sums import KindSums, Sums

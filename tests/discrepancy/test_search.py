@@ -10,8 +10,8 @@ import pytest
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.objection import Why
 from exogauge.findings.result import Place
-from exogauge.identification.added import AddedEffect
-from exogauge.identification.site import AxisSite
+from exogauge.identification.model import AddedEffect
+from exogauge.identification.sites import AxisSite
 from exogauge.search.search import Step
 
 pytestmark = pytest.mark.slow

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
+from exogauge.identification.model import AddedEffect, Extension
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.search.shape_doubt import with_doubt_of_shapes
 
 SETTINGS = Settings(cutoff_hz=8.0)

@@ -9,8 +9,8 @@ from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.order import begins_among, since_log
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
-from exogauge.identification.link_site import LinkSite, end_links
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.sites import LinkSite, end_links
 from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow
@@ -108,6 +108,6 @@ def test_rows_of_a_load_are_what_the_heavier_body_asks_for_more(robot, record):
     base = model.equations.base.regroup
     more = np.zeros(robot.tree.phi.shape)
     more[2, :4] = [1.0, 0.1, -0.2, 0.3]
-    asked = model.equations.blocks.predict(prepared.motion, base @ more.ravel())
+    asked = model.equations.of_bodies(prepared.motion, base @ more.ravel())
     told = -np.einsum("tck,c->tk", columns, more[2, :4])
-    np.testing.assert_allclose(told, asked[:, list(site.kinds(model.equations))], atol=1e-9)
+    np.testing.assert_allclose(told, asked[:, model.equations.layout.in_told(site.kinds(model.equations))], atol=1e-9)

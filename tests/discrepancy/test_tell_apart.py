@@ -24,7 +24,7 @@ from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Pl
 from exogauge.identification.identify import identify
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Recording
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree

@@ -12,8 +12,9 @@ from exogauge.effects.catalogue import sensor_effects
 from exogauge.effects.effect import Quantity
 from exogauge.experiment.design import tell_apart
 from exogauge.identification.identify import identify
+from exogauge.identification.model import Seen
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.site import Seen, SensorSite
+from exogauge.identification.sites import SensorSite
 from exogauge.search.ambiguity import undecided
 from exogauge.search.candidates import Candidate
 from exogauge.search.score import Score

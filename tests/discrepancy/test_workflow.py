@@ -8,7 +8,7 @@ from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.objection import Why
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow

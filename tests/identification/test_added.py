@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.axis_signals import axis_signals, loads
 from exogauge.identification.identify import identify
-from exogauge.identification.predict import predicted_channels
+from exogauge.identification.model import AddedEffect, Extension
+from exogauge.identification.predict import predictions
 from exogauge.identification.result import Parameter
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.identification.validate import floors_of
 from exogauge.logs.model import Log
 from exogauge.support.balance import balance, slopes
@@ -80,10 +80,8 @@ def test_predictions_hold_the_added_torque(recordings):
     truth, logs = recordings(D_A)
     model = extended(truth, logs, AddedEffect(ASYMMETRIC, AxisSite(AXIS)))[1].model
     prepared = model.prepare(logs[2].log)
-    with_it, without = (
-        predicted_channels(model.equations, prepared, each)
-        for each in (model.identified, replace(model.identified, added=np.zeros(1)))
-    )
+    both = [model.identified, replace(model.identified, added=np.zeros(1))]
+    with_it, without = predictions(model.equations, prepared, both)
     (signals,) = axis_signals(model.extension.parent, prepared, [AXIS])
     moving = prepared.raw_direction[:, AXIS] != 0.0  # at rest static friction answers to it
     more = model.identified.added[0] * np.abs(signals.velocity)  # what the motor has to give beyond

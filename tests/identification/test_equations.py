@@ -156,7 +156,6 @@ def test_what_bodies_ask_of_every_row_is_what_the_dense_regressor_says(make_trut
     both = equations.of_bodies(motion, equations.base.regroup @ phi)
     np.testing.assert_allclose(both, dense, atol=1e-9)
     np.testing.assert_allclose(equations.of_bodies(motion, equations.base.regroup @ phi[:, 1]), both[..., 1], atol=1e-9)
-    assert equations.of_carried(motion, equations.base.regroup @ phi).shape == (motion.samples, 0, 2)
 
 
 def test_statistics_do_not_depend_on_how_the_log_is_cut(case, monkeypatch):

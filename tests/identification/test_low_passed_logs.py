@@ -8,10 +8,10 @@ from scipy.signal import butter, sosfilt, sosfiltfilt
 from tests.sensor_arm import describe, record, true_phi, wrist
 
 from exogauge.effects.catalogue import choose
+from exogauge.identification.added_columns import zero_columns
 from exogauge.identification.equations import Equations
-from exogauge.identification.predict import Parameters, predicted_channels
+from exogauge.identification.predict import Parameters, predictions
 from exogauge.identification.preparation import prepare
-from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Settings
 from exogauge.identification.turns import RestDetection, TurnsOf
 from exogauge.logs.filtering import StoredPass
@@ -128,7 +128,7 @@ def test_a_low_passed_load_is_explained_by_rows_and_by_predictions_with_its_smea
     def left(of):
         used = slice(40, -40)  # of the kept samples, away from what filters do at the ends
         residual = equations.residuals(of, x)[used, :2]
-        predicted = predicted_channels(equations, of, truth)
+        predicted = predictions(equations, of, [truth])[0]
         apart = np.column_stack([predicted[f"tau.{name}"] for name in NAMES]) - torque
         return np.std(residual[np.abs(residual).max(axis=1) > 0.0]), np.std(apart[INSIDE])
 

@@ -10,11 +10,11 @@ import pytest
 from tests.sensor_arm import JOINTS, describe, record, wrist
 
 from exogauge.effects.catalogue import choose
+from exogauge.identification.added_columns import zero_columns
 from exogauge.identification.equations import Equations
 from exogauge.identification.identify import identify
 from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import as_printed, inertial_std, per_parameter, scales
-from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.turns import rest_detection
 from exogauge.robots.base_parameters import find_base_parameters

@@ -10,9 +10,9 @@ from tests.sensor_arm import COMPONENTS, JOINTS, SENSOR_NOISE, Sensor, describe,
 
 from exogauge.effects.payload import EFFECT as PAYLOAD
 from exogauge.identification.identify import identify
-from exogauge.identification.link_site import LinkSite
 from exogauge.identification.result import Identification, Parameter
 from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.sites import LinkSite
 from exogauge.robots.body_columns import mass_columns
 from exogauge.robots.cut_rows import in_sensor
 from exogauge.robots.description import Robot

@@ -5,9 +5,9 @@ import pinocchio as pin
 import pytest
 
 from exogauge.effects.catalogue import choose
+from exogauge.identification.axis_signals import inertia_and_slope
 from exogauge.identification.equations import Equations
 from exogauge.identification.settings import Settings
-from exogauge.identification.swing import inertia_and_slope
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.motion import Motion

@@ -43,15 +43,6 @@ def test_blocks_are_the_rows_of_the_regressor_and_all_else_is_zero(name, coupled
         assert np.abs(np.delete(dense[:, r], columns, axis=1)).max(initial=0.0) < 1e-12
 
 
-@pytest.mark.parametrize("name", ["talos", "ur5", "odd"])
-def test_prediction_equals_rows_times_base_parameters(name, robot, random_motion):
-    tree, _, _ = robot(name)
-    base, C, motion = find_base_parameters(tree), _coupling(tree), random_motion(tree, 11)
-    phi_base = base.regroup @ tree.phi.ravel()
-    predicted = RowBlocks(tree, base, C).predict(motion, phi_base)
-    assert np.abs(predicted - _dense_rows(tree, base, C, motion) @ phi_base).max() < 1e-9
-
-
 def test_overwritten_blocks_hold_nothing_of_the_chunk_before(robot, random_motion):
     tree, _, _ = robot("odd")
     rows = RowBlocks(tree, find_base_parameters(tree), np.eye(4))

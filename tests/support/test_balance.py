@@ -10,7 +10,7 @@ import pytest
 
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
-from exogauge.identification.predict import Parameters, measured_channels, predicted_channels
+from exogauge.identification.predict import Parameters, measured_channels, predictions
 from exogauge.support.balance import balance, slopes
 from exogauge.support.repeatability import difference
 from exogauge.support.same_motion import Posture, match
@@ -91,7 +91,7 @@ def test_a_band_worn_leaves_the_base_rows_as_they_are(biped, suit, runs, wander,
     assert np.abs(worn.base - plain.base).max() < 1e-9
     model = biped.known()
     prepared = model.prepare(worn.log)
-    says = predicted_channels(model.equations, prepared, model.identified)
+    (says,) = predictions(model.equations, prepared, [model.identified])
     reads = measured_channels(model.equations, prepared, model.k_T)
     for axis in ("fx", "fy", "fz", "mx", "my", "mz"):
         assert np.abs(says[f"base.{axis}"] - reads[f"base.{axis}"])[inner].max() < 1e-6

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.identification.added import AddedEffect, Extension
-from exogauge.identification.model import AxisSizes
+from exogauge.identification.model import AddedEffect, AxisSizes, Extension
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters
-from exogauge.identification.site import AxisSite
+from exogauge.identification.sites import AxisSite
 from exogauge.support.balance import balance, prepare_worn
 
 POWER, LOSS, FULL = 3.0, 0.15, 15.0  # of the motor of one torso joint; its loss at FULL N·m

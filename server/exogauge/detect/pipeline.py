@@ -24,9 +24,9 @@ from exogauge.findings.importance import by_importance
 from exogauge.findings.result import ChainStep, Discrepancy, Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
+from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
-from exogauge.identification.site import Effect
 from exogauge.search.baseline import lay_ground
 from exogauge.search.final_numbers import with_final_numbers
 from exogauge.search.locate import located, seen

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from exogauge.experiment.workspace_limits import Room
 from exogauge.findings.sweeps import Sweep
-from exogauge.identification.model import RobotModel
-from exogauge.identification.site import AxisSite, Site
+from exogauge.identification.model import RobotModel, Site
+from exogauge.identification.sites import AxisSite
 from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
@@ -139,7 +139,7 @@ def _felt(model: RobotModel, room: Room, kinds: Sequence[int]) -> Array:
     if model.robot.T_base_imu is not None:
         upwards = model.robot.T_base_imu.rotation @ np.array([room.resting[f"acc.{axis}"] for axis in "xyz"])
     motion = Motion(q, still, still, np.tile(upwards, (len(q), 1)), n, n)
-    rows = equations.of_told(motion, equations.base.regroup @ model.identified.phi.ravel())
+    rows = equations.of_bodies(motion, equations.base.regroup @ model.identified.phi.ravel())
     told = rows[:, equations.layout.in_told(kinds)] * np.sqrt(model.solution.weights[list(kinds)])
     change = np.abs(told.reshape(joints, 3, -1) - told.reshape(joints, 3, -1)[:, 1:2]).max(axis=(1, 2))
     return np.asarray(np.where(room.free & (change > 1e-6 * max(float(change.max()), 1e-300)), change, 0.0))

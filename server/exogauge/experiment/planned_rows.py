@@ -67,11 +67,11 @@ def new_rows(doubt: Undecided, model: RobotModel, room: Room, choice: Choice, ke
     share = _kept_rate(model, room) * (log.samples / log.rate_hz) / len(samples)  # of the rows that a log would have
     place = np.full(model.equations.size, -1, dtype=np.intp)
     place[kept] = np.arange(len(kept))
-    own, root = model.equations.columns(), np.sqrt(share * model.solution.weights)
+    root = np.sqrt(share * model.solution.weights)
     A, c = [np.zeros((0, len(kept)))], [np.zeros((0, sum(each.width for each in doubt.contenders)))]
     for _, chunks in model.equations.rows(replace(prepared, kept=samples), model.solution.unbounded.x):
         for chunk in (each for each in chunks if each.kind in kinds):
-            known, at = place[own[chunk.kind]], samples[chunk.samples]
+            known, at = place[chunk.columns], samples[chunk.samples]
             block = np.zeros((len(at), len(kept)))
             block[:, known[known >= 0]] = chunk.block[:, :-1][:, known >= 0]
             beside = [

@@ -1,28 +1,28 @@
-"""What shaped effects see of an actuator axis: its motion, and the torques that a model says it has to bear."""
+"""What shaped effects see of an actuator axis: its motion, the torques that a model says it has to bear, the inertia of
+the links beyond it, and how gravity's pull changes with its angle."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.shaped import AxisSignals
-from exogauge.identification.contacts import ContactPaths
+from exogauge.identification.equations import Equations
+from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.swing import swings
 from exogauge.identification.turns import WIDEST
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.undoing import StoredPositions
-
-if TYPE_CHECKING:
-    from exogauge.identification.model import RobotModel
+from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 
-CHUNK = 2000
+EVERY_S = 0.1  # [s] between samples that are computed; both change with the posture alone
+NUDGE = 1e-3  # [rad] for the slope
+LEAST = 0.02  # of the usual inertia, in any posture
 
 
 def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> list[AxisSignals]:
@@ -67,13 +67,11 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
 
 def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> Array:
     """(T, axes) torque of friction, offset and rotor that the model gives each axis; nothing of what holds at rest."""
-    effects, none = model.equations.effects, np.zeros(prepared.log.samples)
-    out = np.zeros((prepared.log.samples, len(axes)))
+    out, signals = np.zeros((prepared.log.samples, len(axes))), prepared.low_passed.signals()
     for place, axis in enumerate(axes):
-        signals = prepared.signals(axis, slice(None), none)
-        for effect, coefficient in zip(effects, model.identified.xi[axis], strict=True):
+        for effect, coefficient in zip(model.equations.effects, model.identified.xi[axis], strict=True):
             if effect.name != "motor_gain":
-                out[:, place] += effect.column(signals) * coefficient
+                out[:, place] += effect.column(signals[axis]) * coefficient
     return out
 
 
@@ -83,10 +81,41 @@ def loads(model: RobotModel, prepared: Prepared) -> Array:
 
 
 def _loads(model: RobotModel, prepared: Prepared) -> Array:
-    equations, axes = model.equations, model.equations.layout.axes
-    phi_base, contacts = model.bodies_in(prepared.log.recording), ContactPaths(model.robot)
-    load = equations.of_bodies(prepared.motion, phi_base)[:, axes]
-    for start in range(0, len(load), CHUNK):
-        which = slice(start, min(start + CHUNK, len(load)))
-        load[which] -= contacts.effect(prepared.motion.q[which], prepared.wrenches[which])[:, axes]
-    return load
+    equations, axes = model.equations, model.equations.layout.told.axes
+    load = equations.of_bodies(prepared.motion, model.bodies_in(prepared.log.recording), axes)
+    return np.asarray(load - equations.outside(prepared)[:, axes])
+
+
+def swings(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> tuple[Array, Array]:
+    """inertia (T, axes) [kg·m²] about some axes and slope (T, axes) [N·m/rad] of the load over their angle, all other
+    axes and the base held; computed once for each log."""
+    at, *values = model.computed.of(prepared.log, "swings", lambda: _swings(model, prepared))
+    every = np.arange(prepared.log.samples)
+    inertia, slope = (np.column_stack([np.interp(every, at, each[:, axis]) for axis in axes]) for each in values)
+    return np.maximum(inertia, LEAST * np.abs(model.sizes.inertia[list(axes)])), slope
+
+
+def _swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array, Array]:
+    """(n,) samples at which both are computed, for all axes."""
+    phi = model.bodies_in(prepared.log.recording)
+    stride = max(1, round(EVERY_S * prepared.log.rate_hz))
+    at = np.unique(np.append(np.arange(0, prepared.log.samples, stride), prepared.log.samples - 1))
+    return at, *inertia_and_slope(model.equations, phi, prepared.motion.rows(at))
+
+
+def inertia_and_slope(equations: Equations, phi: Array, motion: Motion) -> tuple[Array, Array]:
+    """(T, A) each. phi: (B,) base parameters."""
+    turns = np.linalg.inv(equations.robot.axes_from_joints)
+    still, nowhere = np.zeros_like(motion.q), np.zeros((motion.samples, 3))
+    inertia, slope = np.empty_like(motion.q), np.empty_like(motion.q)
+
+    def torque(axis: int, q: Array, ddq: Array, acc: Array) -> Array:
+        row = equations.layout.told.axis(axis)
+        return equations.of_bodies(Motion(q, still, ddq, acc, nowhere, nowhere), phi, slice(row, row + 1))[:, 0]
+
+    for axis in range(motion.q.shape[1]):
+        turn = turns[:, axis]
+        inertia[:, axis] = torque(axis, motion.q, still + turn, nowhere)
+        ahead, behind = (torque(axis, motion.q + side * NUDGE * turn, still, motion.acc) for side in (1.0, -1.0))
+        slope[:, axis] = (ahead - behind) / (2.0 * NUDGE)
+    return inertia, slope

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.estimation.least_squares import PriorLeastSquares
+from exogauge.identification.added_columns import MASS, inseparable_loads
 from exogauge.identification.equations import Equations
 from exogauge.identification.gain_scale import gain_scale
-from exogauge.identification.load_columns import MASS, inseparable_loads
 from exogauge.identification.solution import Solution
 from exogauge.robots.description import Robot
 

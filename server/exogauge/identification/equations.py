@@ -19,21 +19,22 @@ from numpy.typing import NDArray
 
 from exogauge.effects.effect import JointEffect, JointSignals
 from exogauge.estimation.statistics import Form, Statistics
-from exogauge.identification.added_column import AddedColumn
+from exogauge.identification.added_columns import AddedColumn
 from exogauge.identification.contacts import ContactPaths
-from exogauge.identification.preparation import Prepared
+from exogauge.identification.preparation import Prepared, View
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
 from exogauge.robots.row_blocks import RowBlocks
-from exogauge.robots.rows import RowLayout
+from exogauge.robots.rows import RowLayout, RowType
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Tick = Callable[[float], None]
 
-NONE = np.zeros(0, dtype=np.intp)
+NONE, EVERY = np.zeros(0, dtype=np.intp), slice(None)
+TOLD = (RowType.BASE, RowType.AXIS, RowType.SENSOR)
 AT_REST = 0.995  # of the low-passed rest signal: above, an axis is at rest and hardly anything rings from its stop
 CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever the log's length
 
@@ -41,11 +42,19 @@ CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever t
 @final
 @dataclass(frozen=True)
 class Chunk:
-    """Rows of one kind. samples: (n,) places among the kept samples, ascending. block: (n, k_r + 1) = [A_r | y_r]."""
+    """Rows of one kind. samples: (n,) places among the kept samples, ascending. block: (n, k_r + 1) = [A_r | y_r].
+
+    columns: (k_r,) of x.
+    """
 
     kind: int
     samples: IntArray
+    columns: IntArray
     block: Array
+
+    def residual(self, x: Array) -> Array:
+        """(n,) y - A x."""
+        return np.asarray(self.block[:, -1] - self.block[:, :-1] @ x[self.columns])
 
 
 @final
@@ -87,6 +96,11 @@ class Equations:
         return self.base_size + axis * len(self.effects) + np.arange(len(self.effects))
 
     @cached_property
+    def body_columns(self) -> tuple[IntArray, ...]:
+        """Indices in x of the base parameters in each told row."""
+        return (*self.blocks.columns, *(own for cut in self.cuts for own in cut.columns))
+
+    @cached_property
     def entries(self) -> tuple[tuple[int, int], ...]:
         """(added column, row kind) of every column of `Prepared.added`."""
         return tuple((e, kind) for e, column in enumerate(self.added) for kind in column.kinds)
@@ -105,11 +119,89 @@ class Equations:
         return self._added_to.get(self.layout.moving(kind), (NONE, NONE))
 
     def columns(self) -> list[IntArray]:
-        """Indices in x of every row kind."""
-        base, axes = self.blocks.columns[self.layout.base], self.blocks.columns[self.layout.axes]
-        full = [np.concatenate([c, self.effect_columns(axis)]) for axis, c in enumerate(axes)]
-        own = [*base, *full, *full, *(c for cut in self.cuts for c in cut.columns)]
-        return [np.concatenate([c, self.first_added + self.added_to(kind)[0]]) for kind, c in enumerate(own)]
+        """Indices in x of every row kind: of bodies, effects on an axis, added ones."""
+        return list(self._columns)
+
+    @cached_property
+    def _columns(self) -> tuple[IntArray, ...]:
+        found = []
+        told = self.layout.in_told(range(len(self.layout)))
+        for kind, row in enumerate(self.layout.rows):
+            on_axis = self.effect_columns(row.place) if row.type in (RowType.AXIS, RowType.AT_REST) else NONE
+            added = self.first_added + self.added_to(kind)[0]
+            found.append(np.concatenate([self.body_columns[told[kind]], on_axis, added]))
+        return tuple(found)
+
+    def filled(
+        self,
+        prepared: Prepared,
+        samples: slice | IntArray,
+        signals: Sequence[JointSignals],
+        added: Array,
+        reused: Sequence[Array] | None = None,
+    ) -> list[Array]:
+        """The forward model: per base and axis row (n, k_r + 1), Fortran order, [A | y], so that A x - y is what
+        bodies, low-passed as they were before the log was stored, effects on axes and added ones ask for.
+
+        signals: what the effects of each axis see of these samples. added: (T, entries) as `Prepared.added`. reused:
+        what an earlier call gave, overwritten.
+        """
+        motion, told = prepared.motion.rows(samples), self.layout.told
+        blocks = self.blocks.fill(motion, len(self.effects) + len(self.added) + 1, reused)
+        kinds = self.layout.numbers(RowType.BASE, RowType.AXIS)
+        blocks = [block[:, : len(self._columns[kind]) + 1] for kind, block in zip(kinds, blocks, strict=True)]
+        for kind, block in zip(kinds, blocks, strict=True):
+            self._finish(prepared, samples, kind, added, block)
+        for seen, block, own in zip(signals, blocks[told.axes], self.body_columns[told.axes], strict=True):
+            self._fill_effects(seen, block, len(own))
+        return blocks
+
+    def filled_sensors(self, prepared: Prepared, samples: slice | IntArray, added: Array) -> list[Array]:
+        """The same of the rows of sensors."""
+        kinds, motion = iter(self.layout.numbers(RowType.SENSOR)), prepared.motion.rows(samples)
+        blocks = []
+        for cut in self.cuts:
+            own = [next(kinds) for _ in cut.columns]
+            filled = cut.fill(motion, [len(self.added_to(kind)[0]) + 1 for kind in own])
+            for kind, block in zip(own, filled, strict=True):
+                self._finish(prepared, samples, kind, added, block)
+                blocks.append(block)
+        return blocks
+
+    def _finish(self, prepared: Prepared, samples: slice | IntArray, kind: int, added: Array, block: Array) -> None:
+        """Write the added columns, which stand last before the right-hand side, and that."""
+        (told,), (_, entries) = self.layout.in_told([kind]), self.added_to(kind)
+        np.negative(prepared.smeared[samples, told], out=block[:, -1])
+        for place, entry in enumerate(entries, block.shape[1] - 1 - len(entries)):
+            np.negative(added[samples, entry], out=block[:, place])
+
+    def _fill_effects(self, signals: JointSignals, block: Array, first: int) -> None:
+        """Write the effects' columns of one axis, from the first on."""
+        for k, effect in enumerate(self.effects, first):
+            np.negative(effect.column(signals), out=block[:, k])
+
+    def asked(self, prepared: Prepared, view: View, alternatives: Array, of: slice = EVERY) -> Array:
+        """(L, n, T) what each of L parameter sets asks of the told rows `of`, without what friction holds at rest.
+
+        alternatives: (P, L).
+        """
+        rows, kinds = range(*of.indices(len(self.layout.told))), self.layout.numbers(*TOLD)
+        out, blocks = np.empty((alternatives.shape[1], len(rows), prepared.log.samples)), None
+        for which in chunks(prepared.log.samples):
+            blocks = self.filled(prepared, which, view.signals(which), view.added, blocks)
+            sensors = self.filled_sensors(prepared, which, view.added) if rows.stop > len(blocks) else []
+            for place, row in enumerate(rows):
+                block, own = [*blocks, *sensors][row], self._columns[kinds[row]]
+                out[:, place, which] = (block[:, :-1] @ alternatives[own] - block[:, -1:]).T
+        return out
+
+    def outside(self, prepared: Prepared, samples: slice | IntArray = EVERY) -> Array:
+        """(n, told rows but those of sensors) F: what the contact sensors say of base and axes."""
+        return self._contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
+
+    @cached_property
+    def _contacts(self) -> ContactPaths:
+        return ContactPaths(self.robot)
 
     def rows(self, prepared: Prepared, x_before: Array) -> Iterator[tuple[slice, list[Chunk]]]:
         """Chunks of (which of the kept samples, the rows they give). The blocks are overwritten by the next chunk.
@@ -122,51 +214,58 @@ class Equations:
         friction that the model does not know) no longer sit in the column, where they would shrink k_T and with it
         all torques of the joint: it is the Gauss-Newton step of least squares in amperes.
         """
-        columns, reused, contacts = self.columns(), None, ContactPaths(self.robot)
-        gains, layout = dict(self._gains()), self.layout
-        for start in range(0, len(prepared.kept), CHUNK):
-            which = slice(start, min(start + CHUNK, len(prepared.kept)))
+        layout, view, reused = self.layout, prepared.low_passed, None
+        for which in chunks(len(prepared.kept)):
             samples, everyone = prepared.kept[which], np.arange(which.start, which.stop)
-            reused = self.blocks.fill(prepared.motion.rows(samples), len(self.effects) + len(self.added) + 1, reused)
-            blocks = [block[:, : len(c) + 1] for block, c in zip(reused, columns, strict=False)]
-            external = contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
-            external[:, layout.axes] -= prepared.smeared[samples, layout.told.axes]
-            for kind, block in enumerate(blocks):
-                block[:, -1] = external[:, kind]
-            for kind, block in enumerate(blocks):
-                self._fill_added(prepared, samples, kind, block)
-            rows = [Chunk(kind, everyone, block) for kind, block in enumerate(blocks[layout.base])]
-            rows += self._cut_rows(prepared, samples, everyone)
-            for axis, signals in enumerate(_signals(prepared, samples)):
-                kind = layout.axis(axis)
-                block, steady = blocks[kind], prepared.steady[samples, axis]
-                signals = replace(signals, rest=np.where(steady, 0.0, signals.rest))  # filters ring
-                self._fill_effects(
-                    signals, block, x_before[columns[kind]], gains.get(kind), len(self.added_to(kind)[0])
-                )
+            moving = prepared.steady[samples]
+            signals = [replace(each, rest=np.where(moving[:, axis], 0.0, each.rest))  # filters ring
+                       for axis, each in enumerate(view.signals(samples))]  # fmt: skip
+            blocks = self.filled(prepared, samples, [_without_friction(each) for each in signals], view.added, reused)
+            reused, outside = blocks, self.outside(prepared, samples)
+            for row, block in enumerate(blocks):
+                block[:, -1] += outside[:, row]
+            rows = [self._chunk(kind, everyone, blocks[kind]) for kind in layout.numbers(RowType.BASE)]
+            sensors = self.filled_sensors(prepared, samples, view.added)
+            carried = prepared.carried[samples].reshape(len(samples), -1)
+            for kind, block, read in zip(layout.numbers(RowType.SENSOR), sensors, carried.T, strict=True):
+                block[:, -1] += read
+                rows.append(self._chunk(kind, everyone, block))
+            for axis, seen in enumerate(signals):
+                kind, steady = layout.axis(axis), moving[:, axis]
+                block = blocks[kind]
+                self._hold(kind, seen, block, x_before[self._columns[kind]])
                 if not steady.all():
-                    rows.append(Chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
-                    resting = ~steady & (signals.rest > AT_REST)
-                    rows.append(Chunk(layout.resting(axis), everyone[resting], np.asfortranarray(block[resting])))
+                    rows.append(self._chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
+                    resting = ~steady & (seen.rest > AT_REST)
+                    at_rest = np.asfortranarray(block[resting])
+                    rows.append(self._chunk(layout.resting(axis), everyone[resting], at_rest))
                 else:
-                    rows.append(Chunk(kind, everyone, block))
+                    rows.append(self._chunk(kind, everyone, block))
             yield which, [chunk for chunk in rows if len(chunk.samples)]
 
-    def _fill_added(self, prepared: Prepared, samples: IntArray, kind: int, block: Array) -> None:
-        """Write the added columns, which stand last before the right-hand side."""
-        _, entries = self.added_to(kind)
-        for place, entry in enumerate(entries, block.shape[1] - 1 - len(entries)):
-            np.negative(prepared.added[samples, entry], out=block[:, place])
+    def _chunk(self, kind: int, samples: IntArray, block: Array) -> Chunk:
+        return Chunk(kind, samples, self._columns[kind], block)
 
-    def _cut_rows(self, prepared: Prepared, samples: IntArray, everyone: IntArray) -> Iterator[Chunk]:
-        for index, cut in enumerate(self.cuts):
-            kinds, smeared = self.layout.sensor(index), prepared.smeared[samples][:, self.layout.told.sensor(index)]
-            motion = prepared.motion.rows(samples)
-            blocks = cut.fill(motion, [len(self.added_to(kind)[0]) + 1 for kind in kinds])
-            for component, (kind, block) in enumerate(zip(kinds, blocks, strict=True)):
-                block[:, -1] = prepared.carried[samples, index, component] - smeared[:, component]
-                self._fill_added(prepared, samples, kind, block)
-                yield Chunk(kind, everyone, block)
+    def _hold(self, kind: int, signals: JointSignals, block: Array, x: Array) -> None:
+        """Friction that holds at rest, and the current that the model calls for. x: (k_r,) of the pass before."""
+        first = len(self.body_columns[kind])
+        if signals.rest.any():
+            r = block[:, -1] - block[:, :-1] @ x
+            self._fill_effects(replace(signals, stick=signals.rest * np.sign(r)), block, first)
+        gain = first + self._gain if self._gain is not None else None
+        if (
+            gain is not None
+            and self.robot.joints[self.layout.rows[kind].place].actuation == "current"
+            and x[gain] > 0.0
+        ):
+            excess = block[:, :-1] @ x - block[:, -1]  # torque that the current before explains too little of
+            block[:, gain] -= excess / x[gain]
+            block[:, -1] -= excess
+
+    @cached_property
+    def _gain(self) -> int | None:
+        """Place of k_T among the effects."""
+        return next((k for k, effect in enumerate(self.effects) if effect.name == "motor_gain"), None)
 
     def collect(
         self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
@@ -185,98 +284,48 @@ class Equations:
 
     def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:
         """(blocks, P) sums of w A^T e over consecutive stretches of `length` kept samples, for a robust covariance."""
-        columns = self.columns()
         sums = np.zeros((-(-len(prepared.kept) // length), self.size))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
                 stretch = chunk.samples // length
                 starts = np.flatnonzero(np.diff(stretch, prepend=-1))
-                A, own = chunk.block[:, :-1], columns[chunk.kind]
-                scored = A * (weights[chunk.kind] * (chunk.block[:, -1] - A @ x[own]))[:, None]
-                sums[np.ix_(stretch[starts], own)] += np.add.reduceat(scored, starts, axis=0)
+                scored = chunk.block[:, :-1] * (weights[chunk.kind] * chunk.residual(x))[:, None]
+                sums[np.ix_(stretch[starts], chunk.columns)] += np.add.reduceat(scored, starts, axis=0)
         return sums
 
     def residuals(self, prepared: Prepared, x: Array) -> Array:
         """(T_kept, kinds) y - A x, 0 where an axis gives no row; rows at rest are among those of their axis."""
-        columns = self.columns()
         residual = np.zeros((len(prepared.kept), len(self.layout)))
         for _, rows in self.rows(prepared, x):
             for chunk in rows:
-                place = self.layout.moving(chunk.kind)
-                residual[chunk.samples, place] = chunk.block[:, -1] - chunk.block[:, :-1] @ x[columns[chunk.kind]]
+                residual[chunk.samples, self.layout.moving(chunk.kind)] = chunk.residual(x)
         return residual
 
-    def of_bodies(self, motion: Motion, phi: Array) -> Array:
-        """(T, 6 or 0 + A, ...) Y φ of base and actuator axes. phi: (B, ...) base parameters, one set or several.
+    def of_bodies(self, motion: Motion, phi: Array, of: slice = EVERY) -> Array:
+        """(T, n, ...) Y φ of the told rows `of`. phi: (B, ...) base parameters, one set or several.
 
         By the rows that a fit takes: the compiled ones give all of a sample in a sixth of the time of inverse dynamics.
         """
-        out, reused = np.empty((motion.samples, len(self.blocks.columns), *phi.shape[1:])), None
-        for start in range(0, motion.samples, CHUNK):
-            which = slice(start, min(start + CHUNK, motion.samples))
-            reused = self.blocks.fill(motion.rows(which), 0, reused)
-            for row, (block, own) in enumerate(zip(reused, self.blocks.columns, strict=True)):
-                out[which, row] = block @ phi[own]
+        rows, first_sensor = range(*of.indices(len(self.layout.told))), len(self.blocks.columns)
+        out, blocks = np.empty((motion.samples, len(rows), *phi.shape[1:])), list[Array]()
+        for which in chunks(motion.samples):
+            some, found = motion.rows(which), dict[int, Array]()
+            if len(rows) == 1 and self.layout.told.rows[rows[0]].type == RowType.AXIS:
+                found = {rows[0]: self.blocks.fill_axis(rows[0], some)}
+            elif rows.start < first_sensor:
+                blocks = self.blocks.fill(some, 0, blocks)
+                found = dict(enumerate(blocks))
+            if rows.stop > first_sensor:
+                found |= enumerate((block for cut in self.cuts for block in cut.fill(some)), first_sensor)
+            for place, row in enumerate(rows):
+                out[which, place] = found[row] @ phi[self.body_columns[row]]
         return out
 
-    def of_told(self, motion: Motion, phi: Array) -> Array:
-        """(T, told rows, ...) Y φ of everything."""
-        return np.concatenate([self.of_bodies(motion, phi), self.of_carried(motion, phi)], axis=1)
 
-    def of_bodies_on(self, row: int, motion: Motion, phi: Array) -> Array:
-        """(T,) one row of `of_bodies`, of an actuator axis, without the others."""
-        out = np.empty(motion.samples)
-        for start in range(0, motion.samples, CHUNK):
-            which = slice(start, min(start + CHUNK, motion.samples))
-            out[which] = self.blocks.fill_axis(row, motion.rows(which)) @ phi[self.blocks.columns[row]]
-        return out
-
-    def of_carried(self, motion: Motion, phi: Array) -> Array:
-        """(T, 6 C, ...) the same of what the sensors carry."""
-        out = np.empty((motion.samples, 6 * len(self.cuts), *phi.shape[1:]))
-        for start in range(0, motion.samples if self.cuts else 0, CHUNK):
-            which = slice(start, min(start + CHUNK, motion.samples))
-            for index, cut in enumerate(self.cuts):
-                for row, (block, own) in enumerate(zip(cut.fill(motion.rows(which)), cut.columns, strict=True)):
-                    out[which, 6 * index + row] = block @ phi[own]
-        return out
-
-    def _gains(self) -> Iterator[tuple[int, int]]:
-        """(row kind, place of k_T in it) of the axes whose current is logged."""
-        for k, effect in enumerate(self.effects):
-            if effect.name == "motor_gain":
-                for axis, joint in enumerate(self.robot.joints):
-                    if joint.actuation == "current":
-                        kind = self.layout.axis(axis)
-                        yield kind, len(self.blocks.columns[kind]) + k
-
-    def _fill_effects(self, signals: JointSignals, block: Array, x: Array, gain: int | None, added: int) -> None:
-        """Write the effects' columns of one axis. x: (k_r,) the row's parameters of the pass before.
-
-        gain: place of k_T in the row where the current is logged. added: columns behind the effects', filled already.
-        """
-        first = block.shape[1] - 1 - len(self.effects) - added
-        if signals.rest.any():
-            without_friction = replace(signals, direction=np.zeros_like(signals.direction))
-            for k, effect in enumerate(self.effects):
-                np.negative(effect.column(without_friction), out=block[:, first + k])
-            r = block[:, -1] - block[:, :-1] @ x
-            signals = replace(signals, stick=signals.rest * np.sign(r))
-        for k, effect in enumerate(self.effects):
-            np.negative(effect.column(signals), out=block[:, first + k])
-        if gain is not None and x[gain] > 0.0:
-            excess = block[:, :-1] @ x - block[:, -1]  # torque that the current before explains too little of
-            block[:, gain] -= excess / x[gain]
-            block[:, -1] -= excess
+def chunks(samples: int) -> list[slice]:
+    return [slice(start, min(start + CHUNK, samples)) for start in range(0, samples, CHUNK)]
 
 
-def _signals(prepared: Prepared, samples: IntArray) -> list[JointSignals]:
-    """What the effects of every axis see of some samples, contiguous, without a stick sign."""
-    p, still = prepared, np.zeros(len(samples))
-    drive, velocity, acceleration, direction, rest = (
-        np.ascontiguousarray(x[samples].T) for x in (p.drive, p.axis_velocity, p.axis_acceleration, p.direction, p.rest)
-    )
-    return [
-        JointSignals(drive[axis], velocity[axis], acceleration[axis], direction[axis], rest[axis], still)
-        for axis in range(len(drive))
-    ]
+def _without_friction(signals: JointSignals) -> JointSignals:
+    """At rest the sign of the residual is sought of all but what holds there."""
+    return replace(signals, direction=np.zeros_like(signals.direction)) if signals.rest.any() else signals

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from exogauge.effects.catalogue import choose
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.estimation.prior import Prior
-from exogauge.identification.added import Extension
+from exogauge.identification.added_columns import PREFIX, load_columns, parts_of_links, zero_columns
+from exogauge.identification.axis_signals import inertia_and_slope
 from exogauge.identification.bandwidth import choose_cutoff
 from exogauge.identification.common_factor import (
     CommonFactor,
@@ -20,9 +21,8 @@ from exogauge.identification.common_factor import (
     scale_is_measured,
 )
 from exogauge.identification.equations import Equations
-from exogauge.identification.load_columns import PREFIX, load_columns, parts_of_links
-from exogauge.identification.model import AxisSizes, RobotModel
-from exogauge.identification.noise_bias import known_noise, noise_bias
+from exogauge.identification.model import AxisSizes, Extension, RobotModel
+from exogauge.identification.noise_bias import NoiseFloor, known_noise, noise_bias
 from exogauge.identification.parameters import describe, given_the_scale
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
@@ -32,15 +32,13 @@ from exogauge.identification.prior import added_std, joint_prior, per_parameter,
 from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
-from exogauge.identification.sensor_zero import zero_columns
 from exogauge.identification.settings import Progress, Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import creeping_warnings, steady_shares, steady_warnings
-from exogauge.identification.swing import inertia_and_slope
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.uncertainty import score_covariance
-from exogauge.identification.validate import NoiseFloor, fits, noise_floors, predict_log
+from exogauge.identification.validate import fits, noise_floors, predict_log
 from exogauge.logs.model import Log
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.consistency import is_physical

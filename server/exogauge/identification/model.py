@@ -1,16 +1,18 @@
-"""An identified robot, ready to be applied to further logs: parameters, their covariance, and how signals are made."""
+"""An identified robot, ready to be applied to further logs; effects that it got beside its own, each at one site."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, final
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.effects.shaped import AxisSignals, ManyShapes, MissingEffect
+from exogauge.identification.added_columns import AddedColumn, of_loads
 from exogauge.identification.equations import Equations
-from exogauge.identification.load_columns import of_loads
+from exogauge.identification.noise_bias import NoiseFloor
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import Parameters, motor_gain
 from exogauge.identification.preparation import Prepared, prepare
@@ -18,9 +20,6 @@ from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-
-if TYPE_CHECKING:
-    from exogauge.identification.added import Extension
 
 Array = NDArray[np.float64]
 
@@ -48,7 +47,7 @@ class RobotModel:
     order: name of a log -> its number in the order of the study, from 0.
     extension: effects that were added to a parent model, None for a first one.
     prepared: logs as they are without an extension; models that prepare them alike share it. computed: what
-    `axis_signals.loads`, `site.carried` and `swings` have computed with this model's numbers.
+    `axis_signals` and `sites` have computed with this model's numbers.
     """
 
     equations: Equations
@@ -93,3 +92,101 @@ class RobotModel:
             if recording in load.logs:
                 phi[load.body] += load.columns @ coefficients
         return np.asarray(self.equations.base.regroup @ phi.ravel())
+
+
+@final
+@dataclass(frozen=True)
+class AddedEffect:
+    """An effect at a site, with the values of its shapes."""
+
+    effect: Effect
+    site: Site
+    shape: tuple[float, ...] = ()
+
+
+@final
+@dataclass(frozen=True)
+class Extension:
+    """parent: the model that the effects are added to; its loads and motor torques are what they see.
+
+    noise_floors: (log, channel) -> what was found with the parent; sensors' noise does not change with the model.
+    """
+
+    parent: RobotModel
+    effects: tuple[AddedEffect, ...]
+    noise_floors: Mapping[tuple[str, str], NoiseFloor] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> tuple[AddedColumn, ...]:
+        """In the order of x."""
+        return tuple(self._columns())
+
+    def _columns(self) -> Iterator[AddedColumn]:
+        equations = self.parent.equations
+        for each in self.effects:
+            _, name, part = each.site.label(equations)
+            place = f"{name}.{part}" if part else name
+            for coefficient in each.effect.coefficients:
+                unit = each.site.in_si(self.parent, coefficient.unit, each.shape)[1]
+                named = f"{each.effect.name}.{coefficient.name}"
+                yield AddedColumn(named, place, each.site.kinds(equations), replace(coefficient, unit=unit))
+
+    def attach(self, prepared: Prepared) -> Prepared:
+        """The same log with what the added effects do to its rows per unit of their coefficients, filtered as those."""
+        seen: dict[Site, Seen] = {}
+        raw = list[Array]()
+        for each in self.effects:
+            if each.site not in seen:
+                seen[each.site] = each.site.see(self.parent, prepared)
+            columns = seen[each.site].columns(each.effect, each.shape)
+            raw.append(columns.reshape(prepared.log.samples, -1))
+        new = np.hstack(raw) if raw else np.zeros((prepared.log.samples, 0))
+        return replace(
+            prepared,
+            added=np.hstack([prepared.added, prepared.low_pass.apply(new)]),
+            raw_added=np.hstack([prepared.raw_added, prepared.log.as_stored(new)]),
+        )
+
+
+class Effect(MissingEffect, Protocol):
+    """Of any place: `columns`, `changes` or `present` is for its site to call."""
+
+    def applies(self, signals: Any) -> bool: ...
+
+
+@final
+@dataclass(frozen=True)
+class Seen:
+    """What a site sees of one log. signals: what its effects take.
+
+    columns: (effect, shape) -> (T, C, kinds) what each coefficient takes off the rows of each of the site's kinds, per
+    unit, not low-passed.
+    """
+
+    signals: Any
+    columns: Callable[[Any, tuple[float, ...]], Array]
+
+    def channels(self, effect: Any, shapes: Sequence[tuple[float, ...]]) -> Array:
+        """(L C kinds, T) the columns of several shapes, one after the other."""
+        if isinstance(effect, ManyShapes) and isinstance(self.signals, AxisSignals):
+            return effect.columns_of_all(self.signals, shapes)
+        every = [self.columns(effect, shape) for shape in shapes]
+        return np.concatenate([each.reshape(len(each), -1).T for each in every])
+
+    def coordinate(self, name: str, shape: tuple[float, ...] = ()) -> Array:
+        """(T,) of the evidence plot, which may depend on the shape; time where the log does not hold it."""
+        values = getattr(self.signals, name, None)
+        values = values(shape) if callable(values) else values
+        return np.asarray(values if values is not None else self.signals.time)
+
+
+class Site(Protocol):
+    """label: (`joint` | `sensor` | `base`, name, part of it or "")."""
+
+    def label(self, equations: Equations) -> tuple[str, str, str]: ...
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]: ...
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen: ...
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]: ...

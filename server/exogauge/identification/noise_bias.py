@@ -9,7 +9,8 @@ is the step it made. Added with both signs and averaged, what is linear in the n
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,15 @@ from exogauge.robots.description import Robot
 Array = NDArray[np.float64]
 
 NOISE_ABOVE = 2.0  # times the cut-off: what a channel holds beyond is taken for noise
+
+
+@final
+@dataclass(frozen=True)
+class NoiseFloor:
+    """whole: RMSE that noise alone leaves in a channel. beyond_band: of its part above the cut-off."""
+
+    whole: float
+    beyond_band: float
 
 
 def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution) -> Array:

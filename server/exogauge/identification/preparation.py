@@ -12,8 +12,7 @@ from scipy.ndimage import binary_dilation
 
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
-from exogauge.identification.load_columns import load_entries
-from exogauge.identification.sensor_zero import zeros
+from exogauge.identification.added_columns import load_entries, zeros
 from exogauge.identification.smear import smeared
 from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
 from exogauge.logs.bandwidth import suggest_cutoff
@@ -38,7 +37,27 @@ STARTING = 1.3  # periods of the cut-off before and after a rest: when a joint s
 GYRO_SHARE = (
     0.5  # of the cut-off with the least error of the gyro's derivative: noise in a regressor biases, loss hardly
 )
+EVERY = slice(None)
 LONGEST_STEP = 1.5  # nominal sampling steps: a longer one is a gap
+
+
+@final
+@dataclass(frozen=True)
+class View:
+    """How effects see a log. added: (T, entries) of `Prepared.added`. All others (T, A), as in `JointSignals`."""
+
+    drive: Array
+    velocity: Array
+    acceleration: Array
+    direction: Array
+    rest: Array
+    added: Array
+
+    def signals(self, samples: slice | NDArray[np.intp] = EVERY) -> list[JointSignals]:
+        """Of every axis, contiguous, without a stick sign."""
+        every = (self.drive, self.velocity, self.acceleration, self.direction, self.rest)
+        by_axis = zip(*(np.ascontiguousarray(each[samples].T) for each in every), strict=True)
+        return [JointSignals(u, v, a, sign, rest, np.zeros(len(u))) for u, v, a, sign, rest in by_axis]
 
 
 @final
@@ -99,24 +118,19 @@ class Prepared:
             inside[self.kept[0] : self.kept[-1] + 1] = True
         return inside
 
-    def signals(self, axis: int, samples: slice | NDArray[np.intp], stick: Array) -> JointSignals:
-        """What the effects of one axis see of the low-passed log."""
-        return JointSignals(
-            drive=self.drive[samples, axis],
-            velocity=self.axis_velocity[samples, axis],
-            acceleration=self.axis_acceleration[samples, axis],
-            direction=self.direction[samples, axis],
-            rest=self.rest[samples, axis],
-            stick=stick,
-        )
+    @property
+    def low_passed(self) -> View:
+        return View(self.drive, self.axis_velocity, self.axis_acceleration, self.direction, self.rest, self.added)
 
-    def raw_signals(self, axis: int, samples: slice, stick: Array) -> JointSignals:
-        """The same with the drive and the signs as they are without the common low-pass."""
+    @property
+    def as_stored(self) -> View:
+        """With the drive, the signs and the added columns as they are without the common low-pass."""
         return replace(
-            self.signals(axis, samples, stick),
-            drive=self.raw_drive[samples, axis],
-            direction=self.stored_direction[samples, axis],
-            rest=self.stored_rest[samples, axis],
+            self.low_passed,
+            drive=self.raw_drive,
+            direction=self.stored_direction,
+            rest=self.stored_rest,
+            added=self.raw_added,
         )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.effects.effect import JointEffect
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
-from exogauge.identification.added_column import AddedColumn
+from exogauge.identification.added_columns import AddedColumn
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.base_parameters import BaseParameters

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
-from exogauge.identification.noise_bias import draw_noise, with_noise
+from exogauge.identification.noise_bias import NoiseFloor, draw_noise, with_noise
 from exogauge.identification.predict import (
     Parameters,
     added_beyond_band,
     measured_channels,
-    predicted_channels,
     predictions,
 )
 from exogauge.identification.preparation import BASE_CHANNELS, Prepared, wrench_channels
@@ -24,15 +22,6 @@ from exogauge.identification.turns import RestDetection
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
-
-
-@final
-@dataclass(frozen=True)
-class NoiseFloor:
-    """whole: RMSE that noise alone leaves in a channel. beyond_band: of its part above the cut-off."""
-
-    whole: float
-    beyond_band: float
 
 
 def predict_log(
@@ -133,7 +122,7 @@ def noise_floors(
     noise = draw_noise(equations.robot, prepared, np.random.default_rng(0), known)
     again = with_noise(equations.robot, prepared, noise, 1.0, at_rest)
     measured = measured_channels(equations, again, k_T)
-    predicted = predicted_channels(equations, again, identified)
+    (predicted,) = predictions(equations, again, [identified])
     moving = steady_samples(equations, prepared)
     noises = [values - prediction.measured[channel] for channel, values in measured.items()]
 

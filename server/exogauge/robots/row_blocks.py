@@ -27,7 +27,6 @@ from exogauge.robots.tree import IntArray, RigidTree
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-AT_ONCE = 500  # samples whose blocks `predict` holds
 AXES = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])  # x, the next, the one after
 ENTRIES = np.array([[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]])  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz
 
@@ -106,19 +105,6 @@ class RowBlocks:
         base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
         fill_rows(base_rows, *self._tree, *self._poses, *self._kept, *segments,
                   signals, base, AXES, ENTRIES, first, whole)  # fmt: skip
-
-    def predict(self, motion: Motion, phi_base: Array) -> Array:
-        """(T, rows) regressor times base parameters. phi_base: (B,).
-
-        A sixth of the time of inverse dynamics in NumPy, though it builds the regressor.
-        """
-        rows, blocks = np.empty((motion.samples, len(self.columns))), list[Array]()
-        for start in range(0, motion.samples, AT_ONCE):
-            which = slice(start, min(start + AT_ONCE, motion.samples))
-            blocks = self.fill(motion.rows(which), 0, blocks)
-            for row, (block, own) in enumerate(zip(blocks, self.columns, strict=True)):
-                rows[which, row] = block @ phi_base[own]
-        return rows
 
 
 def ready_blocks(

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.order import LOG, SINCE
-from exogauge.identification.model import RobotModel
-from exogauge.identification.site import Seen, Site
+from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.logs.filtering import LowPass
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.score import Score, residual_memory

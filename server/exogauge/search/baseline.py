@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from exogauge.effects.flags import of_logged_torque
 from exogauge.effects.order import about, begins_among
 from exogauge.effects.shaped import AxisSignals
-from exogauge.identification.model import RobotModel
-from exogauge.identification.seen import seen_by
+from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
-from exogauge.identification.site import AxisSite, Effect, Seen, Site
+from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
 from exogauge.search.sums import Sums

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.order import bounded, whatever_log
-from exogauge.identification.link_site import LinkSite, end_links
-from exogauge.identification.model import RobotModel
-from exogauge.identification.pair_site import PairSite, neighbours
+from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.site import AxisSite, BaseSite, Effect, Seen, SensorSite, Site
+from exogauge.identification.sites import AxisSite, BaseSite, LinkSite, PairSite, SensorSite, end_links, neighbours
 from exogauge.logs.decimating import low_passed_at
 
 Array = NDArray[np.float64]

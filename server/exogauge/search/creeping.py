@@ -17,9 +17,9 @@ import numpy as np
 
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
 from exogauge.findings.verdict import Caveat
-from exogauge.identification.pair_site import PairSite
+from exogauge.identification.model import Site
 from exogauge.identification.result import Identification
-from exogauge.identification.site import AxisSite, Site
+from exogauge.identification.sites import AxisSite, PairSite
 from exogauge.search.finding import OPEN
 from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels

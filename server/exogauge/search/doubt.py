@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
-from exogauge.identification.model import RobotModel
-from exogauge.identification.site import Effect
+from exogauge.identification.model import Effect, RobotModel
 from exogauge.search.score import Score, residual_memory
 from exogauge.search.site_rows import SiteRows
 from exogauge.search.sums import KindSums

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from exogauge.findings.result import Finding
-from exogauge.identification.added import AddedEffect
-from exogauge.identification.model import RobotModel
+from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.search.shape_doubt import coefficients
 
 

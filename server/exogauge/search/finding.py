@@ -10,10 +10,9 @@ from exogauge.findings.basis import OfRobot
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import AT_MOST, Alternative, Finding, HeldOut, Place
 from exogauge.identification.equations import Equations
-from exogauge.identification.model import RobotModel
+from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
-from exogauge.identification.site import Site
 from exogauge.identification.validate import unit_of
 from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import Ground

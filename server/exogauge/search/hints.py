@@ -8,7 +8,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.site import AxisSite, Effect
+from exogauge.identification.model import Effect
+from exogauge.identification.sites import AxisSite
 from exogauge.search.baseline import Ground
 from exogauge.search.candidates import Candidate
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from exogauge.identification.site import AxisSite, SensorSite, Site
+from exogauge.identification.model import Site
+from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.search.baseline import lay_ground
 from exogauge.search.effect_size import gone
 from exogauge.search.finding import channel_of

@@ -14,9 +14,9 @@ import numpy as np
 
 from exogauge.effects.own_curve import OwnCurve, possible_terms
 from exogauge.findings.result import Finding, What
-from exogauge.identification.added import AddedEffect
+from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
-from exogauge.identification.site import AxisSite, SensorSite
+from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.search.candidates import Candidate
 from exogauge.search.doubt import parameters
 from exogauge.search.effect_size import gone

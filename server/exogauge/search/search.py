@@ -15,12 +15,11 @@ import numpy as np
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Finding
-from exogauge.identification.added import AddedEffect, Extension
 from exogauge.identification.identify import identify
-from exogauge.identification.pair_site import PairSite
+from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording, Settings
-from exogauge.identification.site import AxisSite, Effect, Site
+from exogauge.identification.sites import AxisSite, PairSite
 from exogauge.identification.validate import floors_of
 from exogauge.search.ambiguity import Undecided
 from exogauge.search.baseline import Ground, lay_ground

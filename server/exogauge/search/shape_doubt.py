@@ -14,8 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.added import AddedEffect
-from exogauge.identification.model import RobotModel
+from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.parameters import DECIDED
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording

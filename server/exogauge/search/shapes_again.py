@@ -11,8 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from exogauge.findings.result import Finding
-from exogauge.identification.added import AddedEffect
-from exogauge.identification.model import RobotModel
+from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters

@@ -9,10 +9,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.model import RobotModel
-from exogauge.identification.seen import seen_by
+from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
-from exogauge.identification.site import Effect, Seen, Site
+from exogauge.identification.sites import seen_by
 from exogauge.logs.decimating import low_passed_at
 from exogauge.logs.filtering import LowPass
 from exogauge.search.sums import KindSums
@@ -76,16 +75,15 @@ def collect_rows(
     if not sites:
         return {}
     equations, x = model.equations, model.solution.unbounded.x
-    own, needed = equations.columns(), {kind for site in sites for kind in site.kinds(model.equations)}
+    needed = {kind for site in sites for kind in site.kinds(model.equations)}
     for recording in recordings:
         prepared = model.prepare(recording.log)
         parts: dict[int, list[tuple[IntArray, Array, Array]]] = {}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:
                 if chunk.kind in needed:
-                    A, y = chunk.block[:, :-1].copy(), chunk.block[:, -1]
-                    e = y - A @ x[own[chunk.kind]]
-                    parts.setdefault(chunk.kind, []).append((prepared.kept[chunk.samples], A, e))
+                    own = (prepared.kept[chunk.samples], chunk.block[:, :-1].copy(), chunk.residual(x))
+                    parts.setdefault(chunk.kind, []).append(own)
         rows = {kind: KindRows(*(np.concatenate(each) for each in zip(*part, strict=True)))
                 for kind, part in parts.items()}  # fmt: skip
         mine = {site: {kind: rows[kind] for kind in site.kinds(equations) if kind in rows} for site in sites}

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
+from exogauge.identification.model import Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.site import Site
 from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
@@ -68,7 +68,7 @@ class Sums:
 
         x: (P,). columns: site -> (n_kept, C, kinds of the site).
         """
-        own, at_rest = equations.columns(), equations.layout.numbers(RowType.AT_REST)
+        at_rest = equations.layout.numbers(RowType.AT_REST)
         at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
         residuals: dict[int, Array] = {}
         for _, chunks in equations.rows(prepared, x):
@@ -76,8 +76,7 @@ class Sums:
                 kind = chunk.kind
                 if kind in at_rest:
                     continue
-                A, y = chunk.block[:, :-1], chunk.block[:, -1]
-                e = y - A @ x[own[kind]]
+                A, e = chunk.block[:, :-1], chunk.residual(x)
                 residuals.setdefault(kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
                 for site, places in at.items():
                     if kind in places and columns[site].shape[1]:

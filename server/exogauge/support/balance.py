@@ -9,10 +9,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
-from exogauge.identification.predict import Parameters
+from exogauge.identification.predict import Parameters, of_x
 from exogauge.identification.preparation import Prepared
 from exogauge.logs.model import Log
 
@@ -20,7 +19,6 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
-CHUNK = 2000
 HALF_STEPS = 8  # of what the wear bears
 FULL_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
 
@@ -100,42 +98,19 @@ def prepare_worn(model: RobotModel, log: Log) -> Prepared:
 
 def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:
     """(T, A) each."""
-    layout, samples = equations.layout, prepared.log.samples
-    contacts, none = ContactPaths(equations.robot), np.zeros(CHUNK)
-    phi = [equations.base.regroup @ parameters.phi.ravel() for parameters in alternatives]
-    result = [np.empty((samples, len(equations.robot.joints))) for _ in alternatives]
-    for start in range(0, samples, CHUNK):
-        which = slice(start, min(start + CHUNK, samples))
-        motion = prepared.motion.rows(which)
-        external = contacts.effect(motion.q, prepared.wrenches[which])[:, layout.axes]
-        external = external - prepared.smeared[which, layout.told.axes]
-        for out, phi_base, parameters in zip(result, phi, alternatives, strict=True):
-            out[which] = equations.blocks.predict(motion, phi_base)[:, layout.axes] - external
-            for axis, coefficients in enumerate(parameters.xi):
-                signals = prepared.signals(axis, which, none[: which.stop - which.start])
-                for effect, coefficient in zip(equations.effects, coefficients, strict=True):
-                    out[which, axis] -= effect.column(signals) * coefficient
-                columns, entries = equations.added_to(layout.axis(axis))
-                if len(columns):
-                    out[which, axis] -= prepared.added[which][:, entries] @ parameters.added[columns]
-    return result
+    axes = equations.layout.told.axes
+    asked = equations.asked(prepared, prepared.low_passed, of_x(equations, alternatives), axes)
+    outside = equations.outside(prepared)[:, axes]
+    return [each.T - outside for each in asked]
 
 
 def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> Iterator[tuple[int, Array]]:
     """(place in joints, (n, P) ∂torque/∂x at the chosen samples), one joint after the other."""
-    equations, C = model.equations, model.robot.axes_from_joints
-    columns, layout = equations.columns(), equations.layout
-    blocks = equations.blocks.fill(prepared.motion.rows(samples), 0)
-    none = np.zeros(len(samples))
+    equations, C, view = model.equations, model.robot.axes_from_joints, prepared.low_passed
+    blocks = equations.filled(prepared, samples, view.signals(samples), view.added)
     for place, joint in enumerate(joints):
         slope = np.zeros((len(samples), equations.size))
         for axis in np.flatnonzero(C[:, joint]):
-            kind = layout.axis(int(axis))
-            own, seen = columns[kind], blocks[kind]
-            slope[:, own[: seen.shape[1]]] += C[axis, joint] * seen
-            signals = prepared.signals(int(axis), samples, none)
-            for effect, column in zip(equations.effects, equations.effect_columns(int(axis)), strict=True):
-                slope[:, column] -= C[axis, joint] * effect.column(signals)
-            for e, entry in zip(*equations.added_to(kind), strict=True):
-                slope[:, equations.first_added + e] -= C[axis, joint] * prepared.added[samples, entry]
+            kind = equations.layout.axis(int(axis))
+            slope[:, equations.columns()[kind]] += C[axis, joint] * blocks[kind][:, :-1]
         yield place, slope

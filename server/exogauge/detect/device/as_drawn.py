@@ -12,7 +12,7 @@ from exogauge.devices.result import Estimate
 from exogauge.effects.effect import Quantity
 from exogauge.effects.order import LOG, SINCE
 from exogauge.findings.result import Finding
-from exogauge.identification.site import Effect
+from exogauge.identification.model import Effect
 from exogauge.search.may_be_named import SURE
 
 PLACES = (LOG, SINCE)  # in the order of the logs: no number of a curve

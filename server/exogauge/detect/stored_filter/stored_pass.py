@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
-from exogauge.identification.predict import measured_channels, predicted_channels
+from exogauge.identification.predict import measured_channels, predictions
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.turns import TurnsOf
 from exogauge.logs.filtering import StoredPass
@@ -109,9 +109,7 @@ class _Trials:
         self._free = [beside_rest(each) for each in self._prepared]
         self._block = [(np.arange(log.samples) / (BLOCK_S * log.rate_hz)).astype(np.intp) for log in logs]
         measured = [measured_channels(model.equations, each, model.k_T) for each in self._prepared]
-        smooth = [
-            predicted_channels(model.equations, _without_jumps(each), model.identified) for each in self._prepared
-        ]
+        smooth = [predictions(model.equations, _without_jumps(each), [model.identified])[0] for each in self._prepared]
         names = enumerate(f"tau.{joint.name}" for joint in model.robot.joints)
         self._axes = [(axis, name) for axis, name in names if name in measured[0]]
         self._y = [[each[name] for each in measured] for _, name in self._axes]

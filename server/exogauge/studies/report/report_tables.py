@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.identification.load_columns import MASS
+from exogauge.identification.added_columns import COMPONENTS, MASS
 from exogauge.identification.result import Array, ChannelFit, Identification, Parameter
-from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.report.figures import label
 from exogauge.studies.words.rounding import rounded, significant, with_std

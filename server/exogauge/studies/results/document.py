@@ -10,9 +10,8 @@ from typing import Any, final
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.findings.result import Discrepancy
-from exogauge.identification.load_columns import MASS
+from exogauge.identification.added_columns import COMPONENTS, MASS
 from exogauge.identification.result import ChannelFit, Identification, Parameter
-from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.identification.settings import Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import JOINT_PARAMETERS, Robot

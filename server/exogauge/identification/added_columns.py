@@ -1,15 +1,16 @@
-"""Known loads as added columns: ten coefficients each, with what was stated of them, in the logs that carry it."""
+"""Coefficients beside those of bodies and joints: the zeros of sensors that carry bodies, estimated with everything
+else; and known loads, ten each, with what was stated of them, in the logs that carry it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.effects.effect import Quantity
-from exogauge.identification.added_column import AddedColumn
 from exogauge.robots.body_rows import body_rows
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
@@ -19,12 +20,42 @@ from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
 
+COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 PREFIX = "load."
 MASS = PREFIX + "m"
 
 
+@final
+@dataclass(frozen=True)
+class AddedColumn:
+    """name: `stribeck.tau_b`. place: the joint or sensor, in words. kinds: of the rows (`RowLayout`) that hold it.
+
+    measured: (value, std) where it was measured otherwise than by the logs; None where nothing is known of it.
+    """
+
+    name: str
+    place: str
+    kinds: tuple[int, ...]
+    coefficient: Quantity
+    measured: tuple[float, float] | None = None
+
+
+def zero_columns(robot: Robot) -> tuple[AddedColumn, ...]:
+    """Six for each sensor, in rows of its own: what it reads with nothing beyond it, in the log's own sign."""
+    return tuple(
+        AddedColumn(f"zero.{component}", sensor.name, (kind,), Quantity(f"zero.{component}", unit))
+        for index, sensor in enumerate(robot.cuts)
+        for kind, component, unit in zip(robot.rows.sensor(index), COMPONENTS, ("N",) * 3 + ("N·m",) * 3, strict=True)
+    )
+
+
+def zeros(robot: Robot, samples: int) -> Array:
+    """(T, 6 C) what the columns take off their rows per unit: a row holds -s times the reading (`WrenchSensor`)."""
+    return np.tile(np.repeat([sensor.sign for sensor in robot.cuts], 6).astype(np.float64), (samples, 1))
+
+
 def kinds_of_body(robot: Robot, body: int) -> tuple[int, ...]:
-    """Row kinds (`Equations`) that feel a body: base rows, axes on the way to the base, sensors that carry it."""
+    """Row kinds (`RowLayout`) that feel a body: base rows, axes on the way to the base, sensors that carry it."""
     above = subtree(robot.tree)[:, body] & (robot.tree.dof >= 0)
     acts = robot.axes_from_joints[:, robot.tree.dof[above]] != 0.0
     felt = [axis for axis, joint in enumerate(robot.joints) if acts[axis].any() and joint.actuation != "none"]

@@ -2,78 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from exogauge.effects.base import BaseChange, BaseSignals
+from exogauge.effects.link import LinkSignals
+from exogauge.effects.pair import PairSignals
 from exogauge.effects.scales import in_si
 from exogauge.effects.sensor import SensorSignals
-from exogauge.effects.shaped import AxisSignals, ManyShapes, MissingEffect
+from exogauge.effects.shaped import AxisSignals
+from exogauge.identification.added_columns import COMPONENTS, kinds_of_body
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
+from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.sensor_zero import COMPONENTS
 from exogauge.logs.derivatives import differentiate
+from exogauge.robots.description import Robot
+from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
 from exogauge.robots.rows import RowType
-
-if TYPE_CHECKING:
-    from exogauge.identification.model import RobotModel
+from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
 
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
 PER_PERIOD = 6  # samples in a period of the cut-off frequency, at which a response is computed
-
-
-class Effect(MissingEffect, Protocol):
-    """Of any place: `columns`, `changes` or `present` is for its site to call."""
-
-    def applies(self, signals: Any) -> bool: ...
-
-
-@final
-@dataclass(frozen=True)
-class Seen:
-    """What a site sees of one log. signals: what its effects take.
-
-    columns: (effect, shape) -> (T, C, kinds) what each coefficient takes off the rows of each of the site's kinds, per
-    unit, not low-passed.
-    """
-
-    signals: Any
-    columns: Callable[[Any, tuple[float, ...]], Array]
-
-    def channels(self, effect: Any, shapes: Sequence[tuple[float, ...]]) -> Array:
-        """(L C kinds, T) the columns of several shapes, one after the other."""
-        if isinstance(effect, ManyShapes) and isinstance(self.signals, AxisSignals):
-            return effect.columns_of_all(self.signals, shapes)
-        every = [self.columns(effect, shape) for shape in shapes]
-        return np.concatenate([each.reshape(len(each), -1).T for each in every])
-
-    def coordinate(self, name: str, shape: tuple[float, ...] = ()) -> Array:
-        """(T,) of the evidence plot, which may depend on the shape; time where the log does not hold it."""
-        values = getattr(self.signals, name, None)
-        values = values(shape) if callable(values) else values
-        return np.asarray(values if values is not None else self.signals.time)
-
-
-class Site(Protocol):
-    """label: (`joint` | `sensor` | `base`, name, part of it or "")."""
-
-    def label(self, equations: Equations) -> tuple[str, str, str]: ...
-
-    def kinds(self, equations: Equations) -> tuple[int, ...]: ...
-
-    def see(self, model: RobotModel, prepared: Prepared) -> Seen: ...
-
-    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]: ...
 
 
 @final
@@ -179,12 +138,127 @@ class BaseSite:
         return 1.0, unit
 
 
+@final
+@dataclass(frozen=True)
+class PairSite:
+    """axis: the one further from the base, by whose joint the pair is called. other: the driven one before it."""
+
+    axis: int
+    other: int
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "joint", equations.robot.joints[self.axis].name, ""
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        return (equations.layout.axis(self.axis), equations.layout.axis(self.other))
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        return seen_of_pair(*axis_signals(model, prepared, [self.axis, self.other]))
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        return 1.0, unit
+
+
+def seen_of_pair(own: AxisSignals, other: AxisSignals) -> Seen:
+    signals = PairSignals(own, other)
+    return Seen(signals, lambda effect, shape: np.asarray(effect.columns(signals, shape)))
+
+
+@final
+@dataclass(frozen=True)
+class LinkSite:
+    """body: of the tree."""
+
+    body: int
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "link", equations.robot.tree.bodies[self.body], ""
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        return kinds_of_body(equations.robot, self.body)
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        number = model.order.get(prepared.log.name, -1)
+        time = prepared.log.time - prepared.log.time[0]
+        signals = LinkSignals(time, number, carries_nothing(model.robot.tree, self.body))
+        rows: list[Array] = []
+
+        def columns(effect: Any, shape: tuple[float, ...]) -> Array:
+            present = effect.present(signals, shape)
+            if not present:
+                return np.zeros((prepared.log.samples, 4, len(self.kinds(model.equations))))
+            if not rows:
+                rows.append(self._rows(model.equations, prepared.motion))
+            return np.asarray(-present * rows[0])
+
+        return Seen(signals, columns)
+
+    def _rows(self, equations: Equations, motion: Motion) -> Array:
+        """(T, 4, kinds) Y φ per kg and kg·m of this link."""
+        per_unit = equations.base.regroup[:, 10 * self.body : 10 * self.body + 4]
+        rows = equations.of_bodies(motion, per_unit)[:, equations.layout.in_told(self.kinds(equations))]
+        return np.ascontiguousarray(rows.transpose(0, 2, 1))
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        return 1.0, unit
+
+
+def seen_by(model: RobotModel, prepared: Prepared, sites: Sequence[Site]) -> dict[Site, Seen]:
+    """Site -> `Site.see`."""
+    single = [site.axis for site in sites if isinstance(site, AxisSite)]
+    paired = [axis for site in sites if isinstance(site, PairSite) for axis in (site.axis, site.other)]
+    axes = list(dict.fromkeys([*single, *paired]))
+    signals = dict(zip(axes, axis_signals(model, prepared, axes), strict=True)) if axes else {}
+    found: dict[Site, Seen] = {}
+    for site in sites:
+        if isinstance(site, AxisSite):
+            found[site] = seen_of_axis(signals[site.axis])
+        elif isinstance(site, PairSite):
+            found[site] = seen_of_pair(signals[site.axis], signals[site.other])
+        else:
+            found[site] = site.see(model, prepared)
+    return found
+
+
+def neighbours(robot: Robot) -> list[PairSite]:
+    """Every driven joint with the next driven one on its way to the base."""
+    tree, found = robot.tree, list[PairSite]()
+    for body, axis in enumerate(tree.dof):
+        if axis < 0 or robot.joints[axis].actuation == "none":
+            continue
+        above = int(tree.parent[body])
+        while above >= 0 and (tree.dof[above] < 0 or robot.joints[tree.dof[above]].actuation == "none"):
+            above = int(tree.parent[above])
+        if above >= 0:
+            found.append(PairSite(int(axis), int(tree.dof[above])))
+    return found
+
+
+def end_links(equations: Equations) -> list[LinkSite]:
+    """Bodies that carry nothing and move, or hang behind a sensor."""
+    tree = equations.robot.tree
+    behind = {tree.bodies.index(name) for name in tree.parts}
+    return [
+        LinkSite(body)
+        for body in range(len(tree.bodies))
+        if takes_payload(equations.robot, body) and (tree.dof[body] >= 0 or body in behind) and not _finger(tree, body)
+    ]
+
+
+def _finger(tree: RigidTree, body: int) -> bool:
+    """Whether it is what hardly weighs on a link that carries nothing else."""
+    parent = int(tree.parent[body])
+    return parent >= 0 and carries_nothing(tree, parent)
+
+
 def carried(model: RobotModel, prepared: Prepared) -> Array:
     """(T, 6 C) what holds and moves the bodies beyond each sensor, in its frame, without its zero."""
     return model.computed.of(
         prepared.log,
         "carried",
-        lambda: model.equations.of_carried(prepared.motion, model.bodies_in(prepared.log.recording)),
+        lambda: model.equations.of_bodies(
+            prepared.motion, model.bodies_in(prepared.log.recording), model.equations.layout.told.sensors
+        ),
     )
 
 
@@ -203,11 +277,11 @@ def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Arra
 
     def moved(step: float) -> Array:
         base = m.acc + step * acc, m.gyro + step * gyro, m.gyro_dot + step * gyro_dot
-        return model.equations.of_told(Motion(m.q, m.dq, m.ddq, *base), phi)
+        return model.equations.of_bodies(Motion(m.q, m.dq, m.ddq, *base), phi)
 
     if not gyro.any() and not gyro_dot.any():  # then the rows are linear in it
         still = np.zeros_like(m.q)
-        response = -model.equations.of_told(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
+        response = -model.equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         response = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
     return response if stride == 1 else np.asarray(CubicSpline(at, response)(np.arange(samples)))
