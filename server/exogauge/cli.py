@@ -93,6 +93,9 @@ def _add_study_commands(commands: Commands) -> None:
     identify.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     identify.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json goes")
     identify.set_defaults(command=run_payload)
+    look = steps.add_parser("doctor", help="examine its logs before they are believed")
+    look.add_argument("payload", type=Path, help="payload.yaml, or its folder")
+    look.set_defaults(command=examine_payload)
 
     mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
     mapping.add_argument("files", type=Path, nargs="+", metavar="FILE", help="the files of one log")
@@ -239,6 +242,18 @@ def run_payload(options: argparse.Namespace) -> int:
     print(summary(results(evaluation)))
     print(path)
     return 0
+
+
+def examine_payload(options: argparse.Namespace) -> int:
+    """1 when a log has an error."""
+    from exogauge.payload.doctor import examine
+    from exogauge.payload.intake import open_payload
+    from exogauge.terminal import text_table
+
+    found = examine(open_payload(options.payload))
+    rows = [[log, each.severity, each.channel, each.rule, f"{each.detail}. {each.advice}"] for log, each in found]
+    print(text_table(("log", "", "channel", "rule", ""), rows, widest=110) if rows else "nothing to find fault with")
+    return 1 if any(each.severity == "error" for _, each in found) else 0
 
 
 def draft_mapping(options: argparse.Namespace) -> int:
