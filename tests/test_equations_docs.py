@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PRINTED = "tests/identification/test_printed_equations.py"  # of the last column, which runs no code of ours
-NUMERICS = ("logs", "estimation", "robots", "effects", "identification", "devices", "support", "discrepancy")
+NUMERICS = ("logs", "estimation", "robots", "effects", "identification", "devices", "support", "payload", "discrepancy")
 RECORDS = ("logs.model", "robots.description", "devices.device", "identification.settings")  # hold, compute nothing
 
 Cited = tuple[str, str]

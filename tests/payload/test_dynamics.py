@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+import pyarrow.parquet as pq
 import pytest
 from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, STD, case, generator
@@ -27,6 +30,7 @@ from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
+TOOLS = Path(__file__).resolve().parents[3] / "shared/data/starlab_tools"
 PAPER_ORDER = [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]
 a, ALPHA, OMEGA, G = (
     np.array([1.0, 2, 3]),
@@ -159,6 +163,29 @@ def test_without_postures_the_motion_alone_decides_all_sixteen() -> None:
     found = dynamic_stage(case(0).rows(tilted()), static_prior(None))
     assert np.all(np.abs(found.value - case(0).truth) < 4.5 * found.std)
     assert found.decided.all()
+
+
+@pytest.mark.skipif(not TOOLS.is_dir(), reason="no recordings beside the repository")
+@pytest.mark.parametrize("tool", ["Hammer", "Clamp", "Screwdriver"])
+def test_tools_of_another_simulation_come_back_to_the_last_digits(tool: str) -> None:
+    """Wrenches in world axes, gravity along +z there, s = +1."""
+    table = pq.read_table(TOOLS / f"{tool}.parquet").to_pydict()
+
+    def columns(*names: str) -> Array:
+        return np.stack([np.array(table[name]) for name in names], axis=1)
+
+    R = columns(*(f"R{i}{j}" for i in "123" for j in "123")).reshape(-1, 3, 3)
+    a, alpha, omega, f, n = (
+        np.einsum("tji,tj->ti", R, columns(*(f"{name}{axis}" for axis in "xyz"))) for name in ("a", "al", "w", "f", "m")
+    )
+    motion = SensorMotion(np.array(table["t"]), R, a, alpha, omega, np.zeros((len(R), 9, 1)))
+    rows = dynamic_rows(motion, np.concatenate([f, n], axis=1), np.array([0.0, 0.0, 9.81]), 1, np.full(6, 1e-8))
+    found = dynamic_stage(rows, static_prior(None, mass_scale=10.0), "ls")
+    truth = json.loads((TOOLS / "truth.json").read_text())[tool]
+    assert found.value[0] == pytest.approx(truth["mass_kg"], abs=1e-9)
+    assert found.value[1:4] / found.value[0] == pytest.approx(truth["com_m"], abs=1e-9)
+    assert found.value[:10][PAPER_ORDER] == pytest.approx(list(truth["phi_of_the_generator"].values()), abs=1e-9)
+    assert np.abs(found.value[10:]).max() < 1e-9
 
 
 def test_what_was_not_excited_is_said() -> None:
