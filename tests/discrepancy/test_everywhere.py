@@ -3,8 +3,8 @@
 import numpy as np
 
 from exogauge.effects.ft_drift import EFFECT
+from exogauge.findings.as_told import merged
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.common_cause import merged
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 from exogauge.studies.words.finding_sentences import finding_sentence
 

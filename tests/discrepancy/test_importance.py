@@ -3,8 +3,8 @@
 import numpy as np
 
 from exogauge.devices.result import Estimate
+from exogauge.findings.as_told import by_importance
 from exogauge.findings.basis import BesideStated
-from exogauge.findings.importance import by_importance
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 
 NOTHING = Evidence("", "", *([np.zeros(0)] * 5))

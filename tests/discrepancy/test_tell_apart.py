@@ -12,10 +12,9 @@ from tests.discrepancy.conftest import FRICTION, JOINTS, RATE, SETTINGS, inverse
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
-from exogauge.experiment.design import _Known, tell_apart
+from exogauge.experiment.design import _Known, tell_apart, with_motions
 from exogauge.experiment.motion_choices import choices
 from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
-from exogauge.experiment.with_motions import with_motions
 from exogauge.experiment.workspace_limits import carrying, room
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.objection import Objection, Why

@@ -18,9 +18,8 @@ from exogauge.detect.nominal.contradicted import contradicted
 from exogauge.detect.nominal.finding import name_contradiction
 from exogauge.detect.stored_filter.limit import band_limits
 from exogauge.effects.flags import at_turns
-from exogauge.experiment.with_motions import with_motions
-from exogauge.findings.common_cause import merged
-from exogauge.findings.importance import by_importance
+from exogauge.experiment.design import with_motions
+from exogauge.findings.as_told import by_importance, merged
 from exogauge.findings.result import ChainStep, Discrepancy, Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify

@@ -7,8 +7,8 @@ complement of both together then says what would be left.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -19,6 +19,7 @@ from exogauge.experiment.motion_choices import Choice, choices
 from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import Room, room
 from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
+from exogauge.findings.result import Finding, Place
 from exogauge.logs.model import Log
 from exogauge.search.ambiguity import Undecided
 
@@ -253,3 +254,16 @@ def _motion(doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Seq
         joints=names,
         q=log.stack([f"q.{name}" for name in names]),
     )
+
+
+def with_motions(
+    findings: Iterable[Finding], undecided: Mapping[tuple[str, Place], Undecided], logs: Sequence[Log]
+) -> tuple[Finding, ...]:
+    """undecided: what tells the finding of an effect at a place from what it may be, too. logs: that were fitted. Some
+    motions cannot be planned; what the effect needs is known in words."""
+    return tuple(_with_motions(each, undecided.get((each.effect, each.named_at)), logs) for each in findings)
+
+
+def _with_motions(finding: Finding, doubt: Undecided | None, logs: Sequence[Log]) -> Finding:
+    found = tell_apart(doubt, logs) if doubt is not None and finding.also_possible else None
+    return finding if found is None else replace(finding, apart=found.pairs, plans=found.motions)

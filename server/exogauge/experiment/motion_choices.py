@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.experiment.workspace_limits import Room
-from exogauge.findings.sweeps import Sweep
+from exogauge.findings.planned_motion import Sweep
 from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.sites import AxisSite
 from exogauge.robots.motion import Motion

@@ -1,14 +1,84 @@
-"""A motion that was planned to tell a finding from what else it may be, and how well it would."""
+"""A motion that was planned to tell a finding from what else it may be: how a joint is swept, and how well it would."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.findings.sweeps import Sweep
+Kind = Literal["speeds", "sine", "small"]
+
+TURN_S = 0.3  # [s] that a change of speed takes
+PASS_S = 3.0  # [s] in one direction at one speed: slow passes are shorter ways
+SPEEDS = 6  # of `speeds`
+PLACES = 4  # of `small`, over the range
+SMALL = 0.04  # of the range: half a small movement
+
+
+@final
+@dataclass(frozen=True)
+class Sweep:
+    """One joint's part. amplitude, offset: [rad, or m of a prismatic joint]. slowest, fastest: [rad/s] speeds that it
+    is to have. period: [s] of a sine, 0 of others. seconds: how long it is repeated."""
+
+    kind: Kind
+    amplitude: float
+    offset: float
+    slowest: float
+    fastest: float
+    seconds: float
+    period: float = 0.0
+
+    @staticmethod
+    def small(offset: float, amplitude: float, slowest: float) -> Sweep:
+        """Small movements that each take a few seconds at most."""
+        slow = max(slowest, 8.0 * SMALL * amplitude / PASS_S)
+        return Sweep("small", amplitude, offset, slow, max(4.0 * slow, amplitude / PASS_S), 1.0)
+
+    def position(self, rate_hz: float) -> Array:
+        """(T,) from rest at the offset (of a sine: at its lower end) and back."""
+        once = {"speeds": self._speeds, "sine": self._sine, "small": self._small}[self.kind](rate_hz)
+        times = max(1, round(self.seconds * rate_hz / len(once)))
+        return np.tile(once, times)
+
+    def _sine(self, rate_hz: float) -> Array:
+        t = np.arange(max(2, round(self.period * rate_hz))) / rate_hz
+        return np.asarray(self.offset - self.amplitude * np.cos(2.0 * np.pi * t / self.period))
+
+    def _speeds(self, rate_hz: float) -> Array:
+        legs: list[tuple[float, float]] = []
+        for v in np.geomspace(self.slowest, self.fastest, SPEEDS):
+            way = min(self.amplitude, 0.5 * v * PASS_S)  # from the middle
+            for _ in range(max(1, round(PASS_S * v / (2.0 * way)))):
+                legs += [(v, way), (-v, 2.0 * way), (v, way)]
+        return self.offset + _travelled(legs, rate_hz)
+
+    def _small(self, rate_hz: float) -> Array:
+        legs: list[tuple[float, float]] = []
+        way = SMALL * 2.0 * self.amplitude
+        places = np.linspace(-self.amplitude + way, self.amplitude - way, PLACES)
+        for place, before in zip([*places, 0.0], [0.0, *places], strict=True):
+            legs.append((np.sign(place - before) * self.fastest, abs(place - before)))
+            if place:
+                legs += [(self.slowest, way), (-self.slowest, 2.0 * way), (self.slowest, way)] * 2
+        return self.offset + _travelled(legs, rate_hz)
+
+
+def _travelled(legs: Sequence[tuple[float, float]], rate_hz: float) -> Array:
+    """(T,) from rest to rest. legs: (velocity, way) one after the other; speeds change within `TURN_S`."""
+    edges = np.concatenate([[0.0], np.cumsum([abs(way / v) if v else 0.0 for v, way in legs])])
+    at = np.concatenate([[0.0], np.cumsum([np.sign(v) * way for v, way in legs])])
+    pause = TURN_S  # still before and after
+    t = np.arange(-pause, edges[-1] + pause, 1.0 / rate_hz)
+    sharp = np.interp(t, edges, at)
+    window = np.hanning(max(3, round(TURN_S * rate_hz)) + 2)
+    half = len(window) // 2
+    padded = np.pad(sharp, (half, len(window) - 1 - half), mode="edge")
+    return np.convolve(padded, window / window.sum(), mode="valid")
+
 
 Array = NDArray[np.float64]
 

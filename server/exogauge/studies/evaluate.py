@@ -18,8 +18,8 @@ from exogauge.detect.stored_filter.worn_alike import filtered_alike
 from exogauge.devices.result import StiffnessResult
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
+from exogauge.findings.as_told import by_importance
 from exogauge.findings.band_numbers import with_effects
-from exogauge.findings.importance import by_importance
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction

@@ -10,9 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.findings.planned_motion import Apart, PlannedMotion
+from exogauge.findings.planned_motion import Apart, PlannedMotion, Sweep
 from exogauge.findings.result import Discrepancy
-from exogauge.findings.sweeps import Sweep
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.results.planned_motions import motion_table, planned_files

@@ -83,6 +83,7 @@ def test_before_and_after_of_a_quantity_stand_together(entry: dict[str, Any]) ->
     assert entry["before_after"]["stiffness of group A by approach B · suit"] == {
         "before": {"value": 241.0, "std": 6.0, "unit": "N/m"},
         "after": {"value": 199.5, "std": 4.0, "unit": "N/m"},
+        "moves": True,
     }
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from exogauge.devices.result import Estimate
 from exogauge.findings.result import Discrepancy, Excess
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
@@ -137,5 +138,4 @@ def test_an_effect_that_is_not_known_here_keeps_its_name() -> None:
 def test_a_quantity_is_unchanged_within_a_tenth_of_its_doubt(
     before: tuple[float, float], after: tuple[float, float], changed: bool
 ) -> None:
-    first, second = (dict(zip(("value", "std"), pair, strict=True)) for pair in (before, after))
-    assert moves(first, second) == changed
+    assert moves(Estimate(*before, "N/m"), Estimate(*after, "N/m")) == changed

@@ -10,15 +10,18 @@ from typing import final
 import numpy as np
 
 from exogauge.detect.nominal.nominal_values import Array, Stated, stated_numbers
-from exogauge.detect.nominal.tilting import tilting
 from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
+from exogauge.robots.kinematics import forward
 from exogauge.search.correlation_time import row_memory
 
 SURE = 9.0  # twice the log likelihood ratio: odds of 90, and some twenty numbers are looked at
 SIGNIFICANT = 2.0  # standard deviations of the mass or the gain: no number that may as well be none is named
 TELL_APART = 6.0  # by which the best number must stand above another one
 MOST = 2
+BASE_TURNS = 0.02  # rms angular velocity of a floating base [rad/s], below which nothing is claimed of any link
+TILTS = 0.15  # rms turn of gravity in a body's frame [rad] that shows its weight
+THINNED = 500  # samples of a log looked at
 
 
 @final
@@ -62,7 +65,7 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
     measured acceleration, which the residual holds too. Where one factor on all gains explains more than any of them,
     none is to blame.
     """
-    numbers, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
+    numbers, data = stated_numbers(model, _tilting(model, logs), row_memory(model, logs))
     found: list[Contradiction] = []
     while len(found) < min(MOST, len({_key(each) for each in numbers if each.sort != "gains"})):
         changes = []
@@ -107,3 +110,18 @@ def _is_sure(change: Change) -> bool:
 
 def _key(stated: Stated) -> tuple[bool, int]:
     return stated.sort in ("load", "scaled"), stated.index
+
+
+def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
+    """Indices of bodies across which gravity turns enough to show what they weigh."""
+    up, turning = [], []
+    for log in logs:
+        prepared = model.prepare(log)
+        turning.append(prepared.motion.gyro[prepared.kept])
+        kept = prepared.kept[:: max(1, len(prepared.kept) // THINNED)]
+        pulled = forward(model.robot.tree, prepared.motion.rows(kept)).proper_acceleration
+        up.append(pulled / np.maximum(np.linalg.norm(pulled, axis=2, keepdims=True), 1e-12))
+    if model.robot.floating and np.sqrt(np.mean(np.concatenate(turning) ** 2)) < BASE_TURNS:
+        return []  # all that its accelerometer says beside gravity is noise
+    spread = np.sqrt(np.sum(np.var(np.concatenate(up), axis=0), axis=1))
+    return [body for body, each in enumerate(spread) if each > TILTS]

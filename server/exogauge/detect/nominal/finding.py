@@ -9,16 +9,16 @@ import numpy as np
 from exogauge.detect.nominal.ablation import put_back
 from exogauge.detect.nominal.contradicted import Change, Contradiction
 from exogauge.detect.nominal.nominal_values import TORQUE_DOUBT, gain_columns
-from exogauge.detect.nominal.number_name import effect_and_place
 from exogauge.devices.result import Estimate
+from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated
-from exogauge.findings.common_cause import ALL
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Evidence, Finding, Place
 from exogauge.identification.model import RobotModel
 from exogauge.identification.parameters import coefficient_unit
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
+from exogauge.robots.ends import takes_payload
 
 NOTHING_TO_DRAW = np.zeros(0)
 MOST_ALIKE = 2  # others that are worth a name
@@ -29,7 +29,7 @@ def name_contradiction(
 ) -> Finding:
     """found: with all effects that were named before it."""
     model, best = found.model, odd.best
-    effect, place = effect_and_place(model, best)
+    effect, place = _effect_and_place(model, best)
     held_out = put_back(found, recordings, best, settings)
     same = [Alternative("link_mass", place, 1.0, Objection(Why.ONE_BODY))] if effect == "payload" else []
     same += [Alternative("kt_gain", Place("joint", ALL), 1.0, Objection(Why.ONE_FACTOR))] if odd.or_all_gains else []
@@ -86,4 +86,14 @@ def _stated_gain(model: RobotModel, best: Change) -> Estimate:
 
 def _alternative(model: RobotModel, each: Change, best: Change) -> Alternative:
     share = float(np.clip(each.evidence / best.evidence, 0.0, 1.0))
-    return Alternative(*effect_and_place(model, each), share, Objection(Why.LESS_LIKELY))
+    return Alternative(*_effect_and_place(model, each), share, Objection(Why.LESS_LIKELY))
+
+
+def _effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
+    """More than stated at a hand is a payload. Any other link, and a lighter hand, has a wrong mass."""
+    robot, index = model.robot, change.stated.index
+    if not change.of_link:
+        return "kt_gain", Place("joint", robot.joints[index].name)
+    heavier = change.value[0] > 0.0
+    effect = "payload" if heavier and takes_payload(robot, index) else "link_mass"
+    return effect, Place("link", robot.tree.bodies[index])

@@ -18,12 +18,14 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.detect.stored_filter.floor import floor_of
 from exogauge.detect.stored_filter.stored_pass import BLOCK_S, Band, beside_rest, stored_band
 from exogauge.detect.stored_filter.turn_evidence import turn_evidence
 from exogauge.errors import NotIdentifiable
-from exogauge.findings.basis import LowPassed
+from exogauge.findings.basis import FloorOf, LowPassed
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.identification.model import RobotModel
+from exogauge.identification.noise_bias import noise_behind_stored
+from exogauge.identification.preparation import DRIVE
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress, Recording
 from exogauge.identification.validate import floors_of, rmse_in_steady_motion, unit_of
@@ -179,7 +181,7 @@ def _finding(
             order=band.stored.order,
             delay_s=band.stored.delay_s(rate_hz) if band.stored.late else None,
             judges=judges.logs if judges.themselves else (),
-            floor=floor_of(after.model, limited, held_out.channel),
+            floor=_floor_of(after.model, limited, held_out.channel),
         ),
         alternatives=tuple[Alternative, ...](),
         also_possible=tuple[Alternative, ...](),
@@ -233,3 +235,15 @@ def _evidence(
         if one.log in logs
     ]
     return turn_evidence(channel, pairs)
+
+
+def _floor_of(model: RobotModel, limited: Sequence[Recording], channel: str) -> FloorOf:
+    """What the noise floor stands for: in these logs themselves little noise is left to be seen."""
+    if any(each.log.stored is None for each in limited):
+        return "other_logs"
+    joint = next(each for each in model.robot.joints if channel == f"tau.{each.name}")
+    drive = DRIVE[joint.actuation]
+    if model.robot.noise.get(drive, 0.0) > 0.0:
+        return "stated"
+    behind = (noise_behind_stored(model.robot, model.prepare(each.log)) for each in limited)
+    return "seen" if all(each[f"{drive}.{joint.name}"] is not None for each in behind) else "rounding"

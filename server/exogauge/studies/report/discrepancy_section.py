@@ -13,7 +13,6 @@ from exogauge.devices.result import Estimate
 from exogauge.findings.result import Alternative, Consequence, Discrepancy, Excess, Finding, Lineage, Link
 from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence, is_cut
 from exogauge.studies.report.support_section import plus_minus
-from exogauge.studies.results.support_results import number
 from exogauge.studies.words.discrepancy_sentences import (
     chain_unit,
     chain_words,
@@ -169,8 +168,8 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
         rejected=_rejected(found.rejected),
-        changes=tuple(_change(each) for each in found.before_after if _moves(each)),
-        unchanged=tuple(_change(each) for each in found.before_after if not _moves(each)),
+        changes=tuple(_change(each) for each in found.before_after if moves(each.before, each.after)),
+        unchanged=tuple(_change(each) for each in found.before_after if not moves(each.before, each.after)),
         lineage=tuple((each.version, each.parent or "–", _added(each)) for each in found.lineage),
         notes=tuple(dict.fromkeys(map(note_words, found.notes))),
         drawn=len(findings) + (chain is not None) + (wear_chain is not None),
@@ -281,10 +280,6 @@ def _excesses(found: Sequence[Excess]) -> tuple[ExcessRow, ...]:
         )
         for each in ordered
     )
-
-
-def _moves(found: Consequence) -> bool:
-    return moves(number(found.before), number(found.after))
 
 
 def _change(found: Consequence) -> ChangeRow:

@@ -11,7 +11,7 @@ from exogauge.findings.objection import Objection
 from exogauge.findings.result import Alternative, Discrepancy, Evidence, Excess, Finding, Lineage, Link, Place
 from exogauge.studies.results.planned_motions import planned_entries
 from exogauge.studies.results.support_results import number
-from exogauge.studies.words.discrepancy_sentences import left_sentence, verdict_sentence
+from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
 from exogauge.studies.words.finding_sentences import (
     consequence_words,
     finding_sentence,
@@ -47,7 +47,11 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
         "candidates": found.candidates,
         "notes": [note_words(each) for each in found.notes],
         "before_after": {
-            consequence_words(each): {"before": number(each.before), "after": number(each.after)}
+            consequence_words(each): {
+                "before": number(each.before),
+                "after": number(each.after),
+                "moves": moves(each.before, each.after),
+            }
             for each in found.before_after
         },
     }

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from exogauge.devices.result import Estimate
 from exogauge.findings.result import Discrepancy, Excess, Finding, HeldOut
 from exogauge.studies.words.finding_sentences import reason_words
 from exogauge.studies.words.names import capital, channel, counted, listed, place_words, titled
@@ -62,13 +63,12 @@ def kind_of_channels(result: Mapping[str, Any]) -> str:
     return "channels" if any(each["channel"].startswith("ft.") for each in fits) else "torques"
 
 
-def moves(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
+def moves(before: Estimate, after: Estimate) -> bool:
     """Whether a quantity changes by more than a tenth of its doubt (of itself where that is not known), or its doubt
     by more than a tenth."""
-    numbers = [each[key] for each in (before, after) for key in ("value", "std")]
-    if not all(number is not None and math.isfinite(number) for number in numbers):
+    value, std, later, later_std = before.value, before.std, after.value, after.std
+    if not all(map(math.isfinite, (value, std, later, later_std))):
         return True
-    value, std, later, later_std = numbers
     doubt = max(std, later_std)
     return bool(abs(later - value) > CHANGED * (doubt or abs(value)) or abs(later_std - std) > CHANGED * doubt)
 

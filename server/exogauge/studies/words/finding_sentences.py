@@ -8,8 +8,8 @@ from typing import final
 import numpy as np
 
 from exogauge.devices.result import BandEstimate
+from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated, Continued, FloorOf, LeftOut, LowPassed, OfBand, OfRobot, Touched
-from exogauge.findings.common_cause import ALL
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
 from exogauge.findings.result import Concentration, Consequence, Excess, Finding, HeldOut, Place

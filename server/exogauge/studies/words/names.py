@@ -8,7 +8,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import every_effect
 from exogauge.effects.effect import JointEffect, Quantity
 from exogauge.effects.shaped import MissingEffect, Shape
-from exogauge.findings.common_cause import ALL
+from exogauge.findings.as_told import ALL
 from exogauge.findings.result import ChainStep, Place
 
 DETECTED = {

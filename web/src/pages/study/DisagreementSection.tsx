@@ -15,8 +15,6 @@ import { count } from "../../parts/size";
 import { Versions } from "./Versions";
 import { capital } from "./words";
 
-const CHANGED = 0.1;
-
 /** From the first gap to the noise floor: what was missing, why that is believed, what it was not, what is left. */
 export function DisagreementSection({ study, job, results }: { study: Study; job: Job; results: Results }) {
   const found = results.discrepancy;
@@ -105,8 +103,8 @@ function Excesses({ name, rows }: { name: string; rows: Excess[] }) {
 function Consequences({ found }: { found: Discrepancy }) {
   const rows = Object.entries(found.before_after);
   if (!rows.length) return null;
-  const moved = rows.filter(([, { before, after }]) => moves(before, after));
-  const others = rows.filter(([, { before, after }]) => !moves(before, after));
+  const moved = rows.filter(([, { moves }]) => moves !== false);
+  const others = rows.filter(([, { moves }]) => moves === false);
   return (
     <section aria-labelledby="consequences">
       <Title order={2} size="h3" id="consequences" mb={4}>
@@ -140,15 +138,6 @@ function Changes({ label, rows }: { label: string; rows: [string, { before: Meas
       ))}
     </WideTable>
   );
-}
-
-/** Whether a quantity or its doubt changes by more than a tenth of the doubt (of itself where that is not known). */
-function moves(before: Measured, after: Measured): boolean {
-  const [value, later] = [before.value, after.value];
-  if (!isNumber(value) || !isNumber(later)) return true;
-  const [std, laterStd] = [before.std ?? 0, after.std ?? 0];
-  const doubt = Math.max(std, laterStd);
-  return Math.abs(later - value) > CHANGED * (doubt || Math.abs(value)) || Math.abs(laterStd - std) > CHANGED * doubt;
 }
 
 function changeOf(before: Measured, after: Measured): string {

@@ -52,3 +52,4 @@ class Consequence(Part):
 
     before: Measured = Field(description="without them")
     after: Measured = Field(description="with them")
+    moves: bool = later("it changes by more than a tenth of its doubt")
