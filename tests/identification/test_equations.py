@@ -111,6 +111,29 @@ def test_the_current_that_the_model_calls_for_leaves_every_residual_where_it_is(
             assert np.abs(logged[kind][1] - called_for[kind][1]).max() > 1e-3
 
 
+def test_what_is_asked_beyond_outside_forces_is_what_the_rows_leave(case):
+    """One forward model: predictions and supporting torque take it from the blocks that the fit takes."""
+    equations, truth, prepared = case
+    x = true_parameters(equations, truth) * np.random.default_rng(0).uniform(0.8, 1.2, equations.size)
+    (asked,) = equations.asked(prepared, prepared.low_passed, x[:, None])
+    asked = (asked.T - equations.outside(prepared))[prepared.kept]
+    for kind in equations.layout.numbers(RowType.BASE, RowType.AXIS):
+        samples, block = rows_of(equations, prepared, x)[kind]
+        left = block[:, -1] - block[:, :-1] @ x[equations.columns()[kind]]
+        assert np.abs(left).max() > 1e-2
+        np.testing.assert_allclose(asked[samples, kind], -left, atol=1e-9)
+
+
+def test_the_kept_samples_alone_give_the_rows_of_the_log(case):
+    equations, truth, prepared = case
+    x = true_parameters(equations, truth)
+    whole, alone = (rows_of(equations, each, x) for each in (prepared, prepared.at_kept()))
+    assert whole.keys() == alone.keys()
+    for kind, (samples, block) in whole.items():
+        np.testing.assert_array_equal(alone[kind][0], samples)
+        np.testing.assert_allclose(alone[kind][1], block, rtol=0, atol=1e-12)
+
+
 def test_errors_of_the_current_stay_out_of_the_regressor(case):
     equations, truth, prepared = case
     x = true_parameters(equations, truth)

@@ -13,8 +13,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Parameter
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import LinkSite
-from exogauge.robots.body_columns import mass_columns
-from exogauge.robots.cut_rows import in_sensor
+from exogauge.robots.cut_rows import in_sensor, mass_columns
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.regressor import inverse_dynamics

@@ -4,7 +4,7 @@ import numpy as np
 
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
-from exogauge.identification.strength import choose_strength
+from exogauge.identification.solution import choose_strength
 
 
 def folds_of(rng, truth, noise, folds=6, rows=12):

@@ -4,7 +4,7 @@ import numpy as np
 
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
-from exogauge.identification.weights import weigh
+from exogauge.identification.solution import weigh
 
 
 def test_weights_become_the_inverse_variances_of_the_rows():

@@ -8,10 +8,9 @@ import pytest
 from tests.sensor_arm import Sensor, describe, wrist
 
 from exogauge.robots.body_rows import body_rows
-from exogauge.robots.cut_regressor import cut_regressor
 from exogauge.robots.known_load import KnownLoad
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import regressor
+from exogauge.robots.regressor import cut_regressor, regressor
 from exogauge.robots.urdf import load_tree
 
 COUPLING = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.4, 0.0], [0.0, 0.0, 1.0, -0.3], [0.0, 0.0, 0.0, 1.0]])

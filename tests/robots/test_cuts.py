@@ -8,11 +8,10 @@ import pytest
 
 from exogauge.errors import BadRobot
 from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.cut_regressor import cut_regressor, cut_wrench
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.export import export_urdf
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import regressor
+from exogauge.robots.regressor import cut_regressor, cut_wrench, regressor
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 

@@ -12,10 +12,9 @@ from scipy.signal import lfilter
 from exogauge.devices.band_fit import Reduced, fit_bands, layout, tension_and_pull
 from exogauge.devices.device import Device
 from exogauge.identification.predict import Parameters
-from exogauge.support.band_doubt import NullLog
+from exogauge.support.band_doubt import NullLog, autocovariance, score_covariance
 from exogauge.support.band_samples import band_samples
 from exogauge.support.evaluate import estimate_support
-from exogauge.support.score_doubt import autocovariance, score_covariance
 from exogauge.support.settings import PlainLog, WornLog
 from exogauge.support.stiffness import identify_bands
 

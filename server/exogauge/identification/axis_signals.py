@@ -15,6 +15,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.turns import WIDEST
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
+from exogauge.logs.model import Log
 from exogauge.logs.undoing import StoredPositions
 from exogauge.robots.motion import Motion
 
@@ -27,16 +28,13 @@ LEAST = 0.02  # of the usual inertia, in any posture
 
 def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> list[AxisSignals]:
     """What shaped effects see of some axes of a log, at the bandwidth that its encoders can bear."""
-    robot, log, C = model.robot, prepared.log, model.robot.axes_from_joints[list(axes)]
-    turning = np.flatnonzero(C.any(axis=0))  # joints that these axes turn
-    finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
-    names = [f"q.{robot.joints[joint].name}" for joint in turning]
-    q = StoredPositions(log, names, finest).before(log.stored, late=True) @ C[:, turning].T
-    dq, ddq = differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
-    load = loads(model, prepared)[:, list(axes)]
+    robot, log, own = model.robot, prepared.log, list(axes)
+    moved = model.prepared.of(log, "moved", lambda: _moved(model, log))
+    q, dq, ddq = (each[:, own] for each in moved)
+    load = loads(model, prepared)[:, own]
     if prepared.taken_off is not None:
-        load = load - prepared.taken_off[:, list(axes)]
-    drive = load - _beside_the_motor(model, prepared, axes)
+        load = load - prepared.taken_off[:, own]
+    drive = load - model.computed.of(log, "beside", lambda: _beside_the_motor(model, prepared))[:, own]
     inertia, slope = swings(model, prepared, axes)
     result = []
     for place, axis in enumerate(axes):
@@ -65,13 +63,21 @@ def axis_signals(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> 
     return result
 
 
-def _beside_the_motor(model: RobotModel, prepared: Prepared, axes: Sequence[int]) -> Array:
-    """(T, axes) torque of friction, offset and rotor that the model gives each axis; nothing of what holds at rest."""
-    out, signals = np.zeros((prepared.log.samples, len(axes))), prepared.low_passed.signals()
-    for place, axis in enumerate(axes):
+def _moved(model: RobotModel, log: Log) -> tuple[Array, Array, Array]:
+    """(T, A) each: position, velocity and acceleration of every axis."""
+    finest = LowPass(min(model.at_rest.cutoff_hz, WIDEST * log.rate_hz), log.rate_hz)
+    names = [f"q.{joint.name}" for joint in model.robot.joints]
+    q = StoredPositions(log, names, finest).before(log.stored, late=True) @ model.robot.axes_from_joints.T
+    return q, differentiate(q, log.rate_hz), differentiate_twice(q, log.rate_hz)
+
+
+def _beside_the_motor(model: RobotModel, prepared: Prepared) -> Array:
+    """(T, A) torque of friction, offset and rotor that the model gives each axis; nothing of what holds at rest."""
+    out = np.zeros((prepared.log.samples, len(model.robot.joints)))
+    for axis, signals in enumerate(prepared.low_passed.signals()):
         for effect, coefficient in zip(model.equations.effects, model.identified.xi[axis], strict=True):
             if effect.name != "motor_gain":
-                out[:, place] += effect.column(signals[axis]) * coefficient
+                out[:, axis] += effect.column(signals) * coefficient
     return out
 
 

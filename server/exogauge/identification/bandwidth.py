@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Protocol
+from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.errors import NotIdentifiable
-from exogauge.identification.preparation import suggested_cutoff
-from exogauge.identification.turns import WIDEST
+from exogauge.identification.equations import Equations
+from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
+from exogauge.identification.preparation import prepare, suggested_cutoff
+from exogauge.identification.prior import added_std, per_parameter, scales
+from exogauge.identification.settings import Settings
+from exogauge.identification.solution import FOLDS, PASSES, solve
+from exogauge.identification.static_friction import fill_static_friction
+from exogauge.identification.steady import keeps_most
+from exogauge.identification.turns import WIDEST, rest_detection
 from exogauge.logs.bandwidth import FASTEST
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
+
+Array = NDArray[np.float64]
 
 HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
@@ -29,17 +40,16 @@ class Keeps(IntEnum):
     BOTH = 2
 
 
-class Trial(Protocol):
-    """left: mean over channels of the logarithm of the share of the unfiltered channel that is left unexplained in
-    blocks that were not fitted. keeps_most: of the motion, and of both directions of every axis. keeps_judged: the same
-    of what is held out."""
+@final
+@dataclass(frozen=True)
+class Trial:
+    """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
+    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: the same of a
+    log that is held out."""
 
-    @property
-    def left(self) -> float: ...
-    @property
-    def keeps_most(self) -> bool: ...
-    @property
-    def keeps_judged(self) -> bool: ...
+    left: float
+    keeps_most: bool
+    keeps_judged: bool
 
 
 def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: Callable[[Log, float], Trial]) -> float:
@@ -94,3 +104,36 @@ def _tried(trial: Callable[[Log, float], Trial], log: Log, cutoff_hz: float) -> 
     if not found.keeps_most:
         return found.left, Keeps.NEITHER
     return found.left, Keeps.BOTH if found.keeps_judged else Keeps.FITTED
+
+
+def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: float) -> Trial:
+    """Each of `FOLDS` consecutive blocks explained by what the others say.
+
+    One pass less than a whole solution, at the prior's stated strength. equations: without added effects. judged: a log
+    that is held out; of it only the motion is looked at, not what drives it.
+    """
+    robot = equations.robot
+    at_rest = rest_detection(robot, [log], cutoff_hz)
+    prepared = prepare(robot, log, cutoff_hz, at_rest)
+    seen = scales(robot, [prepared])
+    added = added_std(equations, [prepared], seen)
+    prior = per_parameter(robot, equations.base, equations.effects, seen, added, equations.added)
+    solution = solve(equations, [prepared], prior, Settings(prior_strength=1.0), passes=PASSES - 1)
+    folds = equations.collect(prepared, solution.x_before, FOLDS)
+    alternatives = []
+    for fold in folds:
+        others = sum((each for each in folds if each is not fold), start=fold.cleared())
+        x = fill_static_friction(equations, others, prior, solution.of(others).x).x
+        alternatives.append(split(equations, prior.lift(x)))
+    blocks = np.array_split(np.arange(log.samples), FOLDS)
+    residuals = dict[str, list[Array]]()
+    everywhere = predictions(equations, prepared, alternatives)
+    for parameters, predicted, block in zip(alternatives, everywhere, blocks, strict=True):
+        measured = measured_channels(equations, prepared, motor_gain(equations, parameters))
+        for channel, values in measured.items():
+            size = np.mean(values**2)
+            error = values[block] - predicted[channel][block]
+            residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
+    shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
+    keeps_judged = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest))
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared), keeps_judged)

@@ -35,18 +35,18 @@ class ContactPaths:
 
         Implements [Evaluator] (10), the terms K^T F.
         """
-        tree, first = self.robot.tree, 6 if self.robot.floating else 0
-        total = np.zeros((first + len(self.robot.joints), len(q)))
+        tree, rows = self.robot.tree, self.robot.rows
+        total = np.zeros((rows.axes.stop, len(q)))
         by_joint = np.ascontiguousarray(q.T)
         for index, sensor in enumerate(self.robot.contacts):
             body, pose = tree.frames[sensor.frame]
             if body < 0:
                 continue
             wrench = pose.toActionMatrixInverse().T @ wrenches[:, index].T
-            wrench = self._carry_inward(body, wrench.reshape(2, 3, -1), by_joint, total[first:])
-            if first:
-                total[:6] += wrench.reshape(6, -1)
-        total[first:] = self._joints_to_axes @ total[first:]
+            wrench = self._carry_inward(body, wrench.reshape(2, 3, -1), by_joint, total[rows.axes])
+            if self.robot.floating:
+                total[rows.base] += wrench.reshape(6, -1)
+        total[rows.axes] = self._joints_to_axes @ total[rows.axes]
         return total.T
 
     def _carry_inward(self, body: int, wrench: Array, q: Array, joints: Array) -> Array:

@@ -13,7 +13,7 @@ from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.estimation.prior import Prior
 from exogauge.identification.added_columns import PREFIX, load_columns, parts_of_links, zero_columns
 from exogauge.identification.axis_signals import inertia_and_slope
-from exogauge.identification.bandwidth import choose_cutoff
+from exogauge.identification.bandwidth import choose_cutoff, quick_fit
 from exogauge.identification.common_factor import (
     CommonFactor,
     common_factor,
@@ -29,7 +29,6 @@ from exogauge.identification.physical import asked_for_negative_mass, possible_p
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import added_std, joint_prior, per_parameter, relative_std, scales
-from exogauge.identification.quick_fit import quick_fit
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
 from exogauge.identification.settings import Progress, Recording, Settings
@@ -89,7 +88,7 @@ def identify(
 
     progress(0.75, "estimating the uncertainty")
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    bias = noise_bias(equations, fitted, at_rest, solution)
+    bias = noise_bias(equations, fitted, at_rest, solution, kept)
     factor = common_factor(equations, solution, meat)
     doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias)
     covariance = solution.prior.lift_covariance(doubt)

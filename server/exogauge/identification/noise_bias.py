@@ -8,8 +8,10 @@ is the step it made. Added with both signs and averaged, what is linear in the n
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -18,6 +20,7 @@ from scipy.ndimage import binary_dilation
 
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.preparation import Prepared, needed_channels, prepare
 from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
@@ -39,17 +42,21 @@ class NoiseFloor:
     beyond_band: float
 
 
-def noise_bias(equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution) -> Array:
-    """(P,) estimate of what noise in the regressor added to x."""
+def noise_bias(
+    equations: Equations, fitted: Sequence[Prepared], at_rest: RestDetection, solution: Solution, kept: PerLog
+) -> Array:
+    """(P,) estimate of what noise in the regressor added to x. kept: what is known of these logs, prepared alike."""
     rng = np.random.default_rng(0)
     known = known_noise(equations.robot, [each.log for each in fitted], fitted[0].low_pass.cutoff_hz)
     parts: dict[float, list[Statistics]] = {1.0: [], -1.0: []}
     for prepared in fitted:
         noise = draw_noise(equations.robot, prepared, rng, known)
+        drawn = hashlib.blake2b(b"".join(each.tobytes() for each in noise.values()), digest_size=8).hexdigest()
         for sign in parts:
-            noisy = with_noise(equations.robot, prepared, noise, sign, at_rest)
-            parts[sign] += equations.collect(noisy, solution.x_before, 1)
-
+            noisy = partial(_noisy_at_kept, equations.robot, prepared, noise, sign, at_rest)
+            alone = kept.of(prepared.log, f"noise {drawn} {sign:+}", noisy)
+            whole = _beside(alone, prepared.added[prepared.kept], prepared.raw_added[prepared.kept])
+            parts[sign] += equations.collect(whole, solution.x_before, 1)
     noisier = [solution.of(sum(each[1:], each[0])).x for each in parts.values()]
     return np.asarray(np.mean(noisier, axis=0) - solution.of(solution.statistics).x)
 
@@ -111,10 +118,33 @@ def with_noise(
     robot: Robot, prepared: Prepared, noise: Mapping[str, Array], sign: float, at_rest: RestDetection
 ) -> Prepared:
     """The same log with sign · noise added; when axes rest or move, and which way, stays as it was."""
+    noisy = _noisy(robot, prepared, noise, sign, at_rest)
+    return _beside(noisy, prepared.added, prepared.raw_added)
+
+
+def _beside(noisy: Prepared, added: Array, raw_added: Array) -> Prepared:
+    """With what an extension adds, which stands last and stays as it was."""
+    own = noisy.added.shape[1]
+    return replace(
+        noisy,
+        added=np.hstack([noisy.added, added[:, own:]]),
+        raw_added=np.hstack([noisy.raw_added, raw_added[:, own:]]),
+    )
+
+
+def _noisy_at_kept(
+    robot: Robot, prepared: Prepared, noise: Mapping[str, Array], sign: float, at_rest: RestDetection
+) -> Prepared:
+    return replace(_noisy(robot, prepared, noise, sign, at_rest).at_kept(), log=prepared.log)
+
+
+def _noisy(
+    robot: Robot, prepared: Prepared, noise: Mapping[str, Array], sign: float, at_rest: RestDetection
+) -> Prepared:
+    """Without what an extension adds."""
     log = prepared.log
     channels = {name: log.channels[name] + sign * noise[name] for name in noise}
     noisy = prepare(robot, replace(log, channels=channels), prepared.low_pass.cutoff_hz, at_rest)
-    own = noisy.added.shape[1]
     return replace(
         noisy,
         direction=prepared.direction,
@@ -123,8 +153,6 @@ def with_noise(
         raw_direction=prepared.raw_direction,
         stored_direction=prepared.stored_direction,
         stored_rest=prepared.stored_rest,
-        added=np.hstack([noisy.added, prepared.added[:, own:]]),
-        raw_added=np.hstack([noisy.raw_added, prepared.raw_added[:, own:]]),
     )
 
 

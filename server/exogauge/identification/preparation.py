@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,12 @@ class Prepared:
         if self.kept.size:
             inside[self.kept[0] : self.kept[-1] + 1] = True
         return inside
+
+    def at_kept(self) -> Prepared:
+        """The kept samples alone; the log stays whole."""
+        arrays = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray) and name != "kept"}
+        some: dict[str, Any] = {name: each[self.kept] for name, each in arrays.items()}
+        return replace(self, motion=self.motion.rows(self.kept), kept=np.arange(len(self.kept)), **some)
 
     @property
     def low_passed(self) -> View:

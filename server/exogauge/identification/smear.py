@@ -15,10 +15,9 @@ from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.undoing import StoredPositions
-from exogauge.robots.cut_regressor import cut_wrench
 from exogauge.robots.description import Robot
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import inverse_dynamics
+from exogauge.robots.regressor import cut_wrench, inverse_dynamics
 
 Array = NDArray[np.float64]
 

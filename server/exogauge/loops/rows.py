@@ -190,7 +190,7 @@ def _slide(
 def _mass_columns(
     mass_first: Ints, mass_kind: Ints, axes: Ints, R: Array, B: Array, p: Array, b: Array, mass: Array, m: int
 ) -> None:
-    """`body_columns.mass_columns`."""
+    """`cut_rows.mass_columns`."""
     for i in range(mass_first.shape[0] - 1):
         for c in range(mass_first[i], mass_first[i + 1]):
             k = mass_kind[c] - 1
@@ -219,7 +219,7 @@ def _inertia_columns(
     inertia_first: Ints, inertia_kind: Ints, axes: Ints, entries: Ints,
     R: Array, w: Array, dw: Array, inertia: Array, m: int,
 ) -> None:  # fmt: skip
-    """`body_columns.inertia_columns`."""
+    """`cut_rows.inertia_columns`."""
     U, w_body, dw_body = np.empty((9, TILE)), np.empty((3, TILE)), np.empty((3, TILE))
     for i in range(inertia_first.shape[0] - 1):
         for k in axes[0]:

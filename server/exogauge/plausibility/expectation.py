@@ -29,10 +29,10 @@ class Expected:
 
     def __init__(self, robot: Robot, seen: Snapshot, moving: NDArray[np.bool_] | None = None) -> None:
         self.robot, self.seen = robot, seen
-        C, first = robot.axes_from_joints, 6 if robot.floating else 0
-        Y = regressor(robot.tree, seen.motion)[:, first:]
+        C, axes = robot.axes_from_joints, robot.rows.axes
+        Y = regressor(robot.tree, seen.motion)[:, axes]
         Y = np.einsum("aj,njp->nap", np.linalg.inv(C).T, Y, optimize=True)
-        outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, first:] if robot.contacts else 0.0
+        outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, axes] if robot.contacts else 0.0
         self.load = Y @ robot.phi_in(seen.recording).ravel() - outside
         self._spread = Y * (ROUGH * inertial_std(robot).ravel())
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T

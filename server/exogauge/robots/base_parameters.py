@@ -14,10 +14,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from exogauge.robots.cut_regressor import cut_regressor
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import parameter_names
-from exogauge.robots.regressor import regressor
+from exogauge.robots.regressor import cut_regressor, regressor
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.cut_regressor import in_sensor_frame
 from exogauge.robots.kinematics import BodyStates, forward, joint_motions, subtree
 from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import body_regressor, to_base
+from exogauge.robots.regressor import body_regressor, in_sensor_frame, to_base
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]

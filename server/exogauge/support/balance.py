@@ -80,20 +80,38 @@ def prepare_worn(model: RobotModel, log: Log) -> Prepared:
     What the wear bears is what the whole model leaves unexplained, and that depends on what those effects see: found
     by half steps, which converge where an effect takes less than three times as much more as there is more to bear.
     """
-    prepared = model.prepare(log)
     if model.extension is None:
-        return prepared
+        return model.prepare(log)
     bare = model.prepare_bare(log)
-    borne = np.zeros((log.samples, len(model.robot.joints)))
+    borne = model.computed.of(log, "borne", lambda: _borne(model, log))
+    return model.extension.attach(replace(bare, taken_off=borne))
+
+
+def _borne(model: RobotModel, log: Log) -> Array:
+    """(T, A) [N·m] what the wear bears of each axis' load."""
+    assert model.extension is not None
+    bare, prepared = model.prepare_bare(log), model.prepare(log)
+    nothing = replace(prepared, added=np.zeros_like(prepared.added))
+    (alone,) = _on_axes(model.equations, nothing, [model.identified])
+    borne = np.zeros_like(alone)
     before: Array | None = None
     for _ in range(HALF_STEPS):
-        (left,) = _on_axes(model.equations, prepared, [model.identified])
+        left = alone - _added_on_axes(model.equations, prepared, model.identified)
         if before is not None and np.array_equal(left, before):  # nothing depends on what the wear bears
             break
         before = left
         borne = borne + 0.5 * (left - borne)
         prepared = model.extension.attach(replace(bare, taken_off=borne))
-    return prepared
+    return borne
+
+
+def _added_on_axes(equations: Equations, prepared: Prepared, parameters: Parameters) -> Array:
+    """(T, A) torque of the added columns."""
+    out = np.zeros((prepared.log.samples, len(equations.robot.joints)))
+    for axis, torque in enumerate(out.T):
+        columns, entries = equations.added_to(equations.layout.axis(axis))
+        torque += prepared.added[:, entries] @ parameters.added[columns]
+    return out
 
 
 def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Parameters]) -> list[Array]:

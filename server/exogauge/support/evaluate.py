@@ -15,7 +15,7 @@ from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
-from exogauge.support.balance import balance
+from exogauge.support.balance import Balance, balance
 from exogauge.support.band_doubt import NullLog
 from exogauge.support.evidence import Background, Evidence, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
@@ -87,9 +87,11 @@ def gather_support(
     evidences: list[Evidence] = []
     backgrounds: dict[str, Background] = {}
     nothings: list[Nothing] = []
-    held = _held_friction(model, plain, joints, progress)
+    balances = _balances(model, _used(plain, worn), joints, progress)
+    told = [held_friction(model, balances[each.log.name]) for each in _telling_of_rest(plain)]
+    held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
-        plains = _plains(model, _of_motion(plain, motion), joints)
+        plains = _plains(model, _of_motion(plain, motion), balances)
         background = Background(joints, plains, repeatability(plains, held, settings), held, None)
         for pair in pairs(worn, plain):
             if pair.worn.motion == motion:
@@ -139,21 +141,23 @@ def _of_motion(plain: Sequence[PlainLog], motion: str) -> Sequence[PlainLog]:
     return same or [each for each in plain if each.held_out] or plain
 
 
-def _plains(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray) -> list[Plain]:
-    names = [model.robot.joints[j].name for j in joints]
+def _plains(model: RobotModel, plain: Sequence[PlainLog], balances: Mapping[str, Balance]) -> list[Plain]:
+    found = [(each, balances[each.log.name]) for each in plain]
     return [
-        Plain(balance(model, model.prepare(each.log), joints), Posture(each.log, names), each.motion) for each in plain
+        Plain(own, Posture(each.log, [model.robot.joints[j].name for j in own.joints]), each.motion)
+        for each, own in found
     ]
 
 
-def _held_friction(model: RobotModel, plain: Sequence[PlainLog], joints: IntArray, progress: Progress) -> Array:
-    """(D,) over all logs without the device that were not fitted (or over all, where none is held out)."""
-    chosen = _telling_of_rest(plain)
-    most = np.zeros(len(joints))
-    for done, each in enumerate(chosen):
-        progress(0.2 * done / len(chosen), f"friction at rest in {each.log.name}")
-        most = np.maximum(most, held_friction(model, balance(model, model.prepare(each.log), joints)))
-    return most
+def _balances(
+    model: RobotModel, plain: Sequence[PlainLog], joints: IntArray, progress: Progress
+) -> Mapping[str, Balance]:
+    """By the log's name."""
+    found = {}
+    for done, each in enumerate(plain):
+        progress(0.2 * done / len(plain), f"what is left in {each.log.name}")
+        found[each.log.name] = balance(model, model.prepare(each.log), joints)
+    return found
 
 
 def _evidence(

@@ -17,9 +17,9 @@ from exogauge.devices.result import StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
 from exogauge.logs.filtering import LowPass
+from exogauge.support.band_doubt import autocovariance
 from exogauge.support.evaluate import LEAST_SIGMA, Gathered
 from exogauge.support.evidence import Evidence
-from exogauge.support.score_doubt import autocovariance
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
