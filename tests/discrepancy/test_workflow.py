@@ -6,6 +6,7 @@ import pytest
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.objection import Why
+from exogauge.findings.result import ChainStep, Place
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import AxisSite
@@ -56,7 +57,7 @@ def test_what_was_named_is_part_of_the_robot_that_is_handed_on(stribeck):
     values = {each.name: each.value for each in stribeck.identification.parameters}
     assert values["stribeck.tau_b[j2]"] > 0.0
     assert [(each.parent, each.added) for each in stribeck.discrepancy.lineage] == [
-        (None, ""), ("identified", "stribeck@j2"),
+        (None, None), ("identified", ChainStep("effect", "stribeck", Place("joint", "j2"))),
     ]  # fmt: skip
     first, last = stribeck.discrepancy.chain
     assert last.rmse < first.rmse
