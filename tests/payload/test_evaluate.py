@@ -204,6 +204,22 @@ def put(name: str, row: int, value: float) -> Callable[[dict[str, Array]], None]
     return change
 
 
+def postures_alone(folder: Path) -> None:
+    content = yaml.safe_load((folder / "payload.yaml").read_text())
+    content["logs"] = content["logs"][:1]
+    (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+
+
+def test_postures_alone_tell_mass_centre_and_zero(sample: Path, tmp_path: Path) -> None:
+    shutil.copytree(sample, tmp_path / "still")
+    postures_alone(tmp_path / "still")
+    found = results(evaluate(open_payload(tmp_path / "still")))
+    assert found.dynamic is None
+    assert found.static is not None
+    assert found.mass_error_kg == pytest.approx(0.0, abs=0.006)
+    assert {v.name for v in found.static.values} >= {"m", "cx", "fx0", "mz0", "U", "V"}
+
+
 BAD: dict[str, tuple[Change, str]] = {
     "sign": (key("sensor", "sees", value="sensor_on_payload"), "payload_on_sensor"),
     "gravity upwards": (key("gravity", value=[0, 0, 9.81]), "sees"),
@@ -259,6 +275,7 @@ def test_moments_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "bad"
     shutil.copytree(sample, folder)
     scale("m", 1000.0)({}, folder)
+    postures_alone(folder)
     try:
         warnings = evaluate(open_payload(folder)).warnings
     except ExogaugeError as error:

@@ -37,7 +37,7 @@ AGREE = 2.0  # standard deviations within which LS and GTLS count as one
 @dataclass(frozen=True)
 class Rows:
     """z: (T, 6, n+1) rows [A b] divided by the noise of b. noise: (T, n+1, n+1) covariance of their errors, summed over
-    the six. F: (T, 6) wrench; std: (6,) of its noise. sign: s."""
+    the six. std: (6,) [N, N·m] that they were divided by. sign: s."""
 
     z: Array
     noise: Array

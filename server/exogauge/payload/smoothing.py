@@ -1,6 +1,6 @@
 """Position, velocity and acceleration of each channel from its noisy positions: Kalman filter, smoothers, their noise.
 
-State [q, q̇, q̈], white noise as jerk: [Payload] takes a Kalman filter and does not say which; math of its section V.
+State [q, q̇, q̈], white noise as jerk: [Payload] takes a Kalman filter and does not say which.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ class Holds:
     """K postures in which nothing moved.
 
     rotation: (K, 3, 3) R_BS. wrench: (K, 6) [N, N·m] means. std: (6,) [N, N·m] of a mean's error, from the sensor's
-    noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in `logs`' time.
+    noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in the log's time.
     """
 
     rotation: Array
