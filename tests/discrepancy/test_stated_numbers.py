@@ -1,7 +1,9 @@
 """What a maker means by a doubted link, against links drawn one by one."""
 
 import numpy as np
+import pytest
 
+from exogauge.detect.nominal.bayes_factor import LettingGo
 from exogauge.detect.nominal.nominal_values import as_stated
 
 RHO = 0.25  # of a maker who says nothing
@@ -42,3 +44,15 @@ def test_doubts_are_those_of_links_with_other_masses_centres_and_inertias(study,
 def test_the_makers_numbers_themselves_stay_what_they_are(study, identified):
     model = identified(study(seconds=8.0)).model
     np.testing.assert_allclose(as_stated(model).seen_mean, model.solution.prior.seen_mean, atol=1e-12)
+
+
+def test_what_is_left_of_rounding_alone_says_nothing():
+    """Two columns that the data know, and one of which nothing is left: its square is below zero by rounding."""
+    Q = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    S, told = (Q * [9.0, 4.0, -1.5]) @ Q.T, (Q * [9.0, 4.0, 0.0]) @ Q.T
+    g = Q[:, :2] @ [2.0, -1.0]
+    let = LettingGo(S, g + 5.0 * Q[:, 2]).let(np.arange(3))
+    inner = np.eye(3) + told
+    np.testing.assert_allclose(let.change, np.linalg.solve(inner, g), rtol=1e-12)
+    np.testing.assert_allclose(let.std, np.sqrt(np.diag(np.linalg.inv(inner))), rtol=1e-12)
+    assert let.evidence == pytest.approx(g @ np.linalg.solve(inner, g) - np.linalg.slogdet(inner)[1])

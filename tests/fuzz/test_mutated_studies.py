@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import HealthCheck, Phase, given, note, settings
+from hypothesis import HealthCheck, Phase, example, given, note, settings
 from hypothesis import strategies as st
 from tests.fuzz.small_robots import JOINTS, K_T, LOGS, RATE, robot_yaml, simulated_logs, write_study
 
@@ -101,11 +101,16 @@ robots = st.sampled_from((
 ))  # fmt: skip
 
 
+AS_IT_IS = ("as it is", lambda text: text)
+
+
+@example(True, [("standstill", still)], True, AS_IT_IS, "", "[identify, discrepancy]")  # nothing is left but rounding
+@example(False, [("cut to 500", rows(slice(0, 500))), ("standstill", still)], True, AS_IT_IS, "", "[identify]")
 @given(
     floating=st.booleans(),
     changes=st.lists(slips, min_size=1, max_size=2),
     everywhere=st.booleans(),
-    robot=st.one_of(st.just(("as it is", lambda text: text)), robots),
+    robot=st.one_of(st.just(AS_IT_IS), robots),
     chosen=st.sampled_from(("", "cutoff_hz: 6, prior_strength: 1")),
     steps=st.sampled_from(("[identify]", "[identify]", "[identify]", "[identify, discrepancy]")),
 )
