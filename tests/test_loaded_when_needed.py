@@ -15,7 +15,7 @@ import exogauge.studies.results.examine_logs, exogauge.studies.words.notices
 """
 EFFECTS = """
 from exogauge.effects import catalogue
-from exogauge.devices.laws.catalogue import all_laws
+from exogauge.effects.band_laws import all_laws
 catalogue.missing_effects(), catalogue.all_effects(), all_laws()
 """
 HELP = """

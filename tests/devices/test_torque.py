@@ -10,10 +10,10 @@ import pinocchio as pin
 import pytest
 
 from exogauge.devices.device import Band, ViaPoint
-from exogauge.devices.laws.catalogue import all_laws
-from exogauge.devices.laws.law import WireMotion
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque, energy
+from exogauge.effects.band import WireMotion
+from exogauge.effects.band_laws import all_laws
 from exogauge.errors import BadInput
 
 STIFFNESS = (150.0, 320.0, 80.0)
@@ -123,7 +123,7 @@ def test_slack_bands_do_nothing(pair, worn):
 def test_power_into_the_bands_is_what_the_joints_lose(name, pair, worn):
     """∫ τ·dq = -∫ T·dl, whatever the law: the torque neither adds energy nor drops any. By the trapezoidal rule."""
     law = all_laws()[name]
-    chosen = tuple(replace(b, law=name, law_values={v.name: v.typical for v in law.values}) for b in worn)
+    chosen = tuple(replace(b, law=name, law_values={v.name: v.stated.typical for v in law.values}) for b in worn)
     routing = Routing(pair.tree, chosen)
     time, q = motion(pair.tree, 3000)
     q = q * np.sin(np.pi * time / time[-1])[:, None] ** 2  # from rest to rest
@@ -141,7 +141,8 @@ def test_power_into_the_bands_is_what_the_joints_lose(name, pair, worn):
 
 def law_tension(law, routing, w, band, q, time):
     segments = routing.segments(q, w)
-    seen = WireMotion(time, segments.length.sum(axis=1), np.zeros(len(q)), segments.length, segments.wrap)
+    length = segments.length.sum(axis=1)
+    seen = WireMotion(time, length, np.gradient(length, time), segments.length, segments.wrap)
     return segments.length, law.tension(seen, band.stiffness, band.natural_length, band.law_values)
 
 
@@ -151,7 +152,7 @@ def integral(force, way):
 
 @pytest.mark.parametrize("name", list(all_laws()))
 def test_with_its_own_values_at_zero_every_law_gives_the_linear_torque(name, pair, worn):
-    values = {value.name: 0.0 for value in all_laws()[name].values}
+    values = {v.name: 0.0 if v.stated.low == 0.0 else v.stated.typical for v in all_laws()[name].values}
     time, q = motion(pair.tree)
     routing = Routing(pair.tree, worn)
     linear = band_torque(routing, worn, q, time)
@@ -164,7 +165,7 @@ def test_chunks_do_not_show(talos, suit, monkeypatch):
     names = list(all_laws())
     worn = tuple(
         replace(band, stiffness=200.0, natural_length=0.9, law=name,
-                law_values={v.name: v.typical for v in all_laws()[name].values})
+                law_values={v.name: v.stated.typical for v in all_laws()[name].values})
         for band, name in zip(suit, ["linear", "via_friction", "maxwell", "kelvin_voigt"], strict=True)
     )  # fmt: skip
     assert set(names) >= {band.law for band in worn}
@@ -179,7 +180,7 @@ def test_chunks_do_not_show(talos, suit, monkeypatch):
 @pytest.mark.parametrize("samples", [0, 1])
 def test_a_log_of_one_sample_or_none_has_no_rate_but_an_answer(pair, worn, samples):
     chosen = tuple(
-        replace(band, law=name, law_values={v.name: v.typical for v in all_laws()[name].values})
+        replace(band, law=name, law_values={v.name: v.stated.typical for v in all_laws()[name].values})
         for band, name in zip(worn, ["kelvin_voigt", "maxwell", "via_friction"], strict=True)
     )
     routing = Routing(pair.tree, chosen)

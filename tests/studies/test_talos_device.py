@@ -12,8 +12,8 @@ import pytest
 import yaml
 
 from exogauge.cli import main
-from exogauge.devices.laws.catalogue import all_laws
 from exogauge.devices.routing import Routing
+from exogauge.effects.band_laws import all_laws
 from exogauge.errors import BadStudy
 from exogauge.studies.intake.contract import Band, DeviceFile
 from exogauge.studies.intake.device_check import DeviceCheck

@@ -8,9 +8,9 @@ from typing import final
 
 from exogauge.devices.changes import chosen, positive, refused, the_band, with_length
 from exogauge.devices.device import Band, Device
-from exogauge.devices.laws.catalogue import check_values
 from exogauge.devices.mirror import mirrored
 from exogauge.devices.routing_check import check_routing
+from exogauge.effects.band_laws import check_values
 from exogauge.robots.tree import RigidTree
 
 MOST_BANDS = 200  # as many as a device file may have

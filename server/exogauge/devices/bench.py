@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.device import Band, Device, ViaPoint
-from exogauge.devices.laws.catalogue import check_values
-from exogauge.devices.laws.law import WireMotion
 from exogauge.devices.routing import Routing
+from exogauge.effects.band import WireMotion
+from exogauge.effects.band_laws import check_values
 from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]

@@ -12,8 +12,8 @@ from difflib import get_close_matches
 from typing import Protocol, final
 
 from exogauge.devices.device import Band, Device
-from exogauge.devices.laws.catalogue import check_values
 from exogauge.devices.posture import Posture
+from exogauge.effects.band_laws import check_values
 from exogauge.errors import BadInput, Fault
 from exogauge.robots.tree import RigidTree
 

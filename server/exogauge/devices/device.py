@@ -34,8 +34,9 @@ class BenchTest:
 class Band:
     """One elastic band, a wire through two or more via points in order.
 
-    group: bands of one group share their stiffness. law: name of a force law (`devices.laws`), law_values: its other
-    parameters. stiffness [N/m], natural_length [m]: nominal values, None where unknown; true ones where ground_truth.
+    group: bands of one group share their stiffness. law: name of a force law (`effects.band_laws`), law_values: its
+    other parameters. stiffness [N/m], natural_length [m]: nominal values, None where unknown; true ones where
+    ground_truth.
     """
 
     name: str

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.device import Band
-from exogauge.devices.laws.catalogue import check_values
-from exogauge.devices.laws.law import ForceLaw, WireMotion
 from exogauge.devices.routing import Routing
+from exogauge.effects.band import WireMotion
+from exogauge.effects.band_laws import BandLaw, check_values
 from exogauge.errors import BadInput, Fault
 
 Array = NDArray[np.float64]
@@ -70,7 +70,7 @@ def energy(routing: Routing, bands: Sequence[Band], q: Array) -> Array:
     return held
 
 
-def _laws(routing: Routing, bands: Sequence[Band]) -> list[ForceLaw]:
+def _laws(routing: Routing, bands: Sequence[Band]) -> list[BandLaw]:
     if [band.name for band in bands] != [band.name for band in routing.bands]:
         raise ValueError("the bands are not those of the routing")
     unknown = [(b.name, what) for b in bands for what in ("stiffness", "natural_length") if getattr(b, what) is None]
@@ -94,7 +94,7 @@ def _rate(length: Array, time: Array) -> Array:
 
 
 def _pull_by_segment(
-    routing: Routing, w: int, band: Band, law: ForceLaw, motion: WireMotion, q: Array, torque: Array
+    routing: Routing, w: int, band: Band, law: BandLaw, motion: WireMotion, q: Array, torque: Array
 ) -> Array:
     """(T,) [N] the largest tension along band w; adds what it does to the joints to torque (D, T).
 

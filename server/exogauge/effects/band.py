@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar, Literal, Protocol, final
 
 import numpy as np
@@ -15,6 +17,55 @@ Array = NDArray[np.float64]
 Sort = Literal["law", "stated", "wire"]
 
 LEAST_WAY = 1e-4  # of the band's travel, within which one that hardly moves comes taut
+
+
+@final
+@dataclass(frozen=True)
+class Stated:
+    """How device.yaml states a value of a law. typical: of ordinary size, to begin with. low, high: its range, ends
+    included. default: what it is where it is left out; None: it must be given."""
+
+    typical: float
+    low: float = 0.0
+    high: float = np.inf
+    default: float | None = None
+
+
+NOT_STATED: Mapping[str, Stated] = MappingProxyType({})
+
+
+@final
+@dataclass(frozen=True)
+class WireMotion:
+    """T samples of one band of S segments, in the order of time.
+
+    time: (T,) [s]. length: (T,) [m]. rate: (T,) [m/s]. For laws per segment, else None: segment_length: (T, S) [m],
+    wrap: (T, S-1) [rad] by how much the band turns at each via point between its ends.
+    """
+
+    time: Array
+    length: Array
+    rate: Array
+    segment_length: Array | None = None
+    wrap: Array | None = None
+
+    def with_spring(self, stiffness: float, natural_length: float) -> BandSignals:
+        """As a log of its own, of which nothing is known before its end: shortest and travel are 0."""
+        return BandSignals(
+            time=self.time,
+            clock=self.time,
+            start=0.0,
+            span=float(np.ptp(self.time)) if len(self.time) else 0.0,
+            length=self.length,
+            rate=self.rate,
+            stretch=np.maximum(self.length - natural_length, 0.0),
+            stiffness=stiffness,
+            natural_length=natural_length,
+            shortest=0.0,
+            travel=0.0,
+            segment_length=self.segment_length,
+            wrap=self.wrap,
+        )
 
 
 @final
@@ -47,7 +98,7 @@ class BandSignals:
     def taut(self) -> Array:
         """(T,) 1 where the band pulls, 0 where it is slack; it comes up within one sample's way, so that the moment
         moves with the natural length, and a fit can follow it."""
-        way = np.abs(np.gradient(self.length)) if len(self.length) > 1 else np.zeros(len(self.length))
+        way = np.abs(self.rate * np.gradient(self.time)) if len(self.time) > 1 else np.zeros(len(self.time))
         return np.asarray(np.clip(self.stretch / np.maximum(way, max(LEAST_WAY * self.travel, 1e-9)), 0.0, 1.0))
 
     @property
@@ -65,6 +116,10 @@ class BandEffect(Protocol):
     coordinate: of the evidence plot, one of `stretch`, `rate`, `clock`. once: it happens at one moment, so that nothing
     can be held out to judge it. per_segment: the tension differs along the band. sort: `law`, another way to pull;
     `stated`, the linear law with other values than the description's; `wire`, a wire that it does not know.
+
+    A law that device.yaml knows has a name there, `law`, and says of each of its values how it is `stated`; else "" and
+    nothing. Values are coefficients and shapes by name. A shape with a coefficient's name is the value about which the
+    law is linear in that. A shape without a grid is stated, not looked for.
     """
 
     name: ClassVar[str]
@@ -78,6 +133,8 @@ class BandEffect(Protocol):
     once: ClassVar[bool]
     per_segment: ClassVar[bool]
     sort: ClassVar[Sort]
+    law: ClassVar[str]
+    stated: ClassVar[Mapping[str, Stated]]
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         """(T, C) [N] that the band pulls more per unit of each coefficient; (T, S, C) per segment."""

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import Array, BandSignals, Sort, Stated
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
+
+USUAL = 0.1  # [m] stretch of a band on a body that moves
 
 
 @final
 class BandHardening:
-    """T = h x_t² (x/x_t)^p on top of k x, x = max(l - l_0, 0), x_t the travel of the band's length over all logs.
+    """T = h X² (x/X)^p on top of k x, x = max(l - l_0, 0), X = 0.1 m.
 
-    With p = 2 it is h x². Whatever p, h is what the band pulls more, at a stretch of x_t, over x_t².
+    With p = 2 it is h x², and the stiffness rises by 2 h per metre. Whatever p, h X² is what the band pulls more at X.
     """
 
     name = "band_hardening"
@@ -23,18 +27,26 @@ class BandHardening:
     place = "band"
     sentence = "The band grows stiffer the further it is stretched."
     coefficients = (Quantity("hardening", "N/m²", low=0.0, words="stiffness that is gained with the stretch"),)
-    shapes = (Shape("power", "1", 1.3, 4.5, (1.6, 2.0, 3.0), words="power of the stretch with which the pull grows"),)
+    shapes = (
+        Shape(
+            "hardening_power", "1", 1.3, 4.5, (1.6, 2.0, 3.0), words="power of the stretch with which the pull grows"
+        ),
+    )
     confounds = ("stiffness", "natural_length", "band_stiffness", "band_length")
     needs = "Motion that stretches the band from slack to far beyond its usual stretch, at even shares of time."
     coordinate = "stretch"
     once = False
     per_segment = False
     sort: Sort = "law"
+    law = "hardening"
+    stated: Mapping[str, Stated] = MappingProxyType({
+        "hardening": Stated(400.0),
+        "hardening_power": Stated(2.0, low=1.0, high=5.0, default=2.0),
+    })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         (power,) = shape
-        travel = max(signals.travel, 1e-9)
-        return np.asarray(travel**2 * (signals.stretch / travel) ** power)[:, None]
+        return np.asarray(USUAL**2 * (signals.stretch / USUAL) ** power)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(np.any(signals.stretch > 0.0))

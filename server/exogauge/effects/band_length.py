@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import NOT_STATED, Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -27,6 +27,8 @@ class BandLength:
     once = False
     per_segment = False
     sort: Sort = "stated"
+    law = ""
+    stated = NOT_STATED
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         return (-signals.stiffness * signals.taut)[:, None]

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort, relaxed
+from exogauge.effects.band import Array, BandSignals, Sort, Stated, relaxed
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
 SLOWER = 5.0  # times as long the second branch takes
+INSTANT = 1e-9  # [s] what lets go within this holds nothing
 
 
 @final
@@ -18,7 +21,8 @@ class BandRelaxation:
     """T = k_M s + k_S s' where taut, on top of k x (Maxwell): ṡ = ẋ - s/τ_r, x the stretch, s from 0 at the log's
     start; s' the same with 5 τ_r, because rubber lets go over decades of time.
 
-    τ_r is not below 0.15 s: what lets go faster than people move is a damper, k_M τ_r.
+    A cycle x = x_0 + A sin ωt, always taut, costs π A² k_M ω τ_r / (1 + ω² τ_r²) by each branch. τ_r is not looked for
+    below 0.15 s: what lets go faster than people move is a damper, k_M τ_r.
     The step is exact for a stretch that changes evenly between samples: s ← E s + τ_r (1 - E) Δx/h, E = e^{-h/τ_r}.
     """
 
@@ -37,6 +41,12 @@ class BandRelaxation:
     once = False
     per_segment = False
     sort: Sort = "law"
+    law = "maxwell"
+    stated: Mapping[str, Stated] = MappingProxyType({
+        "branch_stiffness": Stated(50.0),
+        "relaxation_time": Stated(0.5),
+        "slow_branch_stiffness": Stated(50.0, default=0.0),
+    })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         return np.stack([_let_go(signals, tau) for tau in (shape[0], SLOWER * shape[0])], axis=1)
@@ -47,7 +57,7 @@ class BandRelaxation:
 
 def _let_go(signals: BandSignals, tau: float) -> Array:
     """(T,) [m] what is left of the stretch in one branch, where the band is taut."""
-    step = np.diff(signals.time, prepend=signals.time[:1]) / tau
+    step = np.diff(signals.time, prepend=signals.time[:1]) / max(tau, INSTANT)
     kept = np.exp(-step)
     driven = np.divide(-np.expm1(-step), step, out=np.ones_like(step), where=step > 0.0)
     rise = np.diff(signals.stretch, prepend=signals.stretch[:1])

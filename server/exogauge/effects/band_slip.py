@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import NOT_STATED, Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -49,6 +49,8 @@ class BandSlip:
     once = True
     per_segment = False
     sort: Sort = "law"
+    law = ""
+    stated = NOT_STATED
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         moment, lasting, within = shape[0] * signals.span, shape[1] >= 0.5, shape[2]

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import Array, BandSignals, Sort, Stated
 from exogauge.effects.effect import Quantity
 from exogauge.effects.presliding import bristle
 from exogauge.effects.shaped import Shape
+
+LEAST = 1e-9  # coefficient about which the law without friction is linear
 
 
 @final
@@ -29,7 +33,7 @@ class BandViaFriction:
     sentence = "The band rubs at its via points, so that its tension differs along its way."
     coefficients = (Quantity("friction", "1", low=0.0, words="coefficient of friction at the via points"),)
     shapes = (
-        Shape("stick", "1", 0.01, 0.8, (0.1, 0.3), words="coefficient about which the law is taken as linear"),
+        Shape("friction", "1", 0.01, 0.8, (0.1, 0.3), words="coefficient about which the law is taken as linear"),
         Shape(
             "way", "m", 1e-4, 0.03, (0.0003, 0.001, 0.003, 0.01), words="way over which friction builds up after a turn"
         ),
@@ -41,12 +45,18 @@ class BandViaFriction:
     once = False
     per_segment = True
     sort: Sort = "law"
+    law = "via_friction"
+    stated: Mapping[str, Stated] = MappingProxyType({
+        "friction": Stated(0.2),
+        "way": Stated(0.001, low=1e-6, high=1.0, default=0.0003),
+        "n": Stated(1.3, low=1.0, high=2.0, default=1.0),
+    })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         L, phi = signals.segment_length, signals.wrap
         if L is None or phi is None:
             return np.zeros((len(signals.time), 1, 1))
-        mu, way, n = shape
+        mu, way, n = max(shape[0], LEAST), *shape[1:]
         before = signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
         c = np.stack([bristle(slid / way, n) for slid in before.T], axis=1) if before.size else before
         return self._pull(signals, L, phi * c, mu)[:, :, None]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import Array, BandSignals, Sort, Stated
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -26,13 +28,18 @@ class BandViscous:
     place = "band"
     sentence = "The band pulls more while it is stretched than while it shortens, in proportion to speed."
     coefficients = (Quantity("damping", "N·s/m", low=0.0, words="tension per unit of speed, to the power given"),)
-    shapes = (Shape("power", "1", 0.5, 2.0, (0.7, 1.0, 1.4), words="power of the speed"),)
+    shapes = (Shape("damping_power", "1", 0.5, 2.0, (0.7, 1.0, 1.4), words="power of the speed"),)
     confounds = ("band_via_friction", "band_relaxation")
     needs = "The same stretches slowly and fast, in both directions."
     coordinate = "rate"
     once = False
     per_segment = False
     sort: Sort = "law"
+    law = "kelvin_voigt"
+    stated: Mapping[str, Stated] = MappingProxyType({
+        "damping": Stated(10.0),
+        "damping_power": Stated(1.0, low=0.2, high=3.0, default=1.0),
+    })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         (power,) = shape

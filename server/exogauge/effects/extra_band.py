@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandSignals, Sort
+from exogauge.effects.band import NOT_STATED, Array, BandSignals, Sort
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
@@ -37,6 +37,8 @@ class ExtraBand:
     once = False
     per_segment = False
     sort: Sort = "wire"
+    law = ""
+    stated = NOT_STATED
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
         l_0 = signals.shortest + shape[0] * signals.travel

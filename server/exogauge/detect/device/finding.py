@@ -104,7 +104,7 @@ def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:
     scorer = _beside_the_springs(ground, winner) if effect.shapes else None
     for place, one in enumerate(effect.shapes):
         size, offset, name, unit = _in_si(one.name, one.unit, wire)
-        if name:
+        if name and name not in found:
             assert scorer is not None
             value = offset + size * winner.added.shape[place]
             found[name] = Estimate(value, abs(size) * _sharpness(scorer, winner, place), unit)
@@ -123,7 +123,6 @@ def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
     told = {
         "moment": (wire.span, 0.0, "moment", "s"),
         "lasting": (0.0, 0.0, "", ""),
-        "stick": (0.0, 0.0, "", ""),
         "within": (0.0, 0.0, "", ""),
         "slack": (wire.travel, wire.shortest, "natural_length", "m" if wire.course.routing is not None else "rad"),
     }

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from exogauge.detect.device.logs import WearLogs, Wire
 from exogauge.devices.device import Band
-from exogauge.devices.laws.catalogue import law_named
-from exogauge.devices.laws.law import WireMotion
-from exogauge.effects.band import BandEffect
+from exogauge.effects.band import BandEffect, WireMotion
+from exogauge.effects.band_laws import law_named
 from exogauge.search.bounded import bounded_least_squares
 
 Array = NDArray[np.float64]

@@ -268,7 +268,7 @@ class BenchEntry(_Part):
 class Band(_Part):
     """group: bands of one group share their stiffness; default: the band is a group of its own.
 
-    law: how the band pulls (`devices.laws`); law_values: that law's other parameters.
+    law: how the band pulls (`effects.band_laws`); law_values: that law's other parameters.
     ground_truth: stiffness and natural length are true, not nominal.
     """
 

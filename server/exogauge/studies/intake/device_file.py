@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
-from exogauge.devices.laws.catalogue import law_faults
 from exogauge.devices.routing import Routing
+from exogauge.effects.band_laws import law_faults
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten
 from exogauge.robots.description import Robot

@@ -105,5 +105,5 @@ def capital(text: str) -> str:
 
 
 def _parameters(effect: JointEffect | MissingEffect | BandEffect) -> Mapping[str, str]:
-    own: tuple[Quantity | Shape, ...] = getattr(effect, "coefficients", ())
-    return {each.name: each.words for each in (*own, *getattr(effect, "shapes", ()))}
+    own: tuple[Quantity | Shape, ...] = getattr(effect, "shapes", ())
+    return {each.name: each.words for each in (*own, *getattr(effect, "coefficients", ()))}

@@ -1,1 +1,0 @@
-"""How a band pulls: one file per force law, collected by `catalogue`."""
