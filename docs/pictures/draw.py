@@ -86,14 +86,7 @@ def house() -> None:
             notes.append(note(620, y + 14, 580, "a new detector:", "detect/, named in pipeline.py"))
         if name.startswith("effects"):
             notes.append(
-                note(
-                    620,
-                    y + 4,
-                    580,
-                    "a new force law, joint or sensor effect:",
-                    "one file in effects/;",
-                    "a law of device.yaml: devices/laws/",
-                )
+                note(620, y + 14, 580, "a new law of a band, effect of a joint or sensor:", "one file in effects/")
             )
         if name == "logs":
             notes.append(note(620, y + 14, 580, "a new log format:", "a *_table.py in logs/"))
