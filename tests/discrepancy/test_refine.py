@@ -6,9 +6,10 @@ import pytest
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite
+from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
-from exogauge.search.refine import refined
+from exogauge.search.refine import closest, refined
 from exogauge.search.score import residual_memory, score
 from exogauge.search.site_rows import collect_rows, sums_of
 
@@ -96,3 +97,19 @@ def test_standard_deviations_cover_the_truth_over_many_draws_of_the_noise(fitted
     assert np.all(np.sqrt(np.mean(z**2, axis=0)) < 1.25)  # 20 draws know an rms within a sixth
     assert 0.5 < np.sqrt(np.mean(z**2)) < 1.1
     assert np.mean(np.abs(z) < 2.0) > 0.9
+
+
+def test_from_the_two_best_values_of_the_grid_the_summit_is_found_where_one_ends_beside_it(identified, study):
+    """Stribeck's friction fitted by an exponent of speed and its levelling off, which trade against each other."""
+
+    def falling(m):
+        return np.sign(m.v) * np.exp(-(np.abs(m.v / 0.2) ** 1.4)) * (np.arange(3) == AXIS)
+
+    recordings = study(falling, noise=0.05)
+    model = identified(recordings).model
+    ground = lay_ground(model, recordings, [shaped_effects()["nonlinear_viscous"]], lambda _share, _words: None)
+    of_grid = [each for each in ground.scores if each.candidate.site == SITE]
+    rows = collect_rows(model, recordings, [SITE])[SITE]
+    ends = [refined(model, each, rows, ground.memory).gain for each in of_grid]
+    assert ends[0] < 0.9 * max(ends)
+    assert closest(model, of_grid, rows, ground.memory).gain > 0.99 * max(ends)

@@ -30,7 +30,7 @@ from exogauge.robots.urdf import load_tree
 from exogauge.search.ambiguity import Undecided, undecided
 from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate
-from exogauge.search.refine import refined
+from exogauge.search.refine import closest
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import collect_rows, sums_of
 from exogauge.studies.words.finding_sentences import motion_words, not_told, planned_sentence
@@ -95,8 +95,8 @@ def best(found, recordings, name) -> Score:
     effect = shaped_effects()[name]
     ground = lay_ground(found.model, recordings, [effect], lambda _share, _words: None)
     rows = collect_rows(found.model, recordings, [SWEPT])
-    first = next(each for each in ground.scores if each.candidate.site == SWEPT)
-    return refined(found.model, first, rows[SWEPT], ground.memory)
+    of_grid = [each for each in ground.scores if each.candidate.site == SWEPT]
+    return closest(found.model, of_grid, rows[SWEPT], ground.memory)
 
 
 def doubt_between(found, recordings, scores) -> Undecided:

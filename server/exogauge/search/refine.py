@@ -21,6 +21,7 @@ from exogauge.search.site_rows import SiteRows, sums_of
 Array = NDArray[np.float64]
 
 TRIALS = 40  # of the search, per shape
+STARTS = 2  # where shapes trade against each other, one start may end beside the summit
 SWALLOWED = 0.5  # of the evidence that the search begins with: what is left of it where a shape counts for nothing
 
 
@@ -36,6 +37,17 @@ class Pace:
 
 BROADLY = Pace(0.08, 0.01, 1e-3)
 CLOSELY = Pace(0.004, 1e-4, 1e-5)  # a wave's length over a wide range must be known far better than to a hundredth
+
+
+def closest(
+    model: RobotModel, of_grid: Sequence[Score], rows: Sequence[SiteRows], memory: Mapping[int, float]
+) -> Score:
+    """What the best starts lead to. of_grid: of one effect at one site, most evidence first."""
+    first = of_grid[0]
+    free = [one for one in first.candidate.effect.shapes if not one.choice]
+    starts = of_grid[: STARTS if len(free) > 1 else 1]
+    ends = [refined(model, each, rows, memory) for each in starts]
+    return max((each for each in ends if each.evidence >= first.evidence), key=lambda each: each.gain)
 
 
 def refined(

@@ -31,7 +31,7 @@ from exogauge.search.hints import hinted
 from exogauge.search.judge import Judgement, judge
 from exogauge.search.locate import channels, pooled
 from exogauge.search.may_be_named import not_named
-from exogauge.search.refine import CLOSELY, refined
+from exogauge.search.refine import CLOSELY, closest, refined
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 
@@ -287,12 +287,12 @@ def judge_best(
 ) -> tuple[list[Judgement], Mapping[Site, Sequence[SiteRows]]]:
     """The best shape of every effect and site that is worth it, refined and judged, most evidence first; and the rows
     of their sites. only: at one site."""
-    best: dict[Key, Score] = {}
+    best: dict[Key, list[Score]] = {}
     for each in ground.scores:
         key = each.candidate.key
         wanted = only is None or each.candidate.site == only
-        if wanted and each.evidence > WORTH_JUDGING and key not in best and len(best) < JUDGED:
-            best[key] = each
+        if wanted and each.evidence > WORTH_JUDGING and (key in best or len(best) < JUDGED):
+            best.setdefault(key, []).append(each)
     hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
     rows = collect_rows(
         ground.model, recordings, list(dict.fromkeys([site for _, site in best] + [h.site for h in hints]))
@@ -300,13 +300,12 @@ def judge_best(
     for candidate in hints:
         sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
         tried = score(ground.model, candidate, sums, ground.memory)
-        least = best[candidate.key].evidence if candidate.key in best else WORTH_JUDGING
+        least = best[candidate.key][0].evidence if candidate.key in best else WORTH_JUDGING
         if tried is not None and tried.evidence > least:
-            best[candidate.key] = tried
+            best[candidate.key] = [tried]
     judged = []
-    for (_, site), each in best.items():
-        finer = refined(ground.model, each, rows[site], ground.memory)
-        judged.append(judge(ground.model, finer, rows[site]))
+    for (_, site), scores in best.items():
+        judged.append(judge(ground.model, closest(ground.model, scores, rows[site], ground.memory), rows[site]))
     return sorted(judged, key=lambda one: -one.score.evidence), rows
 
 
