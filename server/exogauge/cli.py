@@ -96,6 +96,14 @@ def _add_study_commands(commands: Commands) -> None:
     look = steps.add_parser("doctor", help="examine its logs before they are believed")
     look.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     look.set_defaults(command=examine_payload)
+    for what, help_text in (
+        ("postures", "plan the postures that tell most of it"),
+        ("excite", "plan the motion that tells most of its inertia"),
+    ):
+        planned = steps.add_parser(what, help=help_text)
+        planned.add_argument("payload", type=Path, help="payload.yaml with `plan`, or its folder")
+        planned.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the CSV and the JSON go")
+        planned.set_defaults(command=plan_payload)
 
     mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
     mapping.add_argument("files", type=Path, nargs="+", metavar="FILE", help="the files of one log")
@@ -254,6 +262,19 @@ def examine_payload(options: argparse.Namespace) -> int:
     rows = [[log, each.severity, each.channel, each.rule, f"{each.detail}. {each.advice}"] for log, each in found]
     print(text_table(("log", "", "channel", "rule", ""), rows, widest=110) if rows else "nothing to find fault with")
     return 1 if any(each.severity == "error" for _, each in found) else 0
+
+
+def plan_payload(options: argparse.Namespace) -> int:
+    from exogauge.payload.planning.plan import open_plan, plan_excitation, plan_postures, summary, write_plan
+    from exogauge.terminal import bar
+
+    asked = open_plan(options.payload)
+    with bar(options.step) as progress:
+        plan = (plan_postures if options.step == "postures" else plan_excitation)(asked, progress)
+    print(summary(plan.found))
+    for path in write_plan(plan, options.out):
+        print(path)
+    return 0
 
 
 def draft_mapping(options: argparse.Namespace) -> int:

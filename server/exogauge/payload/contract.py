@@ -23,6 +23,7 @@ Six = Annotated[tuple[Name, Name, Name, Name, Name, Name], BeforeValidator(_as_t
 Nine = Annotated[tuple[Name, ...], BeforeValidator(_as_tuple), Field(min_length=9, max_length=9)]
 Four = Annotated[tuple[Name, Name, Name, Name], BeforeValidator(_as_tuple)]
 Three = Annotated[tuple[Name, Name, Name], BeforeValidator(_as_tuple)]
+Pair = Annotated[tuple[Number, Number], BeforeValidator(_as_tuple)]
 Limits = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_as_tuple)]
 
 
@@ -142,6 +143,62 @@ class GroundTruth(_Part):
     mass_kg: Positive | None = None
 
 
+class CapEntry(_Part):
+    """Where an axis of the sensor may point, in the base: theta from +z, phi about it from +x; phi may pass 180."""
+
+    axis: Literal["x", "y", "z"]
+    phi_deg: Pair = (-180.0, 180.0)
+    theta_deg: Pair = (0.0, 180.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not 0.0 <= self.theta_deg[0] < self.theta_deg[1] <= 180.0:
+            raise ValueError("theta_deg must be [from, to] with 0 <= from < to <= 180")
+        if not 0.0 < self.phi_deg[1] - self.phi_deg[0] <= 360.0:
+            raise ValueError("phi_deg must be [from, to] with from < to, not more than a turn apart")
+        return self
+
+
+class ComponentEntry(_Part):
+    """What is believed of the payload: a box about its centre of mass, in the sensor's axes."""
+
+    mass_kg: Positive
+    centre_m: Vector
+    size_m: Limits
+
+
+class PostureChoice(_Part):
+    """K: of `algorithm_1`."""
+
+    count: Annotated[int, Field(ge=3, le=100)] = 21
+    hold_s: Positive = 1.0
+    choice: Literal["least_std", "algorithm_1"] = "least_std"
+    K: Number = -0.2
+
+
+class ExcitationChoice(_Part):
+    duration_s: Annotated[Positive, Field(ge=1.0, le=60.0)] = 10.0
+    rate_hz: Annotated[Positive, Field(ge=50.0, le=1000.0)] = 250.0
+    harmonics: Annotated[int, Field(ge=3, le=10)] = 5
+    starts: Annotated[int, Field(ge=1, le=50)] = 4
+
+
+class PlanEntry(_Part):
+    """What may be planned. joints: that move; the others stay at `home` [rad]. position, velocity, torque: instead of
+    the URDF's limits. acceleration [rad/s²]: of every joint that moves."""
+
+    joints: Annotated[tuple[Name, ...], BeforeValidator(_as_names), Field(min_length=1, max_length=20)]
+    home: dict[Name, Number]
+    acceleration: dict[Name, Positive]
+    payload: ComponentEntry
+    position: dict[Name, Pair] = Field(default_factory=dict)
+    velocity: dict[Name, Positive] = Field(default_factory=dict)
+    torque: dict[Name, Positive] = Field(default_factory=dict)
+    workspace: Annotated[tuple[CapEntry, ...], BeforeValidator(_as_tuple), Field(max_length=20)] = ()
+    postures: PostureChoice = PostureChoice()
+    excitation: ExcitationChoice = ExcitationChoice()
+
+
 class PayloadFile(_Part):
     """payload.yaml. gravity: in the base frame, as if it stood level."""
 
@@ -152,8 +209,9 @@ class PayloadFile(_Part):
     pose: PoseEntry
     time: TimeEntry = TimeEntry()
     imu: ImuEntry | None = None
-    logs: Annotated[tuple[LogEntry, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=100)]
+    logs: Annotated[tuple[LogEntry, ...], BeforeValidator(_as_tuple), Field(max_length=100)] = ()
     settings: SettingsEntry = SettingsEntry()
+    plan: PlanEntry | None = None
     ground_truth: GroundTruth = GroundTruth()
 
     @model_validator(mode="after")
