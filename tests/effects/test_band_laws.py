@@ -10,7 +10,7 @@ from exogauge.effects.band_laws import all_laws, check_values, law_named
 from exogauge.effects.catalogue import band_effects
 from exogauge.errors import BadInput
 
-UNITS = {"1", "m", "s", "N/m", "N/m²", "N·s/m"}
+UNITS = {"1", "m", "1/m", "s", "N/m", "N/m²", "N·s/m"}
 K, L_0 = 200.0, 0.6
 SHARES = np.array([0.3, 0.1, 0.4, 0.2])  # of the segments in the length
 
