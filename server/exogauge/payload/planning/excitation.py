@@ -20,15 +20,15 @@ from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
 
-PER_PERIOD = 24  # samples per period of the fastest sine while planning: between them a peak is 1 % higher at most
+PER_PERIOD = 24  # samples per period of the fastest sine while planning: between them it is 1 % higher at most
 CHECK_HZ = 1000.0  # at which every bound must hold
 KEPT = 0.99  # of every bound, while planning: what lies between samples
 SHARPNESS = (
     30.0,
     150.0,
 )  # of the smooth largest value, one after the other: it is above the largest by ln(T)/sharpness
-STEPS = 60  # of SLSQP at each sharpness: more gained below 1 % of a standard deviation
-SHRINK, SHRINKS = 0.995, 60  # where a bound is passed between the samples
+STEPS = 60  # of SLSQP at each sharpness, at most
+HALVINGS = 12  # where a bound is passed between the samples: a quarter of a thousandth of the motion
 
 
 @final
@@ -229,11 +229,11 @@ def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> A
     low, high = 0.0, 1.0
     while task.largest(still + high * (x - still), rate) <= 1.0:
         low, high = high, 2.0 * high
-    for _ in range(12):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         inner = task.largest(still + middle * (x - still), rate) <= 1.0
         low, high = (middle, high) if inner else (low, middle)
-    return _within(task, still + share * low * (x - still))
+    return within(task, still + share * low * (x - still))
 
 
 def excite(
@@ -283,19 +283,21 @@ def improve(task: Task, x: Array, *, gravity: bool = True) -> Array:
             options={"maxiter": STEPS, "ftol": 1e-5},
         )  # fmt: skip
         x = np.asarray(found.x).reshape(shape) * scale
-    return _within(task, x)
+    return within(task, x)
 
 
-def _within(task: Task, x: Array) -> Array:
-    """Shrunk towards home and rest until every bound holds at 1 kHz."""
-    for _ in range(SHRINKS):
-        most = task.largest(x)
-        if most <= 1.0:
-            return x
-        share = max(min(SHRINK, 1.0 / most), 0.5)
-        x = x * np.append(np.full(x.shape[1] - 1, share), 1.0)
-        x[:, -1] += (1.0 - share) * (task.arm.home[task.arm.moved] - x[:, -1])
-    return x
+def within(task: Task, x: Array) -> Array:
+    """As it is, or shrunk towards home and rest, which are within every bound, until it is too, at 1 kHz."""
+    if task.largest(x) <= 1.0:
+        return x
+    still = np.zeros_like(x)
+    still[:, -1] = task.arm.home[task.arm.moved]
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        inner = task.largest(still + middle * (x - still)) <= 1.0
+        low, high = (middle, high) if inner else (low, middle)
+    return still + low * (x - still)
 
 
 @final

@@ -41,7 +41,7 @@ from exogauge.terminal import text_table
 Array = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 
-TRIED = 4000  # postures at random within the joints' limits: twice as many choose no better by 2 %
+TRIED = 4000  # postures at random within the joints' limits
 ON_THE_WAY = 12  # places between two postures at which a straight move is tried
 SEED = 0
 STATIC_NAMES = ("m", "cx", "cy", "cz", *ZERO_NAMES, "U", "V")

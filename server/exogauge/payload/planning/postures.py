@@ -19,7 +19,7 @@ BoolArray = NDArray[np.bool_]
 SAME = 1e-6  # of a unit vector: two directions of gravity that count as one
 FINEST = 40  # divisions of a turn at which Algorithm 1 gives up: no feasible posture lies wider than 9° apart
 WEAK = 1e-9  # information of what nothing was seen of, against that of one posture
-SWEEPS = 5  # rounds of exchanges after the greedy choice; two are usual
+SWEEPS = 5  # rounds of exchanges after the greedy choice, at most
 BELIEVED = ("mass", "centre", "inclination")
 
 
