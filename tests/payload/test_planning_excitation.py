@@ -177,6 +177,7 @@ def test_a_motion_that_passes_its_bounds_is_shrunk_until_it_does_not(times: floa
 def test_a_home_outside_the_bounds_is_refused() -> None:
     task = task_of()
     task.arm.home[4] -= 2.0  # the flange looks up
+    assert task_of().arm.home[4] == task.arm.home[4] + 2.0  # of this arm alone
     with pytest.raises(NotIdentifiable, match="home posture is outside"):
         random_motion(task, np.random.default_rng(0))
 

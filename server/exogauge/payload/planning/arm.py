@@ -103,7 +103,7 @@ class Arm:
         self.joints, self.frame = tuple(joints), _frame(model, frame)
         self.order = np.array([model.joints[model.getJointId(name)].idx_v for name in joints], dtype=np.intp)
         self.moved: IntArray = np.array([self.joints.index(name) for name in moved], dtype=np.intp)
-        self.home, self.component = np.asarray(home, np.float64), component
+        self.home, self.component = np.array(home, np.float64), component
         data = model.createData()
         pin.framesForwardKinematics(model, data, pin.neutral(model))
         self.R_base: Array = data.oMf[_frame(model, base_link)].rotation.copy()
