@@ -14,7 +14,7 @@ from pypdf import PdfReader
 from exogauge.studies.report.page_model import Page, Table
 from exogauge.studies.report.summary_content import DETAILS, summary_content
 from exogauge.studies.report.summary_page import SummaryPage, summary_page
-from exogauge.studies.report.summary_text import summary_text
+from exogauge.studies.report.summary_text import DETAIL, summary_text
 
 Evaluated = Callable[..., dict[str, Any]]
 A4 = (595.28, 841.89)  # [pt]
@@ -70,7 +70,7 @@ def test_both_say_every_word_of_the_content(made: SummaryPage) -> None:
 def test_the_terminal_says_every_word_and_the_evidence_of_what_was_named(whole: dict[str, Any]) -> None:
     said = summary_text(whole)
     assert max(map(len, said.splitlines())) <= 140
-    for text in every_text(summary_content(whole, DETAILS[0])):
+    for text in every_text(summary_content(whole, DETAIL)):
         assert "".join(text.casefold().split()) in "".join(said.casefold().split())
     evidence = "j2: friction falls with speed."
     finding = {"title": "x at j2", "evidence": evidence, "motion": "Move it.", "planned": [{"file": "plan.csv"}]}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from exogauge.studies.report.page_model import Block
@@ -12,11 +13,12 @@ from exogauge.studies.words.names import capital
 from exogauge.terminal import text_table
 
 WIDTH = 100
+DETAIL = replace(DETAILS[0], files=4)  # the hashes of all stand in results.json
 
 
 def summary_text(results: Mapping[str, Any]) -> str:
     """results: the content of results.json."""
-    page = summary_content(results, DETAILS[0])
+    page = summary_content(results, DETAIL)
     blocks = [block for row in page.rows for block in row.blocks]
     findings = (results["discrepancy"] or {"findings": ()})["findings"]
     blocks[2:2] = [Block(capital(each["title"]), tuple(_story(each))) for each in findings]
