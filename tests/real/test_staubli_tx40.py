@@ -86,7 +86,7 @@ def test_nothing_is_named_on_three_seconds_half_of_which_stand_still(discrepancy
     assert discrepancy["findings"] == []
     assert discrepancy["rejected"]
     for each in discrepancy["rejected"]:
-        assert "too little steady motion in logs that were not fitted" in each["reason"]
+        assert each["objection"]["why"] == "too_short"
 
 
 def test_the_gap_that_is_left_is_shown(discrepancy: Mapping[str, Any]) -> None:
@@ -115,7 +115,7 @@ def test_a_wrist_whose_coupling_is_withheld_is_seen_but_cannot_be_judged_on_this
     wrist = tried["coupling", "joint_6"]
     assert wrist["score"] > 0.8
     assert wrist["score"] == max(each["score"] for each in tried.values())
-    assert "too little steady motion in logs that were not fitted" in wrist["reason"]
+    assert wrist["objection"]["why"] == "too_short"
     above = {each["channel"]: each["rmse"] for each in uncoupled["unexplained"]}
     assert above["tau.joint_5"] > 5.0
 
