@@ -165,6 +165,7 @@ def test_the_criterion_without_gravity_leaves_larger_standard_deviations() -> No
     assert min(blind) > min(with_gravity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("times", [1.5, 40.0])
 def test_a_motion_that_passes_its_bounds_is_shrunk_until_it_does_not(times: float) -> None:
     task = task_of()
