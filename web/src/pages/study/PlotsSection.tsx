@@ -107,11 +107,14 @@ function firstOf(names: string[], logs: StudyLog[], results: Results): string | 
   return [worn, heldOut].find((each) => each !== undefined && names.includes(each)) ?? names[0];
 }
 
-/** What a reader most likely wants first: the joints that the wear acts on, else those that were in question. */
+/** What a reader most likely wants first: the joints that the wear acts on, else those that were in question, else the
+ * first joints. */
 function plotsFor(series: SeriesFacts, results: Results): string[] {
   const worn = results.support.filter((each) => each.main && each.logs.includes(series.name)).map((each) => each.joint);
   const named = (results.discrepancy?.findings ?? []).map((each) => each.held_out.channel);
   const trunk = results.identification.summary.find((each) => each.kind === "trunk_torque")?.channels ?? [];
   if (worn.length) return [`support.${worn[0]}`, `tau.${worn[0]}`, "tension"];
-  return [...new Set([...named, ...trunk, "base.my"])].slice(0, 3);
+  const measured = series.channels.flatMap(({ name }) => (name.startsWith("measured.") ? [name.slice(9)] : []));
+  const joints = measured.filter((each) => each.startsWith("tau."));
+  return [...new Set([...named, ...trunk, "base.my", ...joints])].filter((each) => measured.includes(each)).slice(0, 3);
 }
