@@ -70,6 +70,11 @@ def picture(page: Page) -> Picture:
     raise AssertionError("the 3D view does not come to rest")
 
 
+def is_again(page: Page, before: Picture, share: float = 0.001) -> bool:
+    """Whether the view comes to look as it did, but for a share of the pixels; a busy machine takes a while."""
+    return any(differing(before, picture(page)) < share for _ in range(TRIES))
+
+
 def shot(page: Page) -> Picture:
     return (255 * imread(io.BytesIO(frame(page).screenshot()))[:, :, :3]).astype(np.int16)
 
