@@ -37,7 +37,7 @@ ARGUMENTS = (
 SAMPLE = ROOT / ".cache" / "e2e-sample"  # generated and evaluated once, which takes minutes
 SAMPLE_NAME = "SYNTHETIC hrp4_like, seed 1"
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
-PATIENCE_MS = int(os.environ.get("EXOGAUGE_TEST_PATIENCE_MS", "20000"))  # more on a machine that others keep busy
+PATIENCE_MS = int(os.environ.get("EXOGAUGE_TEST_PATIENCE_MS", "60000"))  # others may keep the machine busy
 WIDE = {"width": 1280, "height": 800}
 MOST_LINES = 6  # of a row's head
 BROKEN = """(most) => [...document.querySelectorAll("tbody th")].filter((head) => {

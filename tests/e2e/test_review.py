@@ -106,6 +106,7 @@ def test_the_cursor_moves_by_keyboard_and_a_link_brings_the_view_back(page: Page
     page.keyboard.press("ArrowRight")
     expect(axis).to_have_attribute("aria-valuetext", re.compile(r"A: without"))
     page.wait_for_timeout(1500)  # until the address holds where the cursor rests
+    expect(axis).to_have_attribute("aria-valuetext", re.compile(r"A: without"))  # what was zoomed to is there
     address, window = page.url, page.get_by_test_id("window").inner_text()
     words = axis.get_attribute("aria-valuetext")
     assert words is not None
