@@ -117,6 +117,15 @@ def test_a_twist_unties_them(identified, suit):
     )
 
 
+def test_a_band_that_is_stated_to_be_no_straight_spring_was_fitted_as_one_and_that_is_said(identified, suit):
+    hardening = replace(suit.bands[0], law="hardening", law_values={"hardening": 400.0})
+    known = told_nothing(replace(suit, bands=(hardening, *suit.bands[1:])))
+    (note,) = identified(known=known).notes
+    assert f"{hardening.name} (hardening)" in note
+    assert suit.bands[1].name not in note
+    assert "straight spring" in note
+
+
 def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, suit):
     worn = replace(suit, bands=(*suit.bands, belly(natural_length=2.0)))
     found = identified(device=worn)

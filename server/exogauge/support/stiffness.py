@@ -22,6 +22,7 @@ from exogauge.devices.band_intervals import interval
 from exogauge.devices.bench_line import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
+from exogauge.effects.band_laws import LINEAR
 from exogauge.identification.model import RobotModel
 from exogauge.support.band_doubt import NullLog, covariance
 from exogauge.support.band_samples import BandSamples, band_samples
@@ -77,7 +78,7 @@ def identify_bands(
 
 def _fit(device: Device, samples: BandSamples, sigma: Array) -> tuple[Layout, BandFit, Array, tuple[str, ...]]:
     """Fit; tie natural lengths of a group where the motions cannot tell them apart, say so, and fit again."""
-    tied, notes = device.tied, list[str]()
+    tied, notes = device.tied, _other_laws(device)
     while True:
         plan = layout(device.bands, tied)
         fit, left = _weighed_fit(device.bands, plan, samples, sigma)
@@ -90,6 +91,18 @@ def _fit(device: Device, samples: BandSamples, sigma: Array) -> tuple[Layout, Ba
             f"These motions cannot tell the natural lengths of {names} apart, so one is given for all of them. "
             "A motion that lengthens them differently, such as a twist beside a bend, would."
         )
+
+
+def _other_laws(device: Device) -> list[str]:
+    """That the fit knows straight springs alone, where a band is stated to be something else."""
+    other = [band for band in device.bands if band.law != LINEAR]
+    if not other:
+        return []
+    names = ", ".join(f"{band.name} ({band.law})" for band in other)
+    return [
+        f"Every band was fitted as a straight spring. Of {names} device.yaml states another law: their stiffness and "
+        "natural length are those of the straight spring that is nearest to it in these motions."
+    ]
 
 
 def _weighed_fit(bands: Sequence[Band], plan: Layout, samples: BandSamples, sigma: Array) -> tuple[BandFit, Array]:
