@@ -115,7 +115,7 @@ def test_the_alarm_is_false_as_often_as_it_is_said(sample: Path) -> None:
     """At one in twenty samples, so that it can be counted."""
     payload = open_payload(sample)
     evaluation = evaluate(payload)
-    from exogauge.payload.evaluate import moving, std_of
+    from exogauge.payload.prepare import moving, std_of
 
     assert evaluation.excitation is not None
     assert evaluation.postures is not None

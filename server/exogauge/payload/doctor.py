@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from exogauge.errors import BadInput, NotIdentifiable
 from exogauge.logs.findings import Finding
 from exogauge.payload.dynamics import dynamic_rows
-from exogauge.payload.evaluate import evaluate, holds_of, moving, std_of
+from exogauge.payload.evaluate import evaluate
 from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import find_axes
 from exogauge.payload.intake import Payload, Recording
+from exogauge.payload.prepare import holds_of, moving, std_of
 from exogauge.payload.statics import static_stage, told_sign
 
 Array = NDArray[np.float64]

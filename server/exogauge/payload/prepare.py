@@ -1,0 +1,177 @@
+"""What was recorded, made ready for the stages: postures, motion on one clock, rows below a cut-off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadStudy, Fault, NotIdentifiable
+from exogauge.logs.filtering import LowPass
+from exogauge.logs.model import Log
+from exogauge.logs.resampling import to_common_clock
+from exogauge.payload.dynamics import Rows, dynamic_rows
+from exogauge.payload.holds import find_holds
+from exogauge.payload.imu import ImuFrame
+from exogauge.payload.intake import Payload, Recording, Stream
+from exogauge.payload.sensor_motion import SensorMotion, from_joints, from_pose, rotations, turning
+from exogauge.payload.statics import Holds
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Moved:
+    """A log on one clock. noise_known: every sample is as it was measured, so that its noise is the stated one."""
+
+    motion: SensorMotion
+    wrench: Array
+    noise_known: bool
+
+
+def std_of(payload: Payload) -> Array:
+    """(6,) [N, N·m] of one sample."""
+    noise = payload.file.sensor.noise
+    return np.repeat([noise.force_n, noise.moment_nm], 3)
+
+
+def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
+    """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
+    rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
+    for recording in payload.of("postures"):
+        R, F, pose = recording.rotation, recording.wrench, recording.pose
+        if recording.each_row:
+            entries = rotations(payload.tree, payload.file.sensor.frame or "", pose.values) if payload.tree else None
+            rotation += list(R.values.reshape(-1, 3, 3) if R else entries if entries is not None else [])
+            wrench += list(F.values)
+            counts += [1] * len(F.values)
+            spans += [(float(k + 1), float(k + 1)) for k in range(len(F.values))]
+            acceleration += list(recording.acceleration.values) if recording.acceleration else []
+            continue
+        for a, b in find_holds(pose.time, pose.values, payload.file.pose.noise_rad):
+            inside, mean = F.cut(a, b), pose.cut(a, b).values.mean(axis=0)
+            if len(inside.time) < 2:
+                continue
+            if payload.tree:
+                rotation.append(rotations(payload.tree, payload.file.sensor.frame or "", mean[None])[0])
+            else:
+                U, _, Vt = np.linalg.svd(mean.reshape(3, 3))
+                rotation.append(U @ Vt)
+            wrench.append(inside.values.mean(axis=0))
+            counts.append(len(inside.time))
+            spans.append((a, b))
+            if recording.acceleration:
+                acceleration.append(recording.acceleration.cut(a, b).values.mean(axis=0))
+    if len(wrench) < 3:
+        advice = "Hold the arm still for a second in each of at least six postures that differ in gravity."
+        files = payload.of("postures")[0].wrench.file
+        detail = f"{len(wrench)} postures were found in which nothing moved; at least three are needed"
+        raise BadStudy(Fault(detail, "too_few_postures", advice, files, value=str(len(wrench))))
+    R_BS, F_S = np.array(rotation), np.array(wrench)
+    if payload.file.sensor.axes == "base":
+        F_S = _into_sensor(R_BS, F_S)
+    std = std_of(payload) / np.sqrt(np.median(counts))
+    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans))
+    return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
+
+
+def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None) -> Moved:
+    """The sensor's motion and the wrench (T, 6) in {S}, on one clock. gravity: (3,) [m/s²] in {B}."""
+    pose, settings = payload.file.pose, payload.file.settings
+    streams: dict[str, Stream] = {"w": recording.wrench, "p": recording.pose}
+    if recording.position is not None:
+        streams["x"] = recording.position
+    elif recording.acceleration is not None and imu is not None:
+        late = replace(recording.acceleration, time=recording.acceleration.time - imu.lag_s)
+        streams["a"] = replace(late, values=imu.in_sensor(late.values))
+    elif payload.tree is None:
+        detail = "without position, joint angles or an IMU nothing says how the sensor accelerates"
+        advice = "Log the position of the sensor, or an IMU and postures that tell how it sits."
+        raise BadStudy(Fault(detail, "no_acceleration", advice, recording.pose.file))
+    first = recording.wrench.time
+    same = all(np.array_equal(each.time, first) for each in streams.values())
+    if not same:
+        streams = _one_clock(streams, recording.name)
+    time, values = streams["p"].time, streams["p"].values
+    if payload.tree is not None:
+        frame = payload.file.sensor.frame or ""
+        motion = from_joints(payload.tree, frame, time, values, pose.noise_rad, gravity, density=settings.jerk_density)
+    elif "x" in streams:
+        motion = from_pose(
+            time, values.reshape(-1, 3, 3), streams["x"].values, pose.noise_rad, pose.noise_m, gravity,
+            density=settings.jerk_density,
+        )  # fmt: skip
+    else:
+        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad)
+        a = streams["a"].values + np.einsum("tji,j->ti", R, gravity)
+        motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
+    wrench = streams["w"].values
+    if payload.file.sensor.axes == "base":
+        wrench = _into_sensor(motion.rotation, wrench)
+    inner = slice(motion.edge, len(time) - motion.edge)
+    return Moved(motion.inner(), wrench[inner], same and "a" not in streams)
+
+
+def rows_of(
+    payload: Payload,
+    moved: Sequence[Moved],
+    gravity: Array,
+    sign: int,
+    keep: Sequence[NDArray[np.bool_]] | None = None,
+) -> Rows:
+    """Of several logs, one after the other. keep: of each the samples that count, where nothing is low-passed."""
+    std, cutoff_hz = std_of(payload), payload.file.settings.cutoff_hz
+    parts = [
+        low_passed(dynamic_rows(each.motion, each.wrench, gravity, sign, std), each.motion.time, cutoff_hz)
+        for each in moved
+    ]
+    if keep is not None and cutoff_hz is None:
+        parts = [Rows(part.z[k], part.noise[k], std, sign) for part, k in zip(parts, keep, strict=True)]
+    return Rows(np.concatenate([p.z for p in parts]), np.concatenate([p.noise for p in parts]), std, sign)
+
+
+def low_passed(rows: Rows, time: Array, cutoff_hz: float | None) -> Rows:
+    """The same zero-phase filter on every column and on the wrench: it leaves the parameters where they are."""
+    low_pass = low_pass_of(cutoff_hz, time)
+    if low_pass is None:
+        return rows
+    edge = low_pass.settle_samples
+    z = low_pass.apply(rows.z.reshape(len(time), -1)).reshape(rows.z.shape)[edge:-edge]
+    noise = np.zeros((len(z), *rows.noise.shape[1:]))
+    noise[:, -1, -1] = 6.0
+    return Rows(z, noise, rows.std, rows.sign)
+
+
+def low_pass_of(cutoff_hz: float | None, time: Array) -> LowPass | None:
+    """Raises NotIdentifiable where the log is too short for it."""
+    rate = 1.0 / float(np.median(np.diff(time)))
+    if cutoff_hz is None or cutoff_hz >= rate / 2:
+        return None
+    low_pass = LowPass(cutoff_hz, rate)
+    if 2 * low_pass.settle_samples >= len(time):
+        raise NotIdentifiable(f"{time[-1] - time[0]:.3g} s are too short for a low-pass at {cutoff_hz:g} Hz")
+    return low_pass
+
+
+def _one_clock(streams: Mapping[str, Stream], name: str) -> dict[str, Stream]:
+    """On the clock of the slower of pose and acceleration, but not slower than the acceleration."""
+    logs = [
+        Log(name, s.time, {f"{key}.{k}": s.values[:, k] for k in range(s.values.shape[1])})
+        for key, s in streams.items()
+    ]
+    paced = streams.get("a", streams["p"])
+    rate = (len(paced.time) - 1) / float(paced.time[-1] - paced.time[0])
+    log = to_common_clock(logs, rate, name)
+    return {
+        key: Stream(log.time, np.column_stack([log.channels[f"{key}.{k}"] for k in range(s.values.shape[1])]), s.file)
+        for key, s in streams.items()
+    }
+
+
+def _into_sensor(rotation: Array, wrench: Array) -> Array:
+    both = np.einsum("tji,taj->tai", rotation, wrench.reshape(-1, 2, 3))
+    return np.asarray(both.reshape(-1, 6))
