@@ -23,6 +23,7 @@ from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 log = logging.getLogger(__name__)
 
 MAX_ANSWER = 8 << 20
+KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 ERRORS: Mapping[str, type[BadInput]] = {
     each.__name__: each for each in (BadInput, BadLog, BadRobot, BadStudy, TooLarge)
 }
@@ -109,8 +110,10 @@ def _end(child: subprocess.Popen[bytes]) -> None:
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    """Nothing of the parent's environment; one thread; an allocator that does not reserve address space."""
+    """Nothing of the parent's environment but what chooses the kernels of its linear algebra, so that both compute the
+    same bits; one thread; an allocator that does not reserve address space."""
     return {
+        **{name: value for name, value in os.environ.items() if name in KERNELS},
         "PATH": "/usr/bin:/bin",
         "HOME": str(folder),
         "TMPDIR": str(folder),
