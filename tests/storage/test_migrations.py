@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from exogauge.storage import migrate
 from exogauge.storage.database import make_engine
-from exogauge.storage.tables import Base, Job, Study
+from exogauge.storage.tables import Base, Job, Payload, Study
 
 
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
@@ -96,6 +96,28 @@ def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_d
     assert "devices" not in tables(empty_database_url)
     migrate.upgrade(empty_database_url)
     migrate.check(empty_database_url)
+
+
+def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url)
+    engine = make_engine(empty_database_url)
+    job = {"kind": "k", "state": "failed"}
+    with engine.begin() as connection:
+        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
+        connection.execute(sa.insert(Payload).values(id="p", name="p", version=1, content_hash="c", summary={}))
+        connection.execute(sa.insert(Job).values(id="of study", study_id="s", request_hash="a", **job))
+        connection.execute(sa.insert(Job).values(id="of payload", payload_id="p", request_hash="b", **job))
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0004")
+    assert not {"payloads", "payload_files", "live_streams"} & tables(empty_database_url)
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        assert connection.scalars(sa.select(Job.id)).all() == ["of study"]
+    with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
+        connection.execute(sa.insert(Job).values(id="c", study_id="s", request_hash="c", kind="k", state="odd"))
+    engine.dispose()
 
 
 def tables(url: str) -> set[str]:

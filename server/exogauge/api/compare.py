@@ -162,7 +162,7 @@ def head(store: Store, job_id: str, content: dict[str, Any]) -> ComparedJob:
     job = store.jobs.get(job_id)
     return ComparedJob(
         id=job.id,
-        study_id=job.study_id,
+        study_id=store.studies.of(job).id,
         name=content["name"],
         robot=content["robot"],
         kind=job.kind,

@@ -14,8 +14,10 @@ from sqlalchemy.orm import Session
 from exogauge.api.dependencies import NO_NUL, Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.shapes import Answer, ListOf, State
+from exogauge.errors import BadInput, Fault
 from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
+from exogauge.jobs.recipes import recipe_for
 from exogauge.storage.records import JobRecord
 
 router = APIRouter(tags=["jobs"])
@@ -36,12 +38,25 @@ QueueDep = Annotated[JobQueue, Depends(get_queue)]
 
 @final
 class JobRequest(BaseModel):
-    """What to do with a study. settings: override those of its study.yaml."""
+    """What to do with a study or a payload, whichever the kind is of. settings: override those of its study.yaml or
+    payload.yaml."""
 
     model_config = ConfigDict(extra="forbid")
-    study_id: str = Field(min_length=1, max_length=64)
+    study_id: str | None = Field(default=None, min_length=1, max_length=64)
+    payload_id: str | None = Field(default=None, min_length=1, max_length=64)
     kind: str = Field(default="evaluate", min_length=1, max_length=64)
     settings: dict[str, Any] = Field(default_factory=dict)
+
+    @property
+    def owner_id(self) -> str:
+        """Of what the kind is of. BadInput where that is not named, or something else too."""
+        of = recipe_for(self.kind).of
+        named = {"study": self.study_id, "payload": self.payload_id}
+        owner = named.pop(of)
+        if owner is None or any(named.values()):
+            detail, advice = f"a job of this kind is of a {of}", f"Give {of}_id, and no other."
+            raise BadInput(Fault(detail, "wrong_owner", advice, column="kind", value=self.kind))
+        return owner
 
 
 @final
@@ -57,13 +72,14 @@ class JobStep(BaseModel):
 
 @final
 class JobOut(Answer):
-    """progress: 0..1. message: what it does now; steps: what it did before, with times. place: where in the queue it
-    is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
-    column, value and advice, where what was handed in is to blame. revision: grows with every change and is the id of
-    its events."""
+    """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; steps: what it
+    did before, with times. place: where in the queue it is, in words; ahead: how many start before it. reason: why it
+    did not succeed; problem: the same with file, row, column, value and advice, where what was handed in is to blame.
+    revision: grows with every change and is the id of its events."""
 
     id: str
-    study_id: str
+    study_id: str | None
+    payload_id: str | None
     kind: str
     settings: dict[str, Any]
     state: State
@@ -124,7 +140,7 @@ class JobList(ListOf):
 @router.post("/jobs", status_code=202, operation_id="submitJob", responses={200: {"model": JobOut}})
 def submit_job(wanted: JobRequest, request: Request, response: Response, store: StoreDep, queue: QueueDep) -> JobOut:
     """202: a new job. 200: an equal request is queued, running or succeeded already; this is its job."""
-    job, new = requests.submit(store, queue, wanted.study_id, wanted.kind, wanted.settings)
+    job, new = requests.submit(store, queue, wanted.owner_id, wanted.kind, wanted.settings)
     return located(JobOut.of(job, store.session), new, request, response)
 
 
@@ -134,10 +150,11 @@ def list_jobs(
     cursor: Cursor,
     limit: Limit = 50,
     study_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
+    payload_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
     state: State | None = None,
 ) -> JobList:
     """Newest first."""
-    page = store.jobs.page(cursor, limit, study_id=study_id, state=state)
+    page = store.jobs.page(cursor, limit, study_id=study_id, payload_id=payload_id, state=state)
     return JobList(items=JobOut.of_each(page.items, store.session), next_cursor=encoded_cursor(page.after))
 
 

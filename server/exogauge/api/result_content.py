@@ -11,13 +11,13 @@ from exogauge.storage.store import Store
 
 
 def content_of(store: Store, job_id: str) -> dict[str, Any]:
-    """NotFound where the job has no results, BadInput where it made something else (a what-if)."""
-    result = store.results.of_job(job_id)
+    """NotFound where the job has no results, BadInput where it made something else (a what-if, a payload's)."""
+    result, job = store.results.of_job(job_id), store.jobs.get(job_id)
     evaluated = {each.name: each.sha256 for each in store.results.artifacts(job_id)}
-    if evaluated.get(RESULTS) != result.sha256:
-        kind = store.jobs.get(job_id).kind
+    if evaluated.get(RESULTS) != result.sha256 or job.study_id is None:
         advice = "Name jobs that evaluate a study."
-        raise BadInput(Fault(f"a job of kind {kind} makes no results.json", "no_results", advice, value=job_id))
+        detail = f"a job of kind {job.kind} makes no results.json of a study"
+        raise BadInput(Fault(detail, "no_results", advice, value=job_id))
     with store.blobs.open(result.sha256) as stream:
         content: dict[str, Any] = json.load(stream)
     return content

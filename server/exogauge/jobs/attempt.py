@@ -165,7 +165,10 @@ class Runner:
 
     def _load(self, job: JobRecord, folder: Path) -> None:
         with self._storage.reading() as store:
-            store.studies.write_to(job.study_id, folder)
+            if job.payload_id is not None:
+                store.payloads.write_to(job.payload_id, folder)
+            elif job.study_id is not None:
+                store.studies.write_to(job.study_id, folder)
 
     def _watch(self, job: JobRecord, progress: float | None, message: str | None) -> None:
         """Called while the child computes. Best effort: a database that is away stops no computation."""

@@ -126,7 +126,7 @@ def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: S
     if not change(session, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": lab_id, "job_id": job.id}
-    session.add(Result(study_id=job.study_id, sha256=main.sha256, size=main.size, **ours))
+    session.add(Result(study_id=job.study_id, payload_id=job.payload_id, sha256=main.sha256, size=main.size, **ours))
     for file in files:
         kind = media_type(file.path)
         session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))

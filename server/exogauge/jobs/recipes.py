@@ -1,6 +1,6 @@
 """What kinds of jobs there are: what is computed, and for how long at most.
 
-The worker lays the study's pinned files out in a folder, the compute child calls
+The worker lays the pinned files of the study or payload out in a folder, the compute child calls
 `compute(folder, out, progress, settings)`, and the worker keeps every file that appeared below `out`.
 The computation knows neither database nor blob store.
 """
@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, Literal, final
 
 from pydantic import BaseModel, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.studies.device_pages.change_entries import WhatIfSettings
 from exogauge.studies.intake.contract import SettingsEntry
+
+Owner = Literal["study", "payload"]
 
 
 @final
@@ -24,7 +26,7 @@ class Recipe:
     """compute: `package.module:function`. settings: what a request may set; None takes anything.
 
     lacking: what a study's stored summary says to be missing for this kind; None asks for nothing.
-    result: the file that must be there when it is done, and that is the job's result.
+    result: the file that must be there when it is done, and that is the job's result. of: what it is a job of.
     """
 
     kind: str
@@ -33,6 +35,7 @@ class Recipe:
     settings: type[BaseModel] | None = None
     lacking: Callable[[Mapping[str, Any]], Sequence[Fault]] | None = None
     result: str = "results.json"
+    of: Owner = "study"
 
     def checked(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         """The settings as they are kept, or BadInput that names each wrong one."""
@@ -44,7 +47,7 @@ class Recipe:
             raise BadInput([as_fault(entry["loc"], entry["msg"], entry["type"]) for entry in error.errors()]) from error
 
     def refuse_unsuited(self, summary: Mapping[str, Any]) -> None:
-        """BadStudy with what the study lacks, where its summary tells; what it does not tell, the computation finds."""
+        """BadStudy with what is lacking, where the summary tells; what it does not tell, the computation finds."""
         faults = self.lacking(summary) if self.lacking else ()
         if faults:
             raise BadStudy(faults)

@@ -23,30 +23,30 @@ from exogauge.storage.store import Store
 from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease
 
 
-def request_hash(study_hash: str, kind: str, settings: Mapping[str, Any], code_version: str) -> str:
-    """What makes two requests the same: study content, kind, settings and code version."""
-    text = json.dumps([study_hash, kind, settings, code_version], sort_keys=True, allow_nan=False)
+def request_hash(content_hash: str, kind: str, settings: Mapping[str, Any], code_version: str) -> str:
+    """What makes two requests the same: content of study or payload, kind, settings and code version."""
+    text = json.dumps([content_hash, kind, settings, code_version], sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def submit(
-    store: Store, queue: JobQueue, study_id: str, kind: str, settings: Mapping[str, Any]
+    store: Store, queue: JobQueue, owner_id: str, kind: str, settings: Mapping[str, Any]
 ) -> tuple[JobRecord, bool]:
     """The job of this request, and whether it is new; a failed or cancelled one does not count. BadStudy when the
-    study's summary already says that this kind has nothing to compute.
+    summary already says that this kind has nothing to compute. owner_id: of the study or payload that the kind is of.
 
     The row and its entry in the queue are written in the transaction of `store`: both or neither.
     """
     recipe = recipe_for(kind)
     wanted = recipe.checked(settings)
-    study = store.studies.get(study_id)
-    recipe.refuse_unsuited(study.summary)
-    asked = request_hash(study.content_hash, kind, wanted, code_version())
+    owner = (store.payloads if recipe.of == "payload" else store.studies).get(owner_id)
+    recipe.refuse_unsuited(owner.summary)
+    asked = request_hash(owner.content_hash, kind, wanted, code_version())
     lab = Lab(store.session, store.lab_id)
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
-        common = {"lab_id": store.lab_id, "study_id": study_id, "code_version": code_version()}
+        common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "code_version": code_version()}
         return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")
@@ -61,7 +61,7 @@ def try_again(store: Store, queue: JobQueue, job_id: str) -> tuple[JobRecord, bo
     job = store.jobs.get(job_id)
     if job.state not in ("failed", "cancelled"):
         raise Conflict(f"only a failed or cancelled job can be tried again; this one is {job.state}")
-    return submit(store, queue, job.study_id, job.kind, job.settings)
+    return submit(store, queue, job.payload_id or job.study_id or "", job.kind, job.settings)
 
 
 def cancel(store: Store, job_id: str) -> JobRecord:

@@ -14,7 +14,7 @@ from exogauge.storage.records import JobRecord, Page
 from exogauge.storage.rows import Lab, as_record
 from exogauge.storage.tables import Job
 
-ASIDE = ("whatif",)  # kinds that answer a question about a study and do not evaluate it
+ASIDE = ("whatif", "payload_plan")  # kinds that answer a question about a study or a payload and do not evaluate it
 
 
 @final
@@ -26,24 +26,37 @@ class Jobs:
         return self.lab.get(JobRecord, Job, key, "job")
 
     def page(
-        self, after: tuple[datetime, str] | None, limit: int, *, study_id: str | None = None, state: str | None = None
+        self,
+        after: tuple[datetime, str] | None,
+        limit: int,
+        *,
+        study_id: str | None = None,
+        payload_id: str | None = None,
+        kind: str | None = None,
+        state: str | None = None,
     ) -> Page[JobRecord]:
         query = self.lab.select(Job)
         if study_id is not None:
             query = query.where(Job.study_id == study_id)
+        if payload_id is not None:
+            query = query.where(Job.payload_id == payload_id)
+        if kind is not None:
+            query = query.where(Job.kind == kind)
         if state is not None:
             query = query.where(Job.state == state)
         return self.lab.page(JobRecord, Job, query, after, limit)
 
-    def latest(self, study_ids: Sequence[str], state: str | None = None) -> dict[str, JobRecord]:
-        """study id -> its newest job (in `state`, where given) that says where the study stands."""
-        mine = sa.and_(Job.lab_id == self.lab.lab_id, Job.study_id.in_(study_ids), Job.kind.not_in(ASIDE))
+    def latest(self, owner_ids: Sequence[str], state: str | None = None) -> dict[str, JobRecord]:
+        """id of a study or a payload -> its newest job (in `state`, where given) that says where it stands."""
+        owner = sa.func.coalesce(Job.study_id, Job.payload_id)
+        theirs = sa.or_(Job.study_id.in_(owner_ids), Job.payload_id.in_(owner_ids))
+        mine = sa.and_(Job.lab_id == self.lab.lab_id, theirs, Job.kind.not_in(ASIDE))
         chosen = mine if state is None else sa.and_(mine, Job.state == state)
-        rank = sa.func.row_number().over(partition_by=Job.study_id, order_by=(Job.created_at.desc(), Job.id.desc()))
+        rank = sa.func.row_number().over(partition_by=owner, order_by=(Job.created_at.desc(), Job.id.desc()))
         ranked = sa.select(Job.id, rank.label("rank")).where(chosen).subquery()
         newest = sa.select(ranked.c.id).where(ranked.c.rank == 1)
         rows = self.lab.session.scalars(self.lab.select(Job).where(Job.id.in_(newest)))
-        return {row.study_id: as_record(JobRecord, row) for row in rows}
+        return {row.study_id or row.payload_id: as_record(JobRecord, row) for row in rows}
 
 
 def latest_state(study_id: InstrumentedAttribute[str]) -> sa.ScalarSelect[str]:

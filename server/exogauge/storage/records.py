@@ -69,14 +69,49 @@ class StudyRecord:
 
 @final
 @dataclass(frozen=True)
+class PayloadRecord:
+    id: str
+    created_at: datetime
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
+class LiveStreamRecord:
+    """job_id: whose results compensated it. sha256, size: of the raw stream, None while it is open."""
+
+    id: str
+    created_at: datetime
+    payload_id: str
+    job_id: str | None
+    state: str
+    started_at: datetime
+    ended_at: datetime | None
+    samples: int
+    dropped: int
+    late: int
+    last_sequence: int | None
+    summary: Mapping[str, Any]
+    sha256: str | None
+    size: int | None
+
+
+@final
+@dataclass(frozen=True)
 class JobRecord:
-    """progress: 0..1. reason: why it failed. failure: {class, faults} where what was handed in is to blame.
-    steps: {message, progress, at} of the present attempt. log: the last lines of what the worker said."""
+    """study_id, payload_id: one of them is what the job is of. progress: 0..1. reason: why it failed.
+
+    failure: {class, faults} where what was handed in is to blame. steps: {message, progress, at} of the present
+    attempt. log: the last lines of what the worker said."""
 
     id: str
     created_at: datetime
     kind: str
-    study_id: str
+    study_id: str | None
+    payload_id: str | None
     request_hash: str
     settings: Mapping[str, Any]
     code_version: str
@@ -126,7 +161,8 @@ class ResultRecord:
     id: str
     created_at: datetime
     job_id: str
-    study_id: str
+    study_id: str | None
+    payload_id: str | None
     sha256: str
     size: int
 

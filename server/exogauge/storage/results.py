@@ -30,13 +30,20 @@ class Results:
 
     def of_study(self, study_id: str) -> ResultRecord:
         """results.json of the study's latest job that made one."""
+        return self._latest(tables.Result.study_id == study_id, f"study {study_id}")
+
+    def of_payload(self, payload_id: str) -> ResultRecord:
+        """results.json of the payload's latest job that made one; no plan."""
+        return self._latest(tables.Result.payload_id == payload_id, f"payload {payload_id}")
+
+    def _latest(self, theirs: sa.ColumnElement[bool], whose: str) -> ResultRecord:
         result, job, artifact = tables.Result, tables.Job, tables.Artifact
         evaluated = sa.select(artifact.job_id).where(artifact.name == RESULTS)
         query = self.lab.select(result).join(job, job.id == result.job_id)
-        query = query.where(result.study_id == study_id, job.state == "succeeded", job.id.in_(evaluated))
+        query = query.where(theirs, job.state == "succeeded", job.id.in_(evaluated))
         latest = self.lab.one(ResultRecord, query.order_by(job.created_at.desc(), job.id.desc()))
         if latest is None:
-            raise NotFound(f"no job of study {study_id} has succeeded yet")
+            raise NotFound(f"no job of {whose} has succeeded yet")
         return latest
 
     def artifacts(self, job_id: str) -> tuple[ArtifactRecord, ...]:

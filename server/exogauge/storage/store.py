@@ -27,8 +27,10 @@ from exogauge.storage.database import READONLY, database_now, make_engine, servi
 from exogauge.storage.devices import Devices
 from exogauge.storage.jobs import Jobs
 from exogauge.storage.keys import Keys
+from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
+from exogauge.storage.payloads import Payloads
 from exogauge.storage.results import Results
 from exogauge.storage.robots import Robots
 from exogauge.storage.rows import Lab
@@ -50,6 +52,8 @@ class Store:
         self.devices = Devices(lab)
         self.logs = Logs(lab)
         self.studies = Studies(lab, blobs)
+        self.payloads = Payloads(lab, blobs)
+        self.live_streams = LiveStreams(lab)
         self.jobs = Jobs(lab)
         self.results = Results(lab)
         self.keys = Keys(lab)

@@ -10,11 +10,12 @@ from typing import Any, final
 
 import sqlalchemy as sa
 
+from exogauge.errors import NotFound
 from exogauge.storage import tables
 from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.jobs import latest_state
-from exogauge.storage.records import Page, StudyRecord
+from exogauge.storage.records import JobRecord, Page, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.search import found_by, words_of
 
@@ -48,6 +49,12 @@ class Studies:
 
     def get(self, key: str) -> StudyRecord:
         return self.lab.get(StudyRecord, tables.Study, key, "study")
+
+    def of(self, job: JobRecord) -> StudyRecord:
+        """NotFound for a job of a payload."""
+        if job.study_id is None:
+            raise NotFound(f"job {job.id} is of a payload, not of a study")
+        return self.get(job.study_id)
 
     def page(
         self,

@@ -17,6 +17,8 @@ NAME = sa.String(200)
 PATH = sa.String(500)
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
 LIVE_STATES = ("queued", "running", "succeeded")  # what makes an equal request the same job
+STREAM_STATES = ("open", "ended", "lost")  # lost: whoever sent or took it went without a word
+ONE_OWNER = "(study_id IS NULL) <> (payload_id IS NULL)"
 
 
 def new_id() -> str:
@@ -54,6 +56,11 @@ class Named(Owned):
 
 def owned_by(table: str) -> Mapped[str]:
     """A key into `table`; the row goes when its owner goes."""
+    return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
+
+
+def of_one(table: str) -> Mapped[str | None]:
+    """The same, of a row that has one of several owners."""
     return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
 
 
@@ -152,8 +159,62 @@ class StudyFile(Owned, Base):
 
 
 @final
+class Payload(Named, Base):
+    """One version of what hangs on a wrist sensor, as it was handed in; its files are pinned by hash."""
+
+    __tablename__ = "payloads"
+    __table_args__ = (
+        sa.UniqueConstraint("lab_id", "name", "version"),
+        sa.UniqueConstraint("lab_id", "name", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    version: Mapped[int]
+
+
+@final
+class PayloadFile(Owned, Base):
+    """One file of a payload: payload.yaml, the URDF, logs."""
+
+    __tablename__ = "payload_files"
+    __table_args__ = (sa.UniqueConstraint("payload_id", "path"),)
+    payload_id: Mapped[str] = owned_by("payloads")
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class LiveStream(Owned, Base):
+    """What arrived live from the sensor of a payload.
+
+    job_id: whose results compensated it. samples: taken; dropped: refused or never arrived; late: taken, behind their
+    time. last_sequence: number of the last sample taken, None before the first. sha256, size: of the raw stream, kept
+    as a blob, None while it is open.
+    """
+
+    __tablename__ = "live_streams"
+    __table_args__ = (
+        sa.CheckConstraint(one_of("state", STREAM_STATES), name="state"),
+        sa.CheckConstraint("samples >= 0 AND dropped >= 0 AND late >= 0", name="counts"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    payload_id: Mapped[str] = owned_by("payloads")
+    job_id: Mapped[str | None] = mapped_column(UUID, sa.ForeignKey("jobs.id", ondelete="SET NULL"), index=True)
+    state: Mapped[str] = mapped_column(sa.String(16), default="open")
+    started_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    samples: Mapped[int] = mapped_column(sa.BigInteger, default=0)
+    dropped: Mapped[int] = mapped_column(sa.BigInteger, default=0)
+    late: Mapped[int] = mapped_column(sa.BigInteger, default=0)
+    last_sequence: Mapped[int | None] = mapped_column(sa.BigInteger)
+    summary: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
+    sha256: Mapped[str | None] = mapped_column(SHA256, index=True)
+    size: Mapped[int | None] = mapped_column(sa.BigInteger)
+
+
+@final
 class Job(Owned, Base):
-    """What the page and the API read about a job; the engine keeps its own tables.
+    """What the page and the API read about a job of a study or of a payload; the engine keeps its own tables.
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
@@ -165,6 +226,7 @@ class Job(Owned, Base):
     __table_args__ = (
         sa.CheckConstraint(one_of("state", STATES), name="state"),
         sa.CheckConstraint("progress >= 0 AND progress <= 1", name="progress"),
+        sa.CheckConstraint(ONE_OWNER, name="one_owner"),
         sa.Index(
             "uq_jobs_live_request_hash",
             "lab_id",
@@ -177,7 +239,8 @@ class Job(Owned, Base):
         sa.Index(None, "state"),
     )
     kind: Mapped[str] = mapped_column(sa.String(64))
-    study_id: Mapped[str] = owned_by("studies")
+    study_id: Mapped[str | None] = of_one("studies")
+    payload_id: Mapped[str | None] = of_one("payloads")
     request_hash: Mapped[str] = mapped_column(SHA256)
     settings: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
     code_version: Mapped[str] = mapped_column(sa.String(64), default="")
@@ -198,12 +261,13 @@ class Job(Owned, Base):
 
 @final
 class Result(Owned, Base):
-    """results.json of a job; at most one per job."""
+    """results.json of a job, or its plan; at most one per job, of what the job is of."""
 
     __tablename__ = "results"
-    __table_args__ = (sa.UniqueConstraint("job_id"),)
+    __table_args__ = (sa.UniqueConstraint("job_id"), sa.CheckConstraint(ONE_OWNER, name="one_owner"))
     job_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("jobs.id", ondelete="CASCADE"))
-    study_id: Mapped[str] = owned_by("studies")
+    study_id: Mapped[str | None] = of_one("studies")
+    payload_id: Mapped[str | None] = of_one("payloads")
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
 

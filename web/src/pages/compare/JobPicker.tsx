@@ -42,7 +42,7 @@ export function JobPicker({ chosen, choose }: { chosen: string[]; choose: (jobs:
         columns={["Study", "Robot and devices", "Evaluated", "When", "Code"]}
       >
         {jobs.map((job) => {
-          const study = known.get(job.study_id);
+          const study = known.get(job.study_id ?? "");
           const name = study?.name ?? "An older study";
           return (
             <Table.Tr key={job.id}>
