@@ -93,6 +93,13 @@ def _add_study_commands(commands: Commands) -> None:
     identify.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     identify.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json goes")
     identify.set_defaults(command=run_payload)
+    out = steps.add_parser("export", help="what was identified, for a robot's model or controller")
+    out.add_argument("results", type=Path, help="results.json of a payload, or its folder")
+    out.add_argument("--format", required=True, metavar="FORMAT", help="json, csv, urdf, sdf, mjcf, ur, kuka or abb")
+    pose = "pose of the sensor in the flange [m, °, about the flange's fixed axes] (default: all in the sensor's frame)"
+    out.add_argument("--flange", type=float, nargs=6, metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"), help=pose)
+    out.add_argument("--out", type=Path, metavar="FILE", help="write it there, and not to the screen")
+    out.set_defaults(command=export_payload)
     look = steps.add_parser("doctor", help="examine its logs before they are believed")
     look.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     look.set_defaults(command=examine_payload)
@@ -262,6 +269,18 @@ def examine_payload(options: argparse.Namespace) -> int:
     rows = [[log, each.severity, each.channel, each.rule, f"{each.detail}. {each.advice}"] for log, each in found]
     print(text_table(("log", "", "channel", "rule", ""), rows, widest=110) if rows else "nothing to find fault with")
     return 1 if any(each.severity == "error" for _, each in found) else 0
+
+
+def export_payload(options: argparse.Namespace) -> int:
+    from exogauge.payload.exports.formats import export, read_results
+
+    text = export(read_results(options.results), options.format, options.flange)
+    if options.out is None:
+        print(text, end="")
+    else:
+        options.out.write_text(text, encoding="utf-8")
+        print(options.out)
+    return 0
 
 
 def plan_payload(options: argparse.Namespace) -> int:

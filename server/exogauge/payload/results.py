@@ -53,6 +53,8 @@ class Further(_Part):
 
 
 class StaticResults(_Part):
+    """covariance: of `values`, in their order and units."""
+
     postures: int
     condition_force: float
     condition_moment: float
@@ -60,6 +62,7 @@ class StaticResults(_Part):
     left_out_level: LeftOutErrors | None
     left_out_inclined: LeftOutErrors | None
     values: list[Value]
+    covariance: list[list[float]]
     by_method: dict[str, dict[str, float]]
     further: Further
     residual_force_n: float
@@ -67,13 +70,15 @@ class StaticResults(_Part):
 
 
 class DynamicResults(_Part):
-    """mu: residual over what the stated noise explains; None where that is not known. least_squares_would_do: None
-    where only LS was run. possible: values of the likeliest body that can exist, where the estimate is none."""
+    """covariance: of `values`, in their order and units. mu: residual over what the stated noise explains; None where
+    that is not known. least_squares_would_do: None where only LS was run. possible: values of the likeliest body that
+    can exist, where the estimate is none."""
 
     method: str
     mu: float | None
     mu_std: float | None
     values: list[Value]
+    covariance: list[list[float]]
     by_method: dict[str, dict[str, float]]
     recursion: dict[str, float]
     least_squares_would_do: bool | None
@@ -241,7 +246,7 @@ def _static(evaluation: Evaluation) -> StaticResults | None:
     return StaticResults(
         postures=len(postures.holds), condition_force=found.condition[0], condition_moment=found.condition[1],
         inclined=found.inclined, left_out_level=errors(postures.level), left_out_inclined=errors(postures.inclined),
-        values=values,
+        values=values, covariance=(scale[:, None] * found.covariance * scale).tolist(),
         by_method={m: dict(zip(names, map(float, stacked(s)), strict=True)) for m, s in postures.by_method.items()},
         further=Further(gravity=tuple(direction), std_then=dict(zip(names, map(float, scale * then), strict=True))),
         residual_force_n=float(np.sqrt(np.mean(found.residual[:, :3] ** 2))),
@@ -267,6 +272,7 @@ def _dynamic(evaluation: Evaluation) -> DynamicResults | None:
     return DynamicResults(
         method=found.method, mu=found.mu if known else None, mu_std=found.mu_std if known else None,
         values=[_value(*each) for each in zip(names, units, found.value, found.std, map(bool, surer), strict=True)],
+        covariance=found.covariance.tolist(),
         by_method={m: named(s.value) for m, s in methods.items()}, recursion=named(excitation.recursion),
         least_squares_would_do=enough(methods["ls"], methods["gtls"]) if known else None,
         mass_from_motion_alone=_value("m", "kg", *excitation.mass_alone),
