@@ -18,7 +18,7 @@ from tests.payload.conftest import GRAVITY, generator
 
 from exogauge.cli import main
 from exogauge.errors import ExogaugeError
-from exogauge.payload.contact import Compensation, second_zero
+from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import open_payload
 from exogauge.payload.results import PayloadResults, results
@@ -122,7 +122,7 @@ def test_the_alarm_is_false_as_often_as_it_is_said(sample: Path) -> None:
     chosen, gravity = evaluation.excitation.chosen, evaluation.postures.chosen.gravity
     compensation = Compensation(chosen.value, chosen.covariance, gravity, evaluation.sign, std_of(payload))
     moved = moving(payload, payload.of("test")[1], gravity, None)
-    _, limit = compensation.force_threshold(moved.motion, 0.05)
+    limit = false_alarm_limit(0.05)
     f = compensation.external(moved.motion, moved.wrench)[:, :3]
     C = compensation.spread(moved.motion)[:, :3, :3]
     share = np.mean(np.einsum("ti,ti->t", f, np.linalg.solve(C, f[:, :, None])[:, :, 0]) > limit)

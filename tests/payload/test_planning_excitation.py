@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, STD, arm, generator, parameters
@@ -14,7 +13,7 @@ from tests.payload.planned import COMPONENT, arm_of, task_of, wrist_limits
 from exogauge.errors import NotIdentifiable
 from exogauge.payload.dynamics import batch, dynamic_rows, prior_information, static_prior
 from exogauge.payload.planning.excitation import Series, Task, improve, point, random_motion, within
-from exogauge.payload.sensor_motion import rotations
+from exogauge.payload.sensor_motion import SensorMotion, rotations
 
 Array = NDArray[np.float64]
 
@@ -111,15 +110,10 @@ def test_standard_deviations_are_those_of_the_dynamic_stages_information() -> No
     q, dq, ddq = task.series.motion(x, t)
     moving = task.arm.moving(q, dq, ddq)
 
-    class Exact:
-        omega, noise = moving.state[:, 6:], np.zeros((2500, 9, 1))
-
-        @staticmethod
-        def regressor(gravity: Array) -> Array:
-            return np.array([pin.bodyRegressor(pin.Motion(np.zeros(3), s[6:]), pin.Motion(s[:3], s[3:6])) for s in
-                             moving.state])  # fmt: skip
-
-    rows = dynamic_rows(Exact, task.arm.wrench(moving, -1), GRAVITY, -1, STD)  # type: ignore[arg-type]
+    b, alpha, omega = np.split(moving.state, 3, axis=1)
+    level = np.tile(np.eye(3), (2500, 1, 1))
+    exact = SensorMotion(t, level, b + GRAVITY, alpha, omega, np.zeros((2500, 9, 1)))
+    rows = dynamic_rows(exact, task.arm.wrench(moving, -1), GRAVITY, -1, STD)
     prior = static_prior(None)
     H = batch(rows, prior, "ls").information + prior_information(prior)
     assert task.std_of(x) == pytest.approx(np.sqrt(np.diag(np.linalg.inv(H))), rel=1e-3)

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, arm, case, generator
 
-from exogauge.payload.sensor_motion import from_pose
+from exogauge.payload.sensor_motion import Chain, from_pose
 from exogauge.payload.smoothing import innovation_variance, likeliest, smooth
 
 Array = NDArray[np.float64]
@@ -92,12 +92,10 @@ def test_missing_samples_are_stepped_over(logged: Array) -> None:
 def test_a_logged_pose_gives_what_joint_angles_give() -> None:
     one = case(0)
     q, dq, ddq = one.exact
-    from exogauge.payload.sensor_motion import _frame_motion
-    from exogauge.robots.kinematics import Kinematics
-
-    R, a, alpha, omega = _frame_motion(Kinematics(arm()), "ft", np.stack([q, dq, ddq], axis=2))
-    a_B = np.einsum("tij,tj->ti", R, a)
     time = np.arange(len(q)) / generator.RATE_HZ
+    exact = Chain.of(arm(), "ft").motion(time, np.stack([q, dq, ddq], axis=2), np.zeros((6, 3, 3)), GRAVITY)
+    R, a, alpha, omega = exact.rotation, exact.acceleration, exact.alpha, exact.omega
+    a_B = np.einsum("tij,tj->ti", R, a)
     position = np.cumsum(np.cumsum(a_B, axis=0), axis=0) / generator.RATE_HZ**2  # up to a straight line
     found = from_pose(time, R, position, 1e-6, 1e-6, GRAVITY)
     inner = slice(100, -100)

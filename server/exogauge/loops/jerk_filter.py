@@ -25,21 +25,30 @@ def forward(z: Array, step: Array, ratio: float, x: Array, P: Array) -> tuple[fl
     P[0, 0, 0], P[0, 1, 1], P[0, 2, 2] = 1.0, 1e6, 1e6
     M = np.empty((3, 3))
     for k in range(1, len(z)):
-        h = step[k]
-        predict(P[k - 1], h, ratio, M)
-        a = x[k - 1, 0] + h * x[k - 1, 1] + 0.5 * h * h * x[k - 1, 2]
-        b = x[k - 1, 1] + h * x[k - 1, 2]
-        c = x[k - 1, 2]
-        s = M[0, 0] + 1.0
-        nu = z[k] - a
-        x[k, 0], x[k, 1], x[k, 2] = a + M[0, 0] / s * nu, b + M[1, 0] / s * nu, c + M[2, 0] / s * nu
-        for i in range(3):
-            for j in range(3):
-                P[k, i, j] = M[i, j] - M[i, 0] * M[0, j] / s
+        nu, s = advance(x[k - 1], P[k - 1], z[k], step[k], ratio, M, x[k], P[k])
         if k >= WARM:
             logs += math.log(s)
             squares += nu * nu / s
     return logs, squares
+
+
+@compiled
+def advance(
+    x: Array, P: Array, z: float, h: float, ratio: float, M: Array, x_next: Array, P_next: Array
+) -> tuple[float, float]:
+    """One sample, h periods later: x_next, P_next <- x (3,), P (3, 3) and what z adds. Returns its innovation and the
+    innovation's variance. M: (3, 3) for use here."""
+    predict(P, h, ratio, M)
+    a = x[0] + h * x[1] + 0.5 * h * h * x[2]
+    b = x[1] + h * x[2]
+    c = x[2]
+    s = M[0, 0] + 1.0
+    nu = z - a
+    x_next[0], x_next[1], x_next[2] = a + M[0, 0] / s * nu, b + M[1, 0] / s * nu, c + M[2, 0] / s * nu
+    for i in range(3):
+        for j in range(3):
+            P_next[i, j] = M[i, j] - M[i, 0] * M[0, j] / s
+    return nu, s
 
 
 @compiled
@@ -67,20 +76,25 @@ def gains(step: Array, ratio: float, P: Array, C: Array) -> None:
     """C (T-1, 3, 3) <- the gains of the backward pass, P Fᵀ M⁻¹, with M = L D Lᵀ."""
     M = np.empty((3, 3))
     for k in range(len(step) - 1):
-        h = step[k + 1]
-        predict(P[k], h, ratio, M)
-        d = M[0, 0]
-        l1, l2 = M[1, 0] / d, M[2, 0] / d
-        e = M[1, 1] - l1 * M[1, 0]
-        l3 = (M[2, 1] - l2 * M[1, 0]) / e
-        f = M[2, 2] - l2 * M[2, 0] - l3 * l3 * e
-        for i in range(3):
-            a = P[k, i, 0] + h * P[k, i, 1] + 0.5 * h * h * P[k, i, 2]
-            b = P[k, i, 1] + h * P[k, i, 2] - l1 * a
-            c = P[k, i, 2] - l2 * a - l3 * b
-            c /= f
-            b = b / e - l3 * c
-            C[k, i, 0], C[k, i, 1], C[k, i, 2] = a / d - l1 * b - l2 * c, b, c
+        gain(P[k], step[k + 1], ratio, M, C[k])
+
+
+@compiled
+def gain(P: Array, h: float, ratio: float, M: Array, C: Array) -> None:
+    """C (3, 3) <- that of one step of h periods from P. M: (3, 3) for use here."""
+    predict(P, h, ratio, M)
+    d = M[0, 0]
+    l1, l2 = M[1, 0] / d, M[2, 0] / d
+    e = M[1, 1] - l1 * M[1, 0]
+    l3 = (M[2, 1] - l2 * M[1, 0]) / e
+    f = M[2, 2] - l2 * M[2, 0] - l3 * l3 * e
+    for i in range(3):
+        a = P[i, 0] + h * P[i, 1] + 0.5 * h * h * P[i, 2]
+        b = P[i, 1] + h * P[i, 2] - l1 * a
+        c = P[i, 2] - l2 * a - l3 * b
+        c /= f
+        b = b / e - l3 * c
+        C[i, 0], C[i, 1], C[i, 2] = a / d - l1 * b - l2 * c, b, c
 
 
 @compiled
@@ -96,12 +110,17 @@ def backward(step: Array, x: Array, C: Array, lag: int, out: Array) -> None:
         else:
             d[:] = x[first]
         for i in range(first - 1, k - 1, -1):
-            h = step[i + 1]
-            d[0] -= x[i, 0] + h * x[i, 1] + 0.5 * h * h * x[i, 2]
-            d[1] -= x[i, 1] + h * x[i, 2]
-            d[2] -= x[i, 2]
-            a = x[i, 0] + C[i, 0, 0] * d[0] + C[i, 0, 1] * d[1] + C[i, 0, 2] * d[2]
-            b = x[i, 1] + C[i, 1, 0] * d[0] + C[i, 1, 1] * d[1] + C[i, 1, 2] * d[2]
-            c = x[i, 2] + C[i, 2, 0] * d[0] + C[i, 2, 1] * d[1] + C[i, 2, 2] * d[2]
-            d[0], d[1], d[2] = a, b, c
+            retreat(x[i], C[i], step[i + 1], d)
         out[k] = d
+
+
+@compiled
+def retreat(x: Array, C: Array, h: float, d: Array) -> None:
+    """d (3,) <- x (3,) with what the smoothed state d, h periods later, says of it."""
+    d[0] -= x[0] + h * x[1] + 0.5 * h * h * x[2]
+    d[1] -= x[1] + h * x[2]
+    d[2] -= x[2]
+    a = x[0] + C[0, 0] * d[0] + C[0, 1] * d[1] + C[0, 2] * d[2]
+    b = x[1] + C[1, 0] * d[0] + C[1, 1] * d[1] + C[1, 2] * d[2]
+    c = x[2] + C[2, 0] * d[0] + C[2, 1] * d[1] + C[2, 2] * d[2]
+    d[0], d[1], d[2] = a, b, c

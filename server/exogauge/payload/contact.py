@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from exogauge.payload.dynamics import regressor_slopes
+from exogauge.loops.payload_rows import spread
 from exogauge.payload.sensor_motion import SensorMotion
 
 Array = NDArray[np.float64]
@@ -40,28 +40,44 @@ class Compensation:
 
     def spread(self, motion: SensorMotion) -> Array:
         """(T, 6, 6) covariance of `external` without contact: noise of sensor and kinematics, parameters."""
-        A = self.sign * motion.regressor(self.gravity)
-        full = np.concatenate([A, np.broadcast_to(np.eye(6), (len(A), 6, 6))], axis=2)
-        slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), self.x[:10])
-        by_motion = slopes @ motion.noise
-        own = full @ self.covariance @ np.swapaxes(full, 1, 2)
-        out: Array = own + by_motion @ np.swapaxes(by_motion, 1, 2) + np.diag(self.std**2)
+        out = np.empty((len(motion.time), 6, 6))
+        x, covariance = np.ascontiguousarray(self.x), np.ascontiguousarray(self.covariance)
+        spread(*motion.arrays(self.gravity), x, covariance, self.std, float(self.sign), out)
         return out
 
-    def force_threshold(self, motion: SensorMotion, false_alarms_per_sample: float) -> tuple[Array, float]:
-        """(T,) [N] force that counts as contact in its least certain direction, and the limit of fᵀ C⁻¹ f."""
-        limit = float(chi2.isf(false_alarms_per_sample, 3))
+    def touched(self, motion: SensorMotion, wrench: Array, limit: float) -> Touched:
+        """What is left, and whether its force is more than noise. limit: of fᵀ C⁻¹ f."""
+        external, C = self.external(motion, wrench), self.spread(motion)
+        f = external[:, :3]
+        square = np.einsum("ti,ti->t", f, np.linalg.solve(C[:, :3, :3], f[:, :, None])[:, :, 0])
+        return Touched(external, C, square > limit)
+
+    def force_threshold(self, motion: SensorMotion, false_alarms_per_sample: float) -> Array:
+        """(T,) [N] force that counts as contact in its least certain direction."""
         largest = np.linalg.eigvalsh(self.spread(motion)[:, :3, :3])[:, -1]
-        return np.sqrt(limit * largest), limit
+        return np.asarray(np.sqrt(false_alarm_limit(false_alarms_per_sample) * largest))
 
     def contacts(self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float) -> list[tuple[float, float]]:
         """Spans (from, to) [s] in which the force is more than noise, so many of them wrong per hour."""
         period = float(np.median(np.diff(motion.time)))
-        _, limit = self.force_threshold(motion, false_alarms_per_hour * period / 3600.0)
-        f = self.external(motion, wrench)[:, :3]
-        C = self.spread(motion)[:, :3, :3]
-        alarm = np.einsum("ti,ti->t", f, np.linalg.solve(C, f[:, :, None])[:, :, 0]) > limit
-        return spans(motion.time, alarm, BRIDGED_S)
+        limit = false_alarm_limit(false_alarms_per_hour * period / 3600.0)
+        return spans(motion.time, self.touched(motion, wrench, limit).alarm, BRIDGED_S)
+
+
+@final
+@dataclass(frozen=True)
+class Touched:
+    """external: (T, 6) F_ext as the sensor would read it. spread: (T, 6, 6) its covariance without contact. alarm: (T,)
+    whether the force is more than that."""
+
+    external: Array
+    spread: Array
+    alarm: NDArray[np.bool_]
+
+
+def false_alarm_limit(per_sample: float) -> float:
+    """What fᵀ C⁻¹ f of three normal forces exceeds so often."""
+    return float(chi2.isf(per_sample, 3))
 
 
 def second_zero(motion: SensorMotion, external: Array, gravity: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -70,10 +86,20 @@ def second_zero(motion: SensorMotion, external: Array, gravity: Array) -> tuple[
     Implements [Payload] (44), with an average in place of one sample.
     """
     first = motion.time <= motion.time[0] + ZERO_S
-    down = np.einsum("tji,j->ti", motion.rotation, gravity / np.linalg.norm(gravity))
-    then = down[first].mean(axis=0)
-    helps = down @ (then / np.linalg.norm(then)) >= np.cos(FARTHEST_ZERO)
-    return external - external[first].mean(axis=0), helps
+    mean, then = zero_of(motion.rotation[first], external[first], gravity)
+    return external - mean, zero_helps(motion.rotation, then, gravity)
+
+
+def zero_of(rotation: Array, external: Array, gravity: Array) -> tuple[Array, Array]:
+    """(6,) mean of F_ext, and (3,) where gravity points meanwhile, in {S}."""
+    down = np.einsum("tji,j->ti", rotation, gravity).mean(axis=0)
+    return external.mean(axis=0), down / np.linalg.norm(down)
+
+
+def zero_helps(rotation: Array, then: Array, gravity: Array) -> NDArray[np.bool_]:
+    """(T,) whether gravity points within 60° of where it did."""
+    down = np.einsum("tji,j->ti", rotation, gravity / np.linalg.norm(gravity))
+    return np.asarray(down @ then >= np.cos(FARTHEST_ZERO))
 
 
 def spans(time: Array, flag: NDArray[np.bool_], bridged: float) -> list[tuple[float, float]]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exogauge.errors import NotIdentifiable
 from exogauge.estimation.log_cholesky import nearest_possible, pseudo_inertia
 from exogauge.estimation.physical import solve_physical
+from exogauge.loops.payload_rows import fill
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import StaticSolution
 from exogauge.payload.total_least_squares import Recursion, only_output, solve, triangle
@@ -96,15 +97,8 @@ def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int,
 
     Row covariance by first order: A is linear in a - g and α and quadratic in ω.
     """
-    T = len(wrench)
-    A = sign * motion.regressor(gravity)
-    zero = np.broadcast_to(np.eye(6), (T, 6, 6))
-    z = np.concatenate([A, zero, wrench[:, :, None]], axis=2) / std[:, None]
-    slopes = regressor_slopes(motion.omega) / std[:, None]
-    errors = np.einsum("ktip,tkm->tpim", slopes, motion.noise, optimize=True).reshape(T, 10, -1)
-    noise = np.zeros((T, 17, 17))
-    noise[:, :10, :10] = errors @ np.swapaxes(errors, 1, 2)
-    noise[:, 16, 16] = 6.0
+    z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
+    fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
     return Rows(z, noise, std, sign)
 
 

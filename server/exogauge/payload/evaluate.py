@@ -159,7 +159,7 @@ def evaluate(payload: Payload) -> Evaluation:
             for span in compensation.contacts(touched.motion, touched.wrench, rate)
         )
         period = float(np.median(np.diff(touched.motion.time)))
-        limit, _ = compensation.force_threshold(touched.motion, rate * period / 3600.0)
+        limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
         thresholds[recording.name] = float(limit.max())
     return Evaluation(
         payload, sign, postures, excitation, tests, touches, thresholds, imu, tuple(dict.fromkeys(warnings))

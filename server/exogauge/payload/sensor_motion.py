@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.payload.smoothing import Kind, Smoothed, smooth
-from exogauge.robots.kinematics import Kinematics
-from exogauge.robots.motion import Motion
+from exogauge.loops.sensor_chain import end_motion
+from exogauge.payload.smoothing import Kind, smooth
 from exogauge.robots.regressor import wrench_columns
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
-
-STEP = 1e-6  # of differences: kinematics are quadratic at most in velocities and accelerations
 
 
 @final
@@ -48,6 +47,12 @@ class SensorMotion:
         b: Array = self.acceleration - np.einsum("tji,j->ti", self.rotation, gravity)
         return b
 
+    def arrays(self, gravity: Array) -> tuple[Array, Array, Array, Array]:
+        """a - g, α, ω (T, 3) and noise, as the loops take them."""
+        b = self.proper_acceleration(gravity)
+        alpha, omega, noise = (np.ascontiguousarray(each) for each in (self.alpha, self.omega, self.noise))
+        return b, alpha, omega, noise
+
     def rows(self, which: slice | NDArray[np.bool_]) -> SensorMotion:
         """The same at the chosen samples."""
         names = ("time", "rotation", "acceleration", "alpha", "omega", "noise")
@@ -58,36 +63,45 @@ class SensorMotion:
         return self.rows(slice(self.edge, len(self.time) - self.edge))
 
 
+@final
+@dataclass(frozen=True)
+class Chain:
+    """What carries the sensor, from the base outward, as `loops.sensor_chain` takes it."""
+
+    constants: tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.int64], Array, Array, Array, Array]
+
+    @staticmethod
+    def of(tree: RigidTree, frame: str) -> Chain:
+        """frame: of the sensor; tree: on a fixed base."""
+        body, pose = tree.frames[frame]
+        path = list[int]()
+        while body >= 0:
+            path.insert(0, body)
+            body = int(tree.parent[body])
+        before, after = ([poses[k] for k in path] for poses in (tree.T_before, tree.T_after))
+        return Chain((
+            *_poses(before), tree.axis[path].reshape(-1, 3), tree.prismatic[path], tree.dof[path].astype(np.int64),
+            *_poses(after), np.ascontiguousarray(pose.rotation), np.ascontiguousarray(pose.translation),
+        ))  # fmt: skip
+
+    def motion(self, time: Array, state: Array, roots: Array, gravity: Array) -> SensorMotion:
+        """state: (T, J, 3) q, q̇, q̈. roots: (J, 3, 3) or (T, J, 3, 3) of the covariance of its errors."""
+        T, joints = state.shape[:2]
+        rotation, out, slopes = np.empty((T, 3, 3)), np.empty((T, 9)), np.empty((T, joints, 9, 3))
+        end_motion(*self.constants, np.ascontiguousarray(gravity), np.ascontiguousarray(state), rotation, out, slopes)
+        noise = np.moveaxis(slopes @ roots, 1, 2).reshape(T, 9, 3 * joints)
+        a = out[:, :3] + np.einsum("tji,j->ti", rotation, gravity)
+        return SensorMotion(time, rotation, a, out[:, 3:6], out[:, 6:], noise)
+
+
 def from_joints(
     tree: RigidTree, frame: str, time: Array, angles: Array, std: float, gravity: Array,
     *, density: float | None = None, kind: Kind = "smoother",
 ) -> SensorMotion:  # fmt: skip
     """angles: (T, J) [rad] as logged, with errors of `std`. frame: of the sensor; tree: on a fixed base."""
     smoothed = smooth(time, angles, std, density=density, kind=kind)
-    kinematics = Kinematics(tree)
-
-    def at(state: Array) -> tuple[Array, Array, Array, Array]:
-        return _frame_motion(kinematics, frame, state)
-
-    def stacked(R: Array, b: Array, dw: Array, w: Array) -> Array:
-        return np.concatenate([b - np.einsum("tji,j->ti", R, gravity), dw, w], axis=1)
-
-    rotation, a, alpha, omega = at(smoothed.state)
-    here = stacked(rotation, a, alpha, omega)
-    joints = angles.shape[1]
-    noise = np.empty((len(time), 9, 3 * joints))
-    for j in range(joints):
-        slopes = np.empty((len(time), 9, 3))
-        for order in range(3):
-            h = STEP if order == 0 else 1.0
-            ends = [here] if order == 2 else []  # linear in q̈
-            for side in (-1.0, 1.0)[len(ends) :]:
-                state = smoothed.state.copy()
-                state[:, j, order] += side * h
-                ends.append(stacked(*at(state)))
-            slopes[:, :, order] = (ends[1] - ends[0]) / (h if order == 2 else 2.0 * h)
-        noise[:, :, 3 * j : 3 * j + 3] = slopes @ smoothed.noise[j]
-    return SensorMotion(time, rotation, a, alpha, omega, noise, smoothed.edge, smoothed.density)
+    motion = Chain.of(tree, frame).motion(time, smoothed.state, smoothed.noise, gravity)
+    return replace(motion, edge=smoothed.edge, density=smoothed.density)
 
 
 def from_pose(
@@ -101,34 +115,45 @@ def from_pose(
     """
     turned = smooth(time, rotation.reshape(-1, 9), std_angle, kind=kind)
     moved = smooth(time, position, std_position, density=density, kind=kind)
+    motion = pose_motion(
+        time, turned.state, moved.state, turned.noise[int(np.argmax(turned.density))], moved.noise, gravity
+    )
+    edge = max(turned.edge, moved.edge)
+    return replace(motion, edge=edge, density=np.append(moved.density, turned.density.max()))
+
+
+def pose_motion(
+    time: Array, turned: Array, moved: Array, root_turned: Array, roots_moved: Array, gravity: Array
+) -> SensorMotion:
+    """turned: (T, 9, 3) entries of R_BS, moved: (T, 3, 3) position, with two derivatives. root_turned: (3, 3) or
+    (T, 3, 3) of an entry's errors; roots_moved: (3, 3, 3) or (T, 3, 3, 3)."""
     R, alpha, omega = _turning(turned)
-    a = np.einsum("tji,tj->ti", R, moved.state[:, :, 2])
+    a = np.einsum("tji,tj->ti", R, moved[:, :, 2])
     noise = np.zeros((len(time), 9, 18))
-    mean = turned.noise[int(np.argmax(turned.density))]
     for k in range(3):
-        noise[:, :3, 3 * k : 3 * k + 3] = R[:, k, :, None] * moved.noise[k][2]
-        noise[:, 3 + k, 9 + 3 * k : 12 + 3 * k] = mean[2]
-        noise[:, 6 + k, 9 + 3 * k : 12 + 3 * k] = mean[1]
+        noise[:, :3, 3 * k : 3 * k + 3] = R[:, k, :, None] * roots_moved[..., k, 2, :].reshape(-1, 1, 3)
+        noise[:, 3 + k, 9 + 3 * k : 12 + 3 * k] = root_turned[..., 2, :]
+        noise[:, 6 + k, 9 + 3 * k : 12 + 3 * k] = root_turned[..., 1, :]
     tipping = -np.einsum("tji,j->ti", R, gravity)
     for k, (x, y) in enumerate(((1, 2), (2, 0), (0, 1))):  # a turn about k: δ(a - g) = (a - g) x e_k δ
-        noise[:, x, 9 + 3 * k : 12 + 3 * k] += tipping[:, y, None] * mean[0]
-        noise[:, y, 9 + 3 * k : 12 + 3 * k] -= tipping[:, x, None] * mean[0]
-    edge = max(turned.edge, moved.edge)
-    return SensorMotion(time, R, a, alpha, omega, noise, edge, np.append(moved.density, turned.density.max()))
+        noise[:, x, 9 + 3 * k : 12 + 3 * k] += tipping[:, y, None] * root_turned[..., 0, :]
+        noise[:, y, 9 + 3 * k : 12 + 3 * k] -= tipping[:, x, None] * root_turned[..., 0, :]
+    return SensorMotion(time, R, a, alpha, omega, noise)
 
 
 def rotations(tree: RigidTree, frame: str, angles: Array) -> Array:
     """(K, 3, 3) R_BS at joint angles (K, J)."""
-    return _frame_motion(Kinematics(tree), frame, np.stack([angles, 0 * angles, 0 * angles], axis=2))[0]
+    state, exact = np.stack([angles, 0 * angles, 0 * angles], axis=2), np.zeros((angles.shape[1], 3, 3))
+    return Chain.of(tree, frame).motion(np.zeros(len(angles)), state, exact, np.zeros(3)).rotation
 
 
 def turning(time: Array, rotation: Array, std_angle: float) -> tuple[Array, Array, Array]:
     """R_BS (T, 3, 3) smoothed, α and ω (T, 3) in {S}, from logged rotations (T, 3, 3)."""
-    return _turning(smooth(time, rotation.reshape(-1, 9), std_angle))
+    return _turning(smooth(time, rotation.reshape(-1, 9), std_angle).state)
 
 
-def _turning(entries: Smoothed) -> tuple[Array, Array, Array]:
-    R, dR, ddR = (entries.state[:, :, k].reshape(-1, 3, 3) for k in range(3))
+def _turning(entries: Array) -> tuple[Array, Array, Array]:
+    R, dR, ddR = (entries[:, :, k].reshape(-1, 3, 3) for k in range(3))
     U, _, Vt = np.linalg.svd(R)
     R = U @ Vt
     return R, _skew_part(np.swapaxes(R, 1, 2) @ ddR), _skew_part(np.swapaxes(R, 1, 2) @ dR)
@@ -138,19 +163,9 @@ def _skew_part(M: Array) -> Array:
     return 0.5 * np.stack([M[:, 2, 1] - M[:, 1, 2], M[:, 0, 2] - M[:, 2, 0], M[:, 1, 0] - M[:, 0, 1]], axis=1)
 
 
-def _frame_motion(kinematics: Kinematics, frame: str, state: Array) -> tuple[Array, Array, Array, Array]:
-    """R_BS, and in {S} classical acceleration of its origin, angular acceleration, angular velocity. state: (T, J, 3).
-
-    The sweep's base does not accelerate: what it calls proper is then the classical acceleration itself.
-    """
-    samples = len(state)
-    still = np.zeros((samples, 3))
-    sweep = kinematics.sweep(Motion(state[:, :, 0], state[:, :, 1], state[:, :, 2], still, still, still))
-    body, pose = kinematics.tree.frames[frame]
-    if body < 0:
-        return np.tile(pose.rotation, (samples, 1, 1)), still, still, still
-    R_body, B = np.moveaxis(sweep.R[body], 2, 0), np.moveaxis(sweep.B[body], 2, 0)
-    a = sweep.b[body].T + np.einsum("tij,tjk,k->ti", B, R_body, pose.translation)
-    R = R_body @ pose.rotation
-    in_sensor = [np.einsum("tji,tj->ti", R, each) for each in (a, sweep.alpha[body].T, sweep.omega[body].T)]
-    return R, in_sensor[0], in_sensor[1], in_sensor[2]
+def _poses(poses: Sequence[pin.SE3]) -> tuple[Array, Array]:
+    """(n, 3, 3), (n, 3)."""
+    return (
+        np.array([pose.rotation for pose in poses]).reshape(-1, 3, 3),
+        np.array([pose.translation for pose in poses]).reshape(-1, 3),
+    )

@@ -59,9 +59,8 @@ def smooth(
         state[:, j] = states
         state[:, j, 0] += positions[0, j]
         densities[j] = ratio * std**2 / period**5
-        h = impulse_responses(ratio, lag)
-        noise[j] = _root(h.T @ h) * std * units[:, None]
-        edge = max(edge, min(_memory(ratio), len(time) // 4) if moves else 0)
+        noise[j] = error_root(ratio, lag) * std * units[:, None]
+        edge = max(edge, min(memory(ratio), len(time) // 4) if moves else 0)
     return Smoothed(state, densities, noise, edge)
 
 
@@ -85,10 +84,16 @@ def innovation_variance(z: Array, step: Array, ratio: float) -> float:
 
 def impulse_responses(ratio: float, lag: int) -> Array:
     """(N, 3) what the settled filter makes of a unit error in one sample, in periods."""
-    half = _memory(ratio)
+    half = memory(ratio)
     z = np.zeros(4 * half + 1)
     z[2 * half] = 1.0
     return _pass(z, np.ones(len(z)), ratio, lag)
+
+
+def error_root(ratio: float, lag: int) -> Array:
+    """(3, 3) root of the covariance of the state's error by the noise of the positions alone, in periods."""
+    h = impulse_responses(ratio, lag)
+    return _root(h.T @ h)
 
 
 def _pass(z: Array, step: Array, ratio: float, lag: int) -> Array:
@@ -102,7 +107,7 @@ def _pass(z: Array, step: Array, ratio: float, lag: int) -> Array:
     return out
 
 
-def _memory(ratio: float) -> int:
+def memory(ratio: float) -> int:
     """Samples after which an impulse is forgotten: the poles lie at ratio^(1/6) per period."""
     return int(np.clip(MEMORY / ratio ** (1 / 6), 20, 5000))
 

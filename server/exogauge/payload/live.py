@@ -1,0 +1,218 @@
+"""Live: samples in, the contact wrench a tenth of a second later out, and ten times a second what is known by now.
+
+The same smoother, rows, recursion and compensation as for logs. What comes out does not depend on how many samples came
+at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.payload.contact import ZERO_S, Compensation, false_alarm_limit, zero_helps, zero_of
+from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
+from exogauge.payload.live_fit import Estimate, LiveFit, exciting
+from exogauge.payload.live_track import LONGEST_GAP, Pose, Track, Tracked
+from exogauge.payload.sensor_motion import SensorMotion
+
+Array = NDArray[np.float64]
+Zero = Literal["none", "taking", "held", "beyond", "refused"]
+
+ESTIMATES_HZ = 10.0
+BEFORE_S, AFTER_S = 0.1, 0.2  # left out of the fit on either side of an alarm: a contact begins below the threshold
+LATELY_S = 0.5  # without a sample that was used: frozen
+
+
+@final
+@dataclass(frozen=True)
+class Start:
+    """What is known when a stream begins. gravity: (3,) [m/s²] in {B}. sign: s. std: (6,) [N, N·m] of one wrench.
+    believed: (16,) std of x of a payload of which nothing is known."""
+
+    pose: Pose
+    gravity: Array
+    sign: int
+    std: Array
+    prior: Prior
+    believed: Array
+    false_alarms_per_hour: float = 1.0
+
+
+@final
+@dataclass(frozen=True)
+class Sensed:
+    """Of T samples. time: [s]. wrench: (T, 6) of the environment on the payload, in {S}, about its origin, after the
+    secondary zero where that is held. std: (T, 6) of it without contact. alarm: more than that, by the stated rate.
+    settled: False after a start or a gap, when nothing is told. zero: of the last sample."""
+
+    time: Array
+    wrench: Array
+    std: Array
+    alarm: NDArray[np.bool_]
+    settled: NDArray[np.bool_]
+    zero: Zero
+
+
+@final
+@dataclass(frozen=True)
+class Known:
+    """At `time` [s]. threshold: [N] force that counts as contact in this posture, in its least certain direction.
+    left_out: samples in or beside an alarm, which were not used."""
+
+    time: float
+    estimate: Estimate
+    threshold: float
+    left_out: int
+
+
+@final
+class Live:
+    """One stream."""
+
+    def __init__(self, start: Start, rate_hz: float = 250.0, *, still: Literal["settled", "as_moving"] = "settled"
+                 ) -> None:  # fmt: skip
+        self.start, self.rate_hz = start, rate_hz
+        self.track = Track(start.pose, rate_hz, start.gravity, still=still)
+        self.fit = LiveFit(start.prior, start.believed)
+        self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
+        self.given = 0  # samples that came out
+        self.left_out = 0
+        self._every = max(round(rate_hz / ESTIMATES_HZ), 1)
+        self._before, self._after = round(BEFORE_S * rate_hz), round(AFTER_S * rate_hz)
+        self._barred = 0  # samples that are still beside an alarm
+        self._released = 0  # samples that wait no longer
+        self._last_used = -round(LATELY_S * rate_hz) - 1
+        self._wrench = np.zeros((0, 6))
+        self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
+        self._last_time = np.nan
+        self._zero = SecondZero(start.gravity, round(ZERO_S * rate_hz))
+        self._compensation = self._compensated(self.fit.estimate(False))
+
+    def zero(self) -> None:
+        """Take a secondary zero from the next half second, in which nothing may touch the payload."""
+        self._zero.begin()
+
+    def push(self, time: Array, values: Array, wrench: Array) -> Iterator[Sensed | Known]:
+        """time: (n,) [s], increasing, also over calls. values: (n, K) joint angles [rad], or R_BS row by row and the
+        position [m]. wrench: (n, 6) as read, in {S}."""
+        gaps = np.flatnonzero(np.diff(time, prepend=self._last_time) > (LONGEST_GAP + 0.5) / self.rate_hz)
+        if len(time):
+            self._last_time = time[-1]
+        edges = [0, *gaps.tolist(), len(time)]
+        for first, last in pairwise(edges):
+            if first in gaps:
+                yield from self.flush()
+            while first < last:
+                here = min(last, first + self._every - self.given % self._every)
+                self._wrench = np.concatenate([self._wrench, wrench[first:here]])
+                yield from self._given(self.track.push(time[first:here], values[first:here]))
+                first = here
+
+    def flush(self) -> Iterator[Sensed | Known]:
+        """What has not come out yet: at the end, or before a gap."""
+        left = self.track.flush()
+        for first in range(0, len(left.settled), self._every):  # not more than one estimate for each
+            yield from self._given(left.rows(slice(first, first + self._every)))
+
+    def _given(self, tracked: Tracked) -> Iterator[Sensed | Known]:
+        motion, settled, n = tracked.motion, tracked.settled, len(tracked.settled)
+        if n == 0:
+            return
+        wrench, self._wrench = self._wrench[:n], self._wrench[n:]
+        touched = self._compensation.touched(motion, wrench, self.limit)
+        alarm = touched.alarm & settled
+        self._learn(motion, wrench, alarm, settled & tracked.noise_known)
+        external, zero = self._zero.applied(motion, touched.external, alarm, settled)
+        std = np.sqrt(np.diagonal(touched.spread, axis1=1, axis2=2))
+        yield Sensed(motion.time, -self.start.sign * external, std, alarm, settled, zero)
+        before, self.given = self.given, self.given + n
+        if self.given // self._every > before // self._every:
+            estimate = self.fit.estimate(self._released - self._last_used <= LATELY_S * self.rate_hz)
+            self._compensation = self._compensated(estimate)
+            force = touched.spread[-1, :3, :3]
+            threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
+            yield Known(float(motion.time[-1]), estimate, threshold, self.left_out)
+
+    def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
+        """Rows wait until it is known that no alarm follows them."""
+        start = self.start
+        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std)
+        barred, alarms = alarm.copy(), np.flatnonzero(alarm)
+        barred[: self._barred] = True
+        for k in alarms:
+            barred[k : k + self._after + 1] = True
+            self._barred = int(k) + self._after + 1
+        self._barred = max(self._barred - len(alarm), 0)
+        held = self._held.then(Held(rows.z, rows.noise, barred, trusted & exciting(rows)))
+        for k in alarms:
+            at = len(held.barred) - len(alarm) + k
+            held.barred[max(at - self._before, 0) : at] = True
+        ripe = max(len(held.barred) - self._before, 0)
+        use = held.exciting[:ripe] & ~held.barred[:ripe]
+        self.left_out += int(np.sum(held.exciting[:ripe] & held.barred[:ripe]))
+        if use.any():
+            self.fit.take(Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign))
+            self._last_used = self._released + int(np.flatnonzero(use)[-1])
+        self._released += ripe
+        self._held = held.after(ripe)
+
+    def _compensated(self, estimate: Estimate) -> Compensation:
+        start = self.start
+        return Compensation(estimate.value, estimate.covariance, start.gravity, start.sign, start.std)
+
+
+@final
+@dataclass(frozen=True)
+class Held:
+    """Rows that wait."""
+
+    z: Array
+    noise: Array
+    barred: NDArray[np.bool_]
+    exciting: NDArray[np.bool_]
+
+    def then(self, more: Held) -> Held:
+        return Held(
+            np.concatenate([self.z, more.z]), np.concatenate([self.noise, more.noise]),
+            np.concatenate([self.barred, more.barred]), np.concatenate([self.exciting, more.exciting]),
+        )  # fmt: skip
+
+    def after(self, k: int) -> Held:
+        return Held(self.z[k:], self.noise[k:], self.barred[k:], self.exciting[k:])
+
+
+@final
+class SecondZero:
+    """[Payload] (44), as `contact.second_zero`, begun when asked. Refused where an alarm falls into its half second."""
+
+    def __init__(self, gravity: Array, samples: int) -> None:
+        self._gravity, self._samples = gravity, samples
+        self._state: Zero = "none"
+        self._external, self._rotation = np.zeros((0, 6)), np.zeros((0, 3, 3))
+        self._mean, self._then = np.zeros(6), np.zeros(3)
+
+    def begin(self) -> None:
+        self._state = "taking"
+        self._external, self._rotation = np.zeros((0, 6)), np.zeros((0, 3, 3))
+
+    def applied(
+        self, motion: SensorMotion, external: Array, alarm: NDArray[np.bool_], settled: NDArray[np.bool_]
+    ) -> tuple[Array, Zero]:
+        if self._state == "taking":
+            self._external = np.concatenate([self._external, external[settled]])
+            self._rotation = np.concatenate([self._rotation, motion.rotation[settled]])
+            if alarm.any():
+                self._state = "refused"
+            elif len(self._external) >= self._samples:
+                self._mean, self._then = zero_of(self._rotation, self._external, self._gravity)
+                self._state = "held"
+            return external, self._state
+        if self._state in ("none", "refused"):
+            return external, self._state
+        helps = zero_helps(motion.rotation, self._then, self._gravity)
+        return np.where(helps[:, None], external - self._mean, external), "held" if helps[-1] else "beyond"

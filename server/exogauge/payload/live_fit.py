@@ -1,0 +1,145 @@
+"""What motion says of the payload as it goes: the recursion, and covariances with residuals that are not white."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.payload.dynamics import DECIDED, Prior, Rows, prior_information
+from exogauge.payload.total_least_squares import Recursion
+
+Array = NDArray[np.float64]
+State = Literal["static", "converging", "converged", "frozen"]
+
+BLOCK = 25  # samples whose scores are summed: longer than the smoother remembers, so that sums are independent
+BLOCKS = 100  # that are judged by the newest estimate; older ones keep what they were judged by
+EXCITED = 9.0  # of the noise's share in the columns of the inertia: below, they are noise
+STEADY = 10  # estimates over which a number must stay within its standard deviation
+
+
+@final
+@dataclass(frozen=True)
+class Estimate:
+    """value, std: (16,) of x as in `dynamics`; covariance: (16, 16). mu, mu_std: None before a second of motion.
+    decided: (16,) whether a number is ten times as sure as it is believed to be of a payload of which nothing is known.
+    used: samples that counted."""
+
+    value: Array
+    covariance: Array
+    mu: float | None
+    mu_std: float | None
+    decided: NDArray[np.bool_]
+    state: State
+    used: int
+
+    @property
+    def std(self) -> Array:
+        return np.sqrt(np.diag(self.covariance))
+
+
+@final
+class LiveFit:
+    """[Payload] (34), (35) with prior rows and λ = 1, as in `Recursion`.
+
+    Samples that do not excite the inertia are not used: at rest rows say the same again and again, and what is
+    systematic in them (gravity's direction, a drift) would be taken for certain.
+    """
+
+    def __init__(self, prior: Prior, believed: Array) -> None:
+        """believed: (16,) std of x before anything was measured."""
+        self.prior, self._believed = prior, believed
+        self._known = prior_information(prior)
+        self.recursion = Recursion(16, prior.rows, start=prior.value)
+        self.used = 0
+        self._sums, self._noise = np.zeros((BLOCKS, 17, 17)), np.zeros((BLOCKS, 17, 17))
+        self._meat, self._blocks, self._filled = np.zeros((16, 16)), 0, 0
+        self._recent = list[Array]()
+
+    def take(self, rows: Rows) -> None:
+        """Rows of samples that excite, and that nothing touches."""
+        if not len(rows.z):
+            return
+        self.recursion.run(rows.z, rows.noise)
+        self.used += len(rows.z)
+        first = 0
+        while first < len(rows.z):
+            last = min(first + BLOCK - self._filled, len(rows.z))
+            here = self._blocks % BLOCKS
+            z = rows.z[first:last].reshape(-1, 17)
+            self._sums[here] += z.T @ z
+            self._noise[here] += rows.noise[first:last].sum(axis=0)
+            self._filled += last - first
+            first = last
+            if self._filled == BLOCK:
+                self._next_block()
+
+    def _next_block(self) -> None:
+        self._blocks, self._filled = self._blocks + 1, 0
+        here = self._blocks % BLOCKS
+        if self._blocks >= BLOCKS:
+            old = self._scores(slice(here, here + 1))
+            self._meat += old.T @ old
+        self._sums[here], self._noise[here] = 0.0, 0.0
+
+    def _scores(self, which: slice) -> Array:
+        """(n, 16) of blocks, at the estimate: Aᵀe + μ P v, as in the dynamic stage."""
+        v = np.append(self._value, -1.0)
+        return np.asarray((self.recursion.mu * (self._noise[which] @ v) - self._sums[which] @ v)[:, :16])
+
+    @property
+    def _value(self) -> Array:
+        found = self.recursion.value
+        return self.prior.value if found is None else found
+
+    def estimate(self, learning: bool) -> Estimate:
+        """learning: whether samples were used lately."""
+        x = self._value
+        covariance = self._covariance()
+        std = np.sqrt(np.diag(covariance))
+        self._recent = [*self._recent[-STEADY + 1 :], x]
+        steady = len(self._recent) == STEADY and bool(np.all(np.abs(self._recent[0] - x)[:10] < std[:10]))
+        decided = std < DECIDED * self._believed
+        state: State = "converging"
+        if self.used == 0 and not decided[4:10].all():
+            state = "static"
+        elif not learning:
+            state = "frozen"
+        elif steady and bool(decided[4:10].all()):
+            state = "converged"
+        mu, mu_std = self._mu(np.append(x, -1.0))
+        return Estimate(x, covariance, mu, mu_std, decided, state, self.used)
+
+    def _covariance(self) -> Array:
+        if self.used == 0:
+            return self.prior.covariance
+        R, P = self.recursion.R, self.recursion.P
+        data = R[:, :16].T @ R[:, :16] - self._known - self.recursion.mu * P[:16, :16]
+        here = min(self._blocks + (self._filled > 0), BLOCKS)
+        scores = self._scores(slice(0, here))
+        count = self._blocks + self._filled / BLOCK
+        meat = self._meat + scores.T @ scores
+        # So few sums leave directions without any: as many blocks as numbers count as if residuals were white.
+        meat = (count * meat + 16.0 * data) / (count + 16.0)
+        inverse = np.linalg.inv(data + self._known)
+        covariance: Array = inverse @ (meat + self._known) @ inverse
+        return covariance if np.all(np.diag(covariance) > 0.0) else self.prior.covariance
+
+    def _mu(self, v: Array) -> tuple[float | None, float | None]:
+        full = [k for k in range(min(self._blocks + 1, BLOCKS)) if k != self._blocks % BLOCKS]
+        if len(full) < STEADY:
+            return None, None
+        R, P, known = self.recursion.R, self.recursion.P, self.prior.rows
+        square = float(np.sum((R @ v) ** 2) - np.sum((known @ v) ** 2))
+        mu = square / float(v @ P @ v - len(known))
+        squares = np.einsum("i,kij,j->k", v, self._sums[full], v)
+        return mu, mu * float(squares.std() / squares.mean() / np.sqrt(self._blocks))
+
+
+def exciting(rows: Rows) -> NDArray[np.bool_]:
+    """(T,) samples in which the columns of the inertia are more than noise."""
+    signal = np.sum(rows.z[:, :, 4:10] ** 2, axis=(1, 2))
+    noise = np.trace(rows.noise[:, 4:10, 4:10], axis1=1, axis2=2)
+    return np.asarray(signal > EXCITED * noise)

@@ -1,0 +1,128 @@
+"""The sensor's motion a tenth of a second ago, sample by sample: the fixed-lag smoother of `smoothing`, and kinematics.
+
+A joint that stands still is filtered as one that hardly moves; the first sample that it leaves its place, the window is
+filtered again as moving. Else the noise of joints far from the sensor, which do not move, would hide a contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.loops.fixed_lag import flush, slide
+from exogauge.payload.sensor_motion import Chain, SensorMotion, pose_motion
+from exogauge.payload.smoothing import LAG_S, MEMORY, error_root, memory
+
+Array = NDArray[np.float64]
+
+STILL_SAMPLES = 100.0  # memory of the filter of what stands still: α errs by a hundredth of what it does in motion
+LONGEST_GAP = 25  # samples that are stepped over; beyond, the filter begins anew
+
+
+@final
+@dataclass(frozen=True)
+class Pose:
+    """Which channels a sample has. chain: they are joint angles; None: nine entries of R_BS, then three of position.
+    std: (K,) [rad or m] of each. density: (K,) jerk density of each while it moves."""
+
+    chain: Chain | None
+    std: Array
+    density: Array
+
+    @property
+    def groups(self) -> NDArray[np.int64]:
+        """(K,) channels that move together."""
+        K = len(self.std)
+        return np.arange(K) if self.chain is not None else np.repeat([0, 1], [9, K - 9])
+
+
+@final
+@dataclass(frozen=True)
+class Tracked:
+    """Of T samples: motion; settled: whether it can be trusted; noise_known: False while a joint that stopped is not
+    known as well as one that stands still, and said to err like one that moves."""
+
+    motion: SensorMotion
+    settled: NDArray[np.bool_]
+    noise_known: NDArray[np.bool_]
+
+    def rows(self, which: slice) -> Tracked:
+        return Tracked(self.motion.rows(which), self.settled[which], self.noise_known[which])
+
+
+@final
+class Track:
+    """Smoothed motion of samples that come one after the other."""
+
+    def __init__(
+        self, pose: Pose, rate_hz: float, gravity: Array, *, still: Literal["settled", "as_moving"] = "settled"
+    ) -> None:
+        """gravity: (3,) [m/s²] in {B}. still: how what stands still is filtered."""
+        self.pose, self.gravity, self.period = pose, gravity, 1.0 / rate_hz
+        self.lag = max(round(LAG_S / self.period), 1)
+        self._group = pose.groups
+        moving = pose.density * self.period**5 / pose.std**2
+        rest = np.minimum(moving, (MEMORY / STILL_SAMPLES) ** 6) if still == "settled" else moving
+        self._ratio = np.column_stack([rest, moving])
+        units = self.period ** -np.arange(3.0)
+        self._scale = pose.std[:, None] * units
+        roots = {ratio: error_root(ratio, self.lag) for ratio in np.unique(self._ratio)}
+        self._roots = np.array([[roots[r] for r in pair] for pair in self._ratio]) * self._scale[:, None, :, None]
+        self.edge = max(memory(float(ratio)) for ratio in moving)
+        K, N = len(pose.std), self.lag + 1
+        self._ring = (
+            np.zeros((N, K, 3)), np.zeros((N, K, 3, 3)), np.zeros((N, K, 3, 3)), np.zeros((N, K)), np.zeros(N),
+        )  # fmt: skip
+        self._place, self._quiet = np.zeros(2, np.int64), np.zeros(self._group.max() + 1, np.int64)
+        self._anchor, self._zero = np.zeros(K), np.zeros(K)
+        self._last = np.nan
+        self._since = 0  # samples given since the filter began
+        self._times = np.zeros(0)
+
+    @property
+    def waiting(self) -> int:
+        """Samples that were taken and not given."""
+        return len(self._times)
+
+    def push(self, time: Array, values: Array) -> Tracked:
+        """The samples that are now a lag back. time: (n,) [s], each later
+        than the one before by no more than `LONGEST_GAP` periods; values: (n, K)."""
+        if not self._place[1]:
+            self._zero, self._last, self._since = values[0].copy(), time[0] - self.period, 0
+            self._quiet[:] = 0
+        z = (values - self._zero) / self.pose.std
+        h = np.diff(time, prepend=self._last) / self.period
+        out, moving = np.empty((len(z), len(self._scale), 3)), np.empty((len(z), len(self._quiet)))
+        x, P, C, Z, H = self._ring
+        given = slide(
+            z, h, self._group, self._ratio, self._place, x, P, C, Z, H, self._quiet, self._anchor, out, moving
+        )
+        self._last = time[-1]
+        self._times = np.concatenate([self._times, time])
+        return self._given(out[:given], moving[:given])
+
+    def flush(self) -> Tracked:
+        """What is left, known worse the later it is; the next sample begins anew."""
+        out, moving = np.empty((self.lag, len(self._scale), 3)), np.empty((self.lag, len(self._quiet)))
+        x, _, C, _, H = self._ring
+        given = flush(self._place, self._group, self._ratio, x, C, H, self._quiet, out, moving)
+        return replace(self._given(out[:given], moving[:given]), settled=np.zeros(given, dtype=bool))
+
+    def _given(self, out: Array, moving: Array) -> Tracked:
+        n = len(out)
+        time, self._times = self._times[:n], self._times[n:]
+        settled = self._since + np.arange(n) >= self.edge
+        self._since += n
+        state = out * self._scale
+        state[:, :, 0] += self._zero
+        which = np.ceil(moving).astype(np.intp)[:, self._group]
+        noise_known = ~np.any(moving == 0.5, axis=1)
+        roots = self._roots[np.arange(len(self._scale)), which]  # (n, K, 3, 3)
+        if self.pose.chain is not None:
+            motion = self.pose.chain.motion(time, state, roots, self.gravity)
+        else:
+            motion = pose_motion(time, state[:, :9], state[:, 9:], roots[:, 0], roots[:, 9:], self.gravity)
+        return Tracked(motion, settled, noise_known)
