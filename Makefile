@@ -88,8 +88,9 @@ REQUESTS ?= 100
 fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUESTS=100, others every time
 	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/plausibility/test_share.py tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
 
-tables: $(READY)  ## the tables of docs/effects.md, made of the catalogue of effects
+tables: $(READY)  ## the tables of docs/effects.md and docs/criteria.md
 	$(BIN)/python -m tests.effects.tables
+	$(BIN)/python -m tests.criteria.tables
 
 SEEDS ?= 0:40
 

@@ -74,6 +74,7 @@ def house() -> None:
         ("robots", "kinematics and regressor of a URDF", "soft"),
         ("estimation", "statistics of linear rows", "soft"),
         ("logs", "tables, clocks, filters, noise", "soft"),
+        ("criteria", "every number that decides, and why", "soft"),
     ]
     parts, notes = [], []
     for k, (name, words, kind) in enumerate(floors):
@@ -95,7 +96,7 @@ def house() -> None:
     parts.append(text(620, y - 8, "above: the shell", "small"))
     parts.append(text(620, y + 9, "below: numerics, arrays in, values out", "small"))
     picture(
-        "house", 890, 16 + 46 * 14 + 44, "The packages of exogauge: each imports only what is below it", *parts, *notes
+        "house", 890, 16 + 46 * 15 + 44, "The packages of exogauge: each imports only what is below it", *parts, *notes
     )
 
 

@@ -14,6 +14,7 @@ import pinocchio as pin
 import pytest
 from scipy.signal import lfilter
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import lay_ground
 from exogauge.detect.device.workflow import find_band_effects
 from exogauge.devices.device import Band, Device, ViaPoint
@@ -110,9 +111,14 @@ def trunk() -> Trunk:
     equations = Equations(robot, RowBlocks(tree, base, np.eye(3)), base, choose(Settings().effects))
     never_asked_for = {each.name: None for each in fields(RobotModel)}
     sure = np.zeros((equations.size, equations.size))
-    model = RobotModel(
-        **(never_asked_for | {"equations": equations, "covariance": sure, "cutoff_hz": 8.0, "prepared": PerLog()})
-    )
+    asked_for = {
+        "equations": equations,
+        "covariance": sure,
+        "cutoff_hz": 8.0,
+        "prepared": PerLog(),
+        "criteria": Criteria(),
+    }
+    model = RobotModel(**(never_asked_for | asked_for))
     t, rng = np.arange(0.0, SECONDS, 1.0 / RATE), np.random.default_rng(2)
     plans = {}
     for motion, (yaw, pitch) in {"bend": (0.08, 0.7), "twist": (0.5, 0.15), "mix": (0.35, 0.55)}.items():

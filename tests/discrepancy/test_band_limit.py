@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
+from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.detect.stored_filter.limit import band_limits
 from exogauge.detect.stored_filter.worn_alike import filtered_alike
@@ -296,9 +297,9 @@ def test_a_log_with_a_device_is_filtered_like_the_others_if_its_spectrum_ends_wh
 
     worn = record(21, pulled)
     alike, other = (changed([Recording(worn, True)], each)[0].log for each in (through, faster))
-    logs = filtered_alike([wear(alike), wear(other), wear(worn)], limited)
+    logs = filtered_alike([wear(alike), wear(other), wear(worn)], limited, StoredFilter())
     assert [each.log.stored for each in logs] == [StoredPass(2.97), None, None]
-    assert [each.log for each in filtered_alike([wear(alike)], study())] == [alike]
+    assert [each.log for each in filtered_alike([wear(alike)], study(), StoredFilter())] == [alike]
 
 
 @pytest.mark.slow

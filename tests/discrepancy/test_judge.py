@@ -184,3 +184,13 @@ def test_two_candidates_are_apart_by_what_their_blocks_differ(case):
     assert apart(first, second) > 3.0
     assert apart(second, first) == pytest.approx(-apart(first, second))
     assert abs(apart(first, noisy)) < 2.0
+
+
+def test_a_run_s_own_criteria_are_asked(case):
+    model, _, score = case
+    rows, _ = with_gains(case, lambda n: 1.0 + 0.02 * np.sin(np.arange(n)))
+    found = judge(model, score, rows)
+    assert found.objection is None
+    judging = replace(model.criteria.judging, sure=1.01 * found.z)
+    strict = replace(model, criteria=replace(model.criteria, judging=judging))
+    assert judge(strict, replace(score, evidence=1.0), rows).objection.why is Why.NOT_SURE

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.criteria.judging import Judging
 from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
@@ -20,6 +21,8 @@ from exogauge.robots.urdf import load_tree
 from exogauge.search.may_be_named import refused, told
 from exogauge.studies.words.finding_sentences import objection_words
 
+JUDGING = Judging()
+
 
 def finding(effect: str, before: float, after: float, **parameters: tuple[float, float]) -> Finding:
     return Finding(
@@ -31,7 +34,7 @@ def finding(effect: str, before: float, after: float, **parameters: tuple[float,
 
 @pytest.mark.parametrize(("before", "after"), [(461.0, 515.0), (0.716, 0.716), (2.0, float("nan"))])
 def test_nothing_is_named_whose_held_out_error_does_not_fall(before: float, after: float) -> None:
-    named, others = told([finding("kt_gain", before, after, gain=(2.0, 0.01), ratio=(1.2, 0.01))])
+    named, others = told([finding("kt_gain", before, after, gain=(2.0, 0.01), ratio=(1.2, 0.01))], JUDGING)
     assert named == ()
     (other,) = others
     assert other.objection.why is Why.NOT_FALLING
@@ -39,20 +42,20 @@ def test_nothing_is_named_whose_held_out_error_does_not_fall(before: float, afte
 
 
 def test_a_load_that_may_as_well_weigh_nothing_is_not_named() -> None:
-    light = refused(finding("payload", 2.0, 1.0, mass=(0.0, 0.3), x=(0.1, 0.01)))
+    light = refused(finding("payload", 2.0, 1.0, mass=(0.0, 0.3), x=(0.1, 0.01)), JUDGING)
     assert light is not None
     assert light.sizes == {"mass": Estimate(0.0, 0.3, "")}
-    assert refused(finding("payload", 2.0, 1.0, mass=(0.7, 0.3), x=(0.0, 0.01))) is None
+    assert refused(finding("payload", 2.0, 1.0, mass=(0.7, 0.3), x=(0.0, 0.01)), JUDGING) is None
 
 
 def test_a_gain_is_news_by_its_distance_from_what_is_stated() -> None:
-    assert refused(finding("kt_gain", 2.0, 1.0, gain=(5.0, 0.1), stated=(4.9, 0.1), ratio=(1.02, 0.02)))
-    assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02))) is None
+    assert refused(finding("kt_gain", 2.0, 1.0, gain=(5.0, 0.1), stated=(4.9, 0.1), ratio=(1.02, 0.02)), JUDGING)
+    assert refused(finding("kt_gain", 2.0, 1.0, gain=(6.0, 0.1), stated=(4.9, 0.1), ratio=(1.2, 0.02)), JUDGING) is None
 
 
 def test_one_part_of_a_wave_may_be_zero_and_not_both() -> None:
-    assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1))) is None
-    nothing = refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)))
+    assert refused(finding("torque_ripple", 2.0, 1.0, sine=(0.5, 0.1), cosine=(0.0, 0.1)), JUDGING) is None
+    nothing = refused(finding("asym_viscous", 2.0, 1.0, d_a=(0.01, 0.1)), JUDGING)
     assert nothing is not None
     assert objection_words(nothing) == "its size may as well be none (d_a 0.01 ±\u00a00.1)"
 
@@ -60,12 +63,12 @@ def test_one_part_of_a_wave_may_be_zero_and_not_both() -> None:
 def test_a_curve_whose_size_and_shape_trade_against_each_other_is_told_as_drawn() -> None:
     """Its error falls, so it is there; 7.5 ± 6.2 N·m is no number."""
     open_shape = finding("stribeck", 2.0, 1.0, tau_b=(7.5, 6.2), v_s=(0.004, 0.006))
-    assert refused(open_shape) is None
-    told_so = as_drawn(open_shape, shaped_effects()["stribeck"])
+    assert refused(open_shape, JUDGING) is None
+    told_so = as_drawn(open_shape, shaped_effects()["stribeck"], JUDGING)
     assert not told_so.parameters
     assert told_so.as_drawn == ("tau_b", "v_s")
     known = finding("stribeck", 2.0, 1.0, tau_b=(1.5, 0.1), v_s=(0.04, 0.001))
-    assert as_drawn(known, shaped_effects()["stribeck"]) is known
+    assert as_drawn(known, shaped_effects()["stribeck"], JUDGING) is known
 
 
 LEG = """<robot name="walker">

@@ -64,12 +64,14 @@ def test_one_that_leaves_nothing_stays(named):
     assert named.eyes is None
 
 
-def test_a_try_that_failed_leaves_nothing_behind(named, monkeypatch):
+def test_a_try_that_failed_leaves_nothing_behind(named):
     """What the next identification sees loads with would move its offsets by some per cent."""
     (step,) = named.steps
     far = replace(step.finding, held_out=replace(step.finding.held_out, channel="tau.j1"))
     named.steps = [replace(step, finding=far)]  # no shape of j2's friction lowers the error of j1
-    monkeypatch.setattr("exogauge.search.shapes_again.ABOVE", 0.0)
+    criteria = named.settings.criteria
+    always = replace(criteria, search=replace(criteria.search, shapes_above=0.0))
+    named.settings = replace(named.settings, criteria=always)
     before = list(named.steps)
     shapes_again(named)
     assert named.steps == before

@@ -9,16 +9,19 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.result import ChainStep, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
-from exogauge.findings.verdict import ABOVE, NEEDED_S, Caveat, Facts, Seen, decide
+from exogauge.findings.verdict import Caveat, Facts, Seen, decide
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.finding_sentences import reason_words
+
+JUDGING = Judging()
 
 NOTHING = ("No effect is missing", "Nothing is left above the noise", "stand at their noise floors")
 JOINTS = [f"tau.j{number}" for number in range(4)] + ["base.fz", "ft.wrist.fx", "support.j1"]
@@ -40,7 +43,7 @@ def finding(rank: int) -> Finding:
 def discrepancies(draw: st.DrawFn) -> Discrepancy:
     """What a search may hand on: any number of findings, any channel anywhere."""
     channels = draw(st.lists(seen, max_size=5, unique_by=lambda each: each.channel))
-    far = [each for each in channels if each.ratio >= ABOVE]
+    far = [each for each in channels if each.ratio >= JUDGING.above]
     sure = draw(st.lists(st.sampled_from(far), unique=True)) if far else []
     above = tuple(Excess(each.channel, "N·m", each.ratio, 1.0, 4.0) for each in sure)
     worst = draw(st.floats(0.5, 30.0))
@@ -72,9 +75,9 @@ def test_no_two_renderers_contradict_each_other_or_the_numbers(found: Discrepanc
     claims_nothing = {who: any(words in text for words in NOTHING) for who, text in says.items()}
     judged = [each for each in found.seen if math.isfinite(each.ratio)]
     ends = [link.worst_rmse / link.worst_floor for link in found.chain]
-    if max([each.ratio for each in judged] + ends, default=0.0) >= ABOVE or found.unexplained or found.cannot:
+    if max([each.ratio for each in judged] + ends, default=0.0) >= JUDGING.above or found.unexplained or found.cannot:
         assert not any(claims_nothing.values()), says
-    if any(each.moved_s >= NEEDED_S > each.steady_s for each in found.seen) or not found.seen:
+    if any(each.moved_s >= JUDGING.needed_s > each.steady_s for each in found.seen) or not found.seen:
         assert not any(claims_nothing.values()), says
     if entry["verdict"] == "none":
         assert all(claims_nothing.values())

@@ -106,14 +106,18 @@ def find_missing_effects(
     odd = contradicted(current.model, fitted)
     numbers = [name_contradiction(len(findings) + n, current, search.recordings, settings, each)
                for n, each in enumerate(odd, 1)]  # fmt: skip
-    contradictions, doubtful = told(numbers)
+    contradictions, doubtful = told(numbers, settings.criteria.judging)
     findings += contradictions
     undecided = {(each.finding.effect, each.finding.place): doubt for each in search.steps if (doubt := each.undecided)}
     notes = joined if any(each.held_out for each in recordings) else (Caveat("not_held_out"),)
     progress(1.0, "compared")
     return Found(
         Discrepancy(
-            findings=with_motions(by_importance(merged(findings, len(current.model.robot.joints))), undecided, fitted),
+            findings=with_motions(
+                by_importance(merged(findings, len(current.model.robot.joints), settings.criteria.telling)),
+                undecided,
+                fitted,
+            ),
             chain=chain,
             located=before,
             unexplained=unexplained,
@@ -124,6 +128,7 @@ def find_missing_effects(
             before_after=(),
             seen=seen(equations, current),
             cannot=cannot,
+            judging=settings.criteria.judging,
         ),
         current,
         tuple(recordings),
@@ -144,13 +149,17 @@ def _still_at(progress: Progress, _fraction: float, phrase: str) -> None:
 
 def _steps_as_told(search: Search) -> tuple[list[Bend], list[Finding]]:
     """Bends, and the findings of all steps. One that may not be named with all others there is not in the model."""
+    judging = search.settings.criteria.judging
     while True:
         bends = own_curves(search)
         bends += remainders(search, bends)
         findings = _with_bends(search, bends)
-        poor = next(((number, reason) for number, each in enumerate(findings) if (reason := refused(each))), None)
+        poor = next(
+            ((number, reason) for number, each in enumerate(findings) if (reason := refused(each, judging))), None
+        )
         if poor is None:
-            return bends, [as_drawn(each, step.added.effect) for each, step in zip(findings, search.steps, strict=True)]
+            told = zip(findings, search.steps, strict=True)
+            return bends, [as_drawn(each, step.added.effect, judging) for each, step in told]
         search.take_back(*poor)
 
 
@@ -170,7 +179,7 @@ def _filtered_alike(
 ) -> tuple[Sequence[Recording], list[Identification], list[Finding]]:
     """Before anything else is sought: what a log's own low-pass has done looks like several effects."""
     limited = band_limits(found, recordings, lambda anew: identify(found.model.robot, anew, settings), progress)
-    if limited is None or refused(limited.finding):
+    if limited is None or refused(limited.finding, settings.criteria.judging):
         return recordings, [found], []
     return limited.recordings, [limited.before, limited.identification], [limited.finding]
 
@@ -185,7 +194,7 @@ def _untouched(
     """What happened once, such as a push, is left out before effects that are always there are sought."""
     robot = models[-1].model.robot
     touched = contacts(models[-1], recordings, lambda anew: identify(robot, anew, settings), progress)
-    if touched is None or any(refused(each) for each in touched.findings):
+    if touched is None or any(refused(each, settings.criteria.judging) for each in touched.findings):
         return recordings, models, findings
     named = [replace(each, rank=len(findings) + n) for n, each in enumerate(touched.findings, 1)]
     return touched.recordings, [*models, *([touched.identification] * len(named))], [*findings, *named]

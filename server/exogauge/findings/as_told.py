@@ -7,38 +7,36 @@ from dataclasses import replace
 
 import numpy as np
 
+from exogauge.criteria.telling import Telling
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.flags import common_cause
 from exogauge.findings.result import Finding, Place
 
 ALL = "all"
-FEWEST = 3  # joints
-MOST = 0.5  # of the joints
-AXES = 4  # of its six
 
 
-def merged(findings: Sequence[Finding], joints: int) -> tuple[Finding, ...]:
+def merged(findings: Sequence[Finding], joints: int, telling: Telling) -> tuple[Finding, ...]:
     """Findings of a shared effect on at least half of the joints become one, at the place of the first."""
     result: list[Finding] = []
     for name in dict.fromkeys(each.effect for each in findings):
         same = [each for each in findings if each.effect == name]
-        if name in _shared("joint") and len(same) >= max(FEWEST, MOST * joints):
+        if name in _shared("joint") and len(same) >= max(telling.joints, telling.of_joints * joints):
             result.append(replace(same[0], place=Place("joint", ALL), alike=tuple(each.place for each in same)))
         else:
             result += same
-    result = _of_sensors(result)
+    result = _of_sensors(result, telling)
     ordered = sorted(result, key=lambda each: each.rank)
     return tuple(replace(each, rank=number) for number, each in enumerate(ordered, 1))
 
 
-def _of_sensors(findings: Sequence[Finding]) -> list[Finding]:
+def _of_sensors(findings: Sequence[Finding], telling: Telling) -> list[Finding]:
     """The same on most axes of one sensor is one finding, at the place of the first."""
     result = list(findings)
     for name, sensor in dict.fromkeys(
         (each.effect, each.place.name) for each in findings if each.place.kind == "sensor"
     ):
         same = [each for each in result if (each.effect, each.place.name) == (name, sensor)]
-        if name in _shared("sensor") and len(same) >= AXES:
+        if name in _shared("sensor") and len(same) >= telling.axes:
             alike = tuple(each.place for each in same)
             one = replace(same[0], place=Place("sensor", sensor, ALL), also_possible=(), alike=alike)
             result = [one if each is same[0] else each for each in result if each is same[0] or each not in same]

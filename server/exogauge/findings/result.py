@@ -9,6 +9,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.findings.band_numbers import BandNumbers
 from exogauge.findings.basis import Basis
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 
 Coordinate = Literal["time", "speed", "position", "load"]
 What = Literal["robot", "bands", "effect", "own_curve", "remainder"]
-
-AT_MOST = 0.995  # of the held-out error before: with more the two are told by the same three digits
 
 
 @final
@@ -55,10 +54,9 @@ class HeldOut:
     noise_floor: float
     log: str = ""
 
-    @property
-    def falls(self) -> bool:
+    def falls(self, judging: Judging) -> bool:
         """By more than what a last digit says."""
-        return self.rmse_after <= AT_MOST * self.rmse_before
+        return self.rmse_after <= judging.falls * self.rmse_before
 
     @property
     def explained(self) -> float:
@@ -241,7 +239,8 @@ class Consequence:
 class Discrepancy:
     """before_after: of supporting torque and stiffness. wear_chain: as chain, of the supporting torque and the model of
     the wear; empty where nothing was added to it. seen: every channel that was looked at, with all that was named.
-    cannot: why something was not judged. bands: their numbers beside the effects that were named of them."""
+    cannot: why something was not judged. judging: what decides its verdict. bands: their numbers beside the effects
+    that were named of them."""
 
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
@@ -255,6 +254,7 @@ class Discrepancy:
     wear_chain: tuple[Link, ...] = ()
     seen: tuple[Seen, ...] = ()
     cannot: tuple[Caveat, ...] = ()
+    judging: Judging = field(default_factory=Judging)
     bands: tuple[BandNumbers, ...] = ()
 
     @property
@@ -272,5 +272,6 @@ class Discrepancy:
                 seen=self.seen,
                 told=tuple(each.worst_rmse / each.worst_floor for each in ends if each.worst_floor > 0.0),
                 cannot=self.cannot,
+                judging=self.judging,
             )
         )

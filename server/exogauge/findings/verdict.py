@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, final
+
+from exogauge.criteria.judging import Judging
 
 Verdict = Literal["effects", "unexplained", "undecided", "none"]
 Left = Literal["above", "open", "nothing"]
-
-ABOVE = 1.25  # times the noise floor: below, the floor itself is not known better
-NEEDED_S = 5.0  # steady held-out motion of a channel: five independent parts of a second, with which errors are judged
 
 
 @final
@@ -22,10 +21,10 @@ NEEDED_S = 5.0  # steady held-out motion of a channel: five independent parts of
 class Caveat:
     """What was not judged, or has to be kept in mind. of: the channel, joint, log or device that it is about.
 
-    not_held_out; joined: a log had to be fitted. too_short: `value` [s] of steady motion, of `others` more channels too
-    little, too; far: `value` noise floors in `seconds` [s], or of a channel without name. creeping: below `value`
-    [rad/s], unless there is the rival (effect; kind, name and part of its place). Of the bands of a device:
-    no_steady_motion, nothing_left_out, unclear_course.
+    not_held_out; joined: a log had to be fitted. too_short: `value` [s] of the `needed` [s] of
+    steady motion, of `others` more channels too little, too; far: `value` noise floors in `seconds` [s], or of a
+    channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
+    place). Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course.
     """
 
     why: Literal[
@@ -36,6 +35,7 @@ class Caveat:
     value: float = math.nan
     seconds: float = math.nan
     others: int = 0
+    needed: float = math.nan
     rival: tuple[str, ...] = ()
 
 
@@ -56,13 +56,14 @@ class Seen:
 class Facts:
     """named: effects that were. above: channels that stand above their floors surely, with all that was named. seen:
     all channels that were looked at. told: the other ratios of RMSE to noise floor that a reader is shown of the last
-    model, such as the ends of chains. cannot: why something else was not judged."""
+    model, such as the ends of chains. cannot: why something else was not judged. judging: by what it is decided."""
 
     named: int
     above: tuple[str, ...]
     seen: tuple[Seen, ...]
     told: tuple[float, ...] = ()
     cannot: tuple[Caveat, ...] = ()
+    judging: Judging = field(default_factory=Judging)
 
 
 @final
@@ -90,16 +91,17 @@ def _open(facts: Facts) -> Caveat | None:
         return facts.cannot[0]
     if not facts.seen:
         return Caveat("not_held_out")
-    asked = [each for each in facts.seen if each.moved_s >= NEEDED_S]
-    short = [each for each in asked or _longest(facts.seen) if each.steady_s < NEEDED_S]
+    judging = facts.judging
+    asked = [each for each in facts.seen if each.moved_s >= judging.needed_s]
+    short = [each for each in asked or _longest(facts.seen) if each.steady_s < judging.needed_s]
     if short:
         worst = min(short, key=lambda each: each.steady_s)
-        return Caveat("too_short", worst.channel, worst.steady_s, others=len(short) - 1)
-    far = [each for each in facts.seen if _is_far(each.ratio)]
+        return Caveat("too_short", worst.channel, worst.steady_s, others=len(short) - 1, needed=judging.needed_s)
+    far = [each for each in facts.seen if _is_far(each.ratio, judging)]
     if far:
         worst = max(far, key=lambda each: each.ratio)
         return Caveat("far", worst.channel, worst.ratio, worst.steady_s)
-    told = [ratio for ratio in facts.told if _is_far(ratio)]
+    told = [ratio for ratio in facts.told if _is_far(ratio, judging)]
     return Caveat("far", value=max(told)) if told else None
 
 
@@ -108,5 +110,5 @@ def _longest(seen: Sequence[Seen]) -> list[Seen]:
     return [max(seen, key=lambda each: each.steady_s)]
 
 
-def _is_far(ratio: float) -> bool:
-    return math.isfinite(ratio) and ratio >= ABOVE
+def _is_far(ratio: float, judging: Judging) -> bool:
+    return math.isfinite(ratio) and ratio >= judging.above

@@ -138,6 +138,7 @@ def identify(
             extension=extension,
             order={recording.log.name: number for number, recording in enumerate(recordings)},
             known_scale=factor.known,
+            criteria=settings.criteria,
             prepared=kept,
         ),
         steady=steady,

@@ -9,6 +9,7 @@ from typing import Any, Protocol, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.effects.shaped import AxisSignals, ManyShapes, MissingEffect
 from exogauge.identification.added_columns import AddedColumn, of_loads
 from exogauge.identification.equations import Equations
@@ -44,6 +45,7 @@ class RobotModel:
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
     sizes: of the fitted motions. known_scale: something fixes the scale of all torques (`common_factor`).
+    criteria: by which it was made, and is judged.
     order: name of a log -> its number in the order of the study, from 0.
     extension: effects that were added to a parent model, None for a first one.
     prepared: logs as they are without an extension; models that prepare them alike share it. computed: what
@@ -62,6 +64,7 @@ class RobotModel:
     extension: Extension | None = None
     order: Mapping[str, int] = field(default_factory=dict)
     known_scale: bool = True
+    criteria: Criteria = field(default_factory=Criteria)
     prepared: PerLog = field(default_factory=PerLog, repr=False, compare=False)
     computed: PerLog = field(default_factory=PerLog, repr=False, compare=False)
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, final
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.logs.model import Log
 
 Progress = Callable[[float, str], None]
@@ -36,6 +37,7 @@ class Settings:
     creeping: joint -> speed [rad/s, or m/s] below which it is not in steady motion, though it is not at rest either;
     found by the search for missing effects (`search/creeping.py`).
     solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
+    criteria: every number that decides, with its reason.
     """
 
     cutoff_hz: float | None = None
@@ -45,3 +47,4 @@ class Settings:
     consistency: Literal["free", "physical"] = "physical"
     creeping: Mapping[str, float] = field(default_factory=dict)
     solver: Literal["statistics", "rows"] = "statistics"
+    criteria: Criteria = field(default_factory=Criteria)

@@ -13,8 +13,6 @@ from exogauge.search.score import residual_memory
 
 Array = NDArray[np.float64]
 
-MEMORY = 4.0  # samples that count as one, at least
-
 
 def row_memory(model: RobotModel, logs: Sequence[Log]) -> Array:
     """(rows,) as many as its residual remembers, in the median log; at rest as in steady motion."""
@@ -26,4 +24,4 @@ def row_memory(model: RobotModel, logs: Sequence[Log]) -> Array:
         steady = equations.layout.axes
         residual[:, steady][~prepared.steady[prepared.kept]] = np.nan
         of_logs.append([residual_memory(each) for each in residual.T])
-    return np.maximum(np.median(of_logs, axis=0), MEMORY)
+    return np.maximum(np.median(of_logs, axis=0), model.criteria.search.least_memory)

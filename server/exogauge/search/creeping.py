@@ -20,11 +20,9 @@ from exogauge.findings.verdict import Caveat
 from exogauge.identification.model import Site
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, PairSite
-from exogauge.search.finding import OPEN
 from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels
 
-LEFT = 0.25  # of the noise floor, that soft friction may be less than Coulomb's in a row: 3 % of the error, were it so
 # in every row
 
 
@@ -44,6 +42,7 @@ def creeping(
 
     named: where effects are. What is left there is what their formulas do not hold, at low speed too.
     """
+    open_lead = found.model.criteria.judging.open
     below, doubts = dict[str, float](), list[Caveat]()
     for soft in judged:
         site = soft.score.candidate.site
@@ -53,10 +52,10 @@ def creeping(
         rivals = [each for each in judged if not is_soft(each) and _acts_on(found, each, site)]
         lead = soft.score.evidence - max([each.score.evidence for each in rivals], default=-np.inf)
         speed = _speed(found, soft, site)
-        if joint in known or lead < -OPEN or speed == 0.0 or _has_a_name(found, named, site):
+        if joint in known or lead < -open_lead or speed == 0.0 or _has_a_name(found, named, site):
             continue
         below[joint] = speed
-        if lead < OPEN:
+        if lead < open_lead:
             other = rivals[0].score.candidate
             rival = (other.effect.name, *other.site.label(found.model.equations))
             doubts.append(Caveat("creeping", joint, speed, rival=rival))
@@ -78,11 +77,12 @@ def _acts_on(found: Identification, judged: Judgement, site: AxisSite) -> bool:
 
 
 def _speed(found: Identification, soft: Judgement, site: AxisSite) -> float:
-    """Below which τ_c (1 - tanh(v / v_s)) is more than `LEFT` of the noise within the band."""
+    """Below which τ_c (1 - tanh(v / v_s)) is more than `search.soft_left` of the noise within the band."""
+    criteria = found.model.criteria
     equations, (share,), (tau_c,) = found.model.equations, soft.score.candidate.shape, soft.score.coefficients
     channel = channels(equations)[equations.layout.axis(site.axis)]
     floors = [fit.noise_floor**2 - fit.noise_beyond_band**2 for fit in found.validation if fit.channel == channel]
     floor = float(np.sqrt(max(np.median(floors), 0.0)))
     v_s = share * float(found.model.sizes.velocity[site.axis])
-    lacking = np.clip(LEFT * floor / max(float(tau_c), 1e-300), np.finfo(float).eps, 1.0)
+    lacking = np.clip(criteria.search.soft_left * floor / max(float(tau_c), 1e-300), np.finfo(float).eps, 1.0)
     return float(v_s * np.arctanh(1.0 - lacking))

@@ -8,11 +8,8 @@ from typing import final
 
 import numpy as np
 
+from exogauge.criteria.searching import Searching
 from exogauge.findings.objection import Objection, Why
-
-MATTERS = 0.5  # of the noise floor: what takes less off the held-out error is no name worth
-REMAINDER = 0.25  # of what was named at the same place: less may be what that one's formula does not hold
-OF_THE_CURVE = 0.5  # the same where both are curves over one coordinate, such as velocity: no real curve is a formula
 
 
 def gone(before: float, after: float) -> float:
@@ -30,11 +27,11 @@ class Named:
     same_curve: bool
 
 
-def not_worth(size: float, floor: float, named: Sequence[Named]) -> Objection | None:
+def not_worth(size: float, floor: float, named: Sequence[Named], criteria: Searching) -> Objection | None:
     """Why an effect that takes this much off the held-out error is not worth a name. floor: of the same channel."""
-    if size < MATTERS * floor:
+    if size < criteria.matters * floor:
         return Objection(Why.TOO_SMALL, size, floor)
     for each in named:
-        if size < (OF_THE_CURVE if each.same_curve else REMAINDER) * each.took:
+        if size < (criteria.of_the_curve if each.same_curve else criteria.remainder) * each.took:
             return Objection(Why.SMALL_BESIDE, of=(each.effect,))
     return None

@@ -26,7 +26,6 @@ UNITS = {
     "temperature": "°C", "motor_velocity": "rad/s",
 }  # fmt: skip
 COVERED = ("temperature", "load", "position")  # coordinates in which held-out logs may go beyond
-MOST_OF, BEYOND = 0.98, 0.1  # of a log's samples; of what was fitted
 VELOCITIES = ("velocity", "motor_velocity")
 
 
@@ -67,15 +66,17 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     return Evidence(name, unit, *binned, along_motion=along_motion(effect))
 
 
-def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> Continued | None:
+def continued(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows]) -> Continued | None:
     """Where held-out logs go well beyond all that was fitted, in the coordinate that the effect depends on."""
+    criteria = model.criteria.search
     candidate, name = found.candidate, _logged(found.candidate.effect.coordinate, rows)
     if name not in COVERED:
         return None
     seen: dict[bool, list[Array]] = {False: [], True: []}
     for each in (each for each in rows if kind in each.rows):
         values = each.seen.coordinate(name, candidate.shape)[each.rows[kind].samples]
-        seen[each.held_out].append(np.quantile(values, [1.0 - MOST_OF, MOST_OF]) if len(values) else np.zeros(0))
+        ends = np.quantile(values, [1.0 - criteria.covered, criteria.covered]) if len(values) else np.zeros(0)
+        seen[each.held_out].append(ends)
     if not all(any(len(ends) for ends in each) for each in seen.values()):
         return None
     (low, high), (least, most) = (
@@ -84,7 +85,7 @@ def continued(found: Score, kind: int, rows: Sequence[SiteRows]) -> Continued | 
     )
     beyond = [(low - least, least, low), (most - high, most, high)]
     further, reached, fitted = max(beyond)
-    return Continued(name, UNITS[name], reached, fitted) if further > BEYOND * (high - low) else None
+    return Continued(name, UNITS[name], reached, fitted) if further > criteria.beyond * (high - low) else None
 
 
 def _logged(coordinate: str, rows: Sequence[SiteRows]) -> str:

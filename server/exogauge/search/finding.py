@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from exogauge.criteria.judging import Judging
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.objection import Objection, Why
-from exogauge.findings.result import AT_MOST, Alternative, Finding, HeldOut, Place
+from exogauge.findings.result import Alternative, Finding, HeldOut, Place
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.preparation import channel_of_row
@@ -23,9 +24,6 @@ from exogauge.search.judge import Judgement, apart
 from exogauge.search.locate import pooled
 from exogauge.search.may_be_named import refused
 from exogauge.search.site_rows import SiteRows
-
-TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect of the same joint
-OPEN = 6.0  # evidence below which the fitted logs do not tell the two apart: odds of twenty to one
 
 
 def place_of(model: RobotModel, candidate: Candidate) -> Place:
@@ -54,7 +52,7 @@ def name_effect(
     kinds = set(candidate.site.kinds(model.equations))
     rivals = [each for each in judged if each is not winner
               and kinds & set(each.score.candidate.site.kinds(model.equations))]  # fmt: skip
-    alike = [each for each in rivals if _as_good(winner, each)]
+    alike = [each for each in rivals if _as_good(winner, each, model.criteria.judging)]
     others = [rejection(model, each, each.objection or Objection(Why.ALIKE if each in alike else Why.LESS))
               for each in rivals]  # fmt: skip
     finding = Finding(
@@ -64,7 +62,7 @@ def name_effect(
         parameters=parameters(model, winner.score, rows),
         held_out=held_out,
         score=held_out.explained,
-        basis=OfRobot(candidate.effect, continued(winner.score, winner.kind, rows)),
+        basis=OfRobot(candidate.effect, continued(model, winner.score, winner.kind, rows)),
         alternatives=tuple(others),
         also_possible=tuple(each for each, rival in zip(others, rivals, strict=True) if rival in alike),
         evidence=evidence(model, winner.score, winner.kind, rows),
@@ -72,11 +70,11 @@ def name_effect(
     return finding, _doubt(model, [winner, *alike], rows_of) if alike else None
 
 
-def _as_good(winner: Judgement, rival: Judgement) -> bool:
+def _as_good(winner: Judgement, rival: Judgement, judging: Judging) -> bool:
     """Whether the held-out blocks, or the fitted logs, leave it open which of the two it is."""
     if rival.objection or rival.kind != winner.kind:
         return False
-    return abs(apart(winner, rival)) < TELL_APART or winner.score.evidence - rival.score.evidence < OPEN
+    return abs(apart(winner, rival)) < judging.tell_apart or winner.score.evidence - rival.score.evidence < judging.open
 
 
 def _doubt(model: RobotModel, judged: Sequence[Judgement], rows_of: Mapping[Site, Sequence[SiteRows]]) -> Undecided:
@@ -89,14 +87,14 @@ def channel_of(equations: Equations, kind: int) -> str:
     return channel_of_row(equations.robot, kind)
 
 
-def objection(finding: Finding, without: float, with_it: float) -> Objection | None:
+def objection(finding: Finding, without: float, with_it: float, judging: Judging) -> Objection | None:
     """Why an effect is dropped again once the robot has been identified with it. without, with_it: `low_passed`.
 
     The error has to fall as it is told as well, in steady motion, and the size of the effect to be known.
     """
-    if with_it > AT_MOST * without:
+    if with_it > judging.falls * without:
         return Objection(Why.NOT_FALLING_AGAIN, without, with_it, finding.held_out.unit)
-    return refused(finding)
+    return refused(finding, judging)
 
 
 def low_passed(ground: Ground, kind: int, logs: Sequence[str]) -> float:

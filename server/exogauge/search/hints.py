@@ -15,8 +15,6 @@ from exogauge.search.candidates import Candidate
 
 Array = NDArray[np.float64]
 
-WORTH_TRYING = 12.0  # twice the log likelihood that waves of that order alone would gain
-
 
 @runtime_checkable
 class Promising(Protocol):
@@ -27,6 +25,7 @@ class Promising(Protocol):
 
 def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
     """Candidates whose shape the fitted residuals suggest, where they would explain more than chance."""
+    least = ground.model.criteria.search.hint
     fitted = [each for each in ground.residuals if not each.held_out]
     for effect in effects:
         if not isinstance(effect, Promising):
@@ -44,7 +43,7 @@ def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
             if ok.sum() < 100:
                 continue
             for cycles in effect.promising(position[ok], residual[ok], span):
-                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[kind]) > WORTH_TRYING:
+                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[kind]) > least:
                     yield Candidate(effect, site, (cycles,))
 
 

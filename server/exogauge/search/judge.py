@@ -9,6 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.searching import Searching
 from exogauge.effects.order import bounded
 from exogauge.effects.shaped import AxisSignals
 from exogauge.findings.objection import Objection, Why
@@ -19,18 +21,6 @@ from exogauge.search.site_rows import SiteRows
 
 Array = NDArray[np.float64]
 Blocks = Mapping[tuple[str, int], float]  # (log, block of time) -> sum
-
-BLOCK_S = 1.0  # length of the parts that count as independent
-FEWEST_BLOCKS = 5
-SURE = 3.0  # standard errors by which held-out error must fall
-CLEAR = 60.0  # evidence of the fitted logs from which held-out ones have one claim left to confirm, not one of many
-SURE_IF_CLEAR = 2.5
-SURE_FITTED = 2.5  # and that of the fitted logs, whose blocks show whether one moment alone asked for the effect
-ONCE = 6.0  # standard errors asked of what sits in one fitted log and so cannot be held out
-ONCE_IF_CLEAR, NEARLY_ALL = 4.0, 0.9  # the same where this share of the square error of these logs goes with it
-LEAST = 0.05  # of the held-out square error
-WORSE = 3.0  # standard errors by which a regime may not get worse
-FEWEST_IN_REGIME = 30
 
 
 @final
@@ -77,23 +67,27 @@ class _Change:
     before: Array
     after: Array
     acts: bool
+    block_s: float
 
     @property
     def gain(self) -> Array:
         return np.asarray(self.before**2 - self.after**2)
 
     def blocks(self, weight: float, inside: NDArray[np.bool_] | None = None) -> Iterator[tuple[tuple[str, int], float]]:
-        """Sums of the weighted gain over blocks of `BLOCK_S` of the log's time."""
+        """Sums of the weighted gain over blocks of `block_s` of the log's time."""
         chosen = np.ones(len(self.before), dtype=bool) if inside is None else inside
-        block = np.floor(self.rows.time[self.rows.rows[self.kind].samples[chosen]] / BLOCK_S).astype(np.intp)
+        block = np.floor(self.rows.time[self.rows.rows[self.kind].samples[chosen]] / self.block_s).astype(np.intp)
         places, number = np.unique(block, return_inverse=True)
         total = np.bincount(number, self.gain[chosen], minlength=len(places))
         for place, value in zip(places, total, strict=True):
             yield (self.rows.log, int(place)), weight * float(value)
 
 
-def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float = SURE) -> Judgement:
-    """rows: of the candidate's site, in all logs. sure: standard errors by which held-out error must fall."""
+def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float | None = None) -> Judgement:
+    """rows: of the candidate's site, in all logs. sure: standard errors by which held-out error
+    must fall, where fewer than usual will do."""
+    criteria, judging = model.criteria.search, model.criteria.judging
+    sure = judging.sure if sure is None else sure
     candidate, weights = score.candidate, model.solution.weights
     own = model.equations.columns()
     changes = []
@@ -101,7 +95,9 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
         left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
         acts = any(bool(c.any()) for c in each.columns(candidate.effect, candidate.shape).values())
         changes += [
-            _Change(each, kind, each.rows[kind].e, after, acts) for kind, after in left.items() if weights[kind] > 0
+            _Change(each, kind, each.rows[kind].e, after, acts, judging.block_s)
+            for kind, after in left.items()
+            if weights[kind] > 0
         ]
     out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))
     there, elsewhere = ({each.rows.log for each in changes if each.acts is acts} for acts in (True, False))
@@ -116,10 +112,10 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     of_kinds = {each: _errors([change for change in out if change.kind == each]) for each in by_kind}
     before, after = of_kinds[kind]
     explained = 1.0 - (after / max(before, 1e-300)) ** 2
-    asked = min(sure, SURE_IF_CLEAR) if score.evidence > CLEAR else sure
+    asked = min(sure, criteria.sure_if_clear) if score.evidence > criteria.clear else sure
     if once:
-        asked = ONCE_IF_CLEAR if explained > NEARLY_ALL else ONCE
-    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once)
+        asked = criteria.once_if_clear if explained > criteria.once_nearly_all else judging.once
+    objection = _objection(z, z_fitted, explained, len(blocks), out, weights, asked, once, model.criteria)
     logs = tuple(dict.fromkeys(each.rows.log for each in out))
     return Judgement(score, kind, z, z_fitted, before, after, of_kinds, blocks, logs, once, objection)
 
@@ -155,25 +151,27 @@ def _objection(
     weights: Array,
     sure: float,
     once: bool,
+    criteria: Criteria,
 ) -> Objection | None:
-    if blocks < FEWEST_BLOCKS:
-        return Objection(Why.TOO_SHORT, blocks * BLOCK_S, FEWEST_BLOCKS * BLOCK_S)
-    if z_fitted < SURE_FITTED:
+    judging = criteria.judging
+    if blocks < judging.fewest_blocks:
+        return Objection(Why.TOO_SHORT, blocks * judging.block_s, judging.needed_s)
+    if z_fitted < criteria.search.sure_fitted:
         return Objection(Why.FEW_MOMENTS, z_fitted)
-    if explained < LEAST:
+    if explained < judging.least:
         return Objection(Why.LITTLE, max(explained, 0.0))
     if z < sure:
         return Objection(Why.NOT_SURE_ONCE if once else Why.NOT_SURE, z, sure)
-    for name, chosen in REGIMES.items():
+    for name, chosen in _regimes(criteria.search).items():
         moving = [each for each in out if isinstance(each.rows.seen.signals, AxisSignals)]
         inside = [chosen(each) for each in moving]
-        if sum(int(mask.sum()) for mask in inside) < FEWEST_IN_REGIME:
+        if sum(int(mask.sum()) for mask in inside) < judging.fewest_in_regime:
             continue
         change = dict(
             pair for each, mask in zip(moving, inside, strict=True) for pair in each.blocks(weights[each.kind], mask)
         )
         worse = sureness(np.array(list(change.values())))
-        if worse < -WORSE:
+        if worse < -judging.worse:
             return Objection(Why.WORSE, -worse, of=(name,))
     return None
 
@@ -184,9 +182,10 @@ def _velocity(each: _Change) -> Array:
     return np.asarray(signals.velocity[each.rows.rows[each.kind].samples] / max(signals.speed_scale, 1e-12))
 
 
-REGIMES: dict[str, Callable[[_Change], NDArray[np.bool_]]] = {
-    "low_speed": lambda each: np.abs(_velocity(each)) < 0.5,
-    "high_speed": lambda each: np.abs(_velocity(each)) > 1.2,
-    "positive_motion": lambda each: _velocity(each) > 0.0,
-    "negative_motion": lambda each: _velocity(each) < 0.0,
-}
+def _regimes(criteria: Searching) -> dict[str, Callable[[_Change], NDArray[np.bool_]]]:
+    return {
+        "low_speed": lambda each: np.abs(_velocity(each)) < criteria.slow,
+        "high_speed": lambda each: np.abs(_velocity(each)) > criteria.fast,
+        "positive_motion": lambda each: _velocity(each) > 0.0,
+        "negative_motion": lambda each: _velocity(each) < 0.0,
+    }

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.findings.result import THROUGHOUT, Concentration, Coordinate, Excess
-from exogauge.findings.verdict import ABOVE, Seen
+from exogauge.findings.verdict import Seen
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import ChannelFit, Identification
@@ -18,26 +19,21 @@ from exogauge.search.baseline import LogResiduals
 
 Array = NDArray[np.float64]
 
-SURE = 3.0  # standard errors
-BLOCK_S = 1.0
-PART = 1.5  # times the mean square error of the channel: a third of its samples with more is told
-MOMENTS, OF_ALL = 0.1, 2.0 / 3.0  # share of all blocks that hold this share of the square error: it sits in moments
 RESOLVED = 1e-9  # of the largest error: a lower floor is that of rounding
-FEWEST = 10  # rows that say anything
-MEMORY = 2.5  # rows that count as one: they stand 2.5 to a period of the cut-off
 
 
 def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
     """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
-    result = []
+    result, judging = list[Excess](), found.model.criteria.judging
     for kind, channel in all_channels(equations).items():
         fits = [fit for fit in found.validation if fit.held_out and fit.channel == channel]
         rmse, floor = pooled(fits)
-        if not np.isfinite(rmse) or rmse < ABOVE * floor:
+        if not np.isfinite(rmse) or rmse < judging.above * floor:
             continue
         z = _sureness(found, residuals, channel, kind, fits)
-        if z > SURE:
-            where = _where([each for each in residuals if each.held_out], kind, equations.layout.rows[kind])
+        if z > judging.sure_above:
+            held_out = [each for each in residuals if each.held_out]
+            where = _where(held_out, kind, equations.layout.rows[kind], found.model.criteria)
             result.append(Excess(channel, unit_of(channel, equations.robot), rmse, floor, z, where))
     return tuple(sorted(result, key=lambda each: -each.rmse / each.noise_floor))
 
@@ -84,6 +80,7 @@ def _sureness(
 
     Of noise, and not of the error itself: one jolt that stands far above all would make that as large as the mean.
     """
+    criteria = found.model.criteria.search
     floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
     predictions = {prediction.log: prediction for prediction in found.predictions}
     relative: list[Array] = []
@@ -97,17 +94,17 @@ def _sureness(
         least = RESOLVED * float(np.max(np.abs(error), initial=1e-300))
         relative.append((error / max(floor[each.log], least)) ** 2)
     squares = np.concatenate(relative) if relative else np.zeros(0)
-    if len(squares) < FEWEST:
+    if len(squares) < criteria.told_rows:
         return 0.0
-    independent = len(squares) / MEMORY
+    independent = len(squares) / criteria.row_memory
     return float((squares.mean() - 1.0) / np.sqrt(2.0 / independent))
 
 
-def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> Concentration:
+def _where(residuals: Sequence[LogResiduals], kind: int, row: Row, criteria: Criteria) -> Concentration:
     """The few moments that hold most of the error; or else the third of times, and for an axis of speeds, loads or
     positions, in which it is largest."""
     known = [each for each in residuals if kind in each.residual]
-    moments = _moments(known, kind)
+    moments = _moments(known, kind, criteria)
     if moments:
         return Concentration(moments)
     e = np.concatenate([each.residual[kind] for each in known])
@@ -126,7 +123,7 @@ def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> Concentrat
             "position": (of_axis("position"), "rad"),
             "load": (np.abs(of_axis("load")), "N·m"),
         }
-    best, found = PART, THROUGHOUT
+    best, found = criteria.search.part, THROUGHOUT
     for name, (values, unit) in over.items():
         low, high = (float(end) for end in np.quantile(values, [1 / 3, 2 / 3]))
         for above, at, part in ((False, low, values <= low), (True, high, values >= high)):
@@ -135,16 +132,17 @@ def _where(residuals: Sequence[LogResiduals], kind: int, row: Row) -> Concentrat
     return found
 
 
-def _moments(residuals: Sequence[LogResiduals], kind: int) -> tuple[tuple[str, float], ...]:
+def _moments(residuals: Sequence[LogResiduals], kind: int, criteria: Criteria) -> tuple[tuple[str, float], ...]:
     """(log, [s]) of the few blocks that hold most of it; none where the error is spread wider."""
+    block_s, shares = criteria.judging.block_s, criteria.search
     blocks: list[tuple[float, tuple[str, float]]] = []
     for each in residuals:
         square = each.residual[kind] ** 2
         used = np.isfinite(square)
-        starts, number = np.unique(np.floor(each.time[used] / BLOCK_S), return_inverse=True)
-        at = [(each.log, float(start * BLOCK_S)) for start in starts]
+        starts, number = np.unique(np.floor(each.time[used] / block_s), return_inverse=True)
+        at = [(each.log, float(start * block_s)) for start in starts]
         blocks += zip(np.bincount(number, square[used]).tolist(), at, strict=True)
     blocks.sort(reverse=True)
     held = np.cumsum([total for total, _ in blocks])
-    needed = int(np.searchsorted(held, OF_ALL * held[-1])) + 1 if blocks else 0
-    return tuple(at for _, at in blocks[:needed]) if needed <= MOMENTS * len(blocks) else ()
+    needed = int(np.searchsorted(held, shares.of_moments * held[-1])) + 1 if blocks else 0
+    return tuple(at for _, at in blocks[:needed]) if needed <= shares.moments * len(blocks) else ()

@@ -5,30 +5,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.order import LOG, SINCE
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Finding
 
-SURE = 2.0  # standard deviations by which its size must differ from none: one in twenty, as with every interval told
 
-
-def refused(finding: Finding) -> Objection | None:
+def refused(finding: Finding, judging: Judging) -> Objection | None:
     """Why it may not be named."""
     held = finding.held_out
-    if not held.falls:
+    if not held.falls(judging):
         of = (held.channel, *([held.log] if held.log else []))
         return Objection(Why.NOT_FALLING, held.rmse_before, held.rmse_after, held.unit, of)
     sizes = _sizes(finding)
-    if sizes and all(abs(each.value) < SURE * each.std for each in sizes.values()):
+    if sizes and all(abs(each.value) < judging.significant * each.std for each in sizes.values()):
         return Objection(Why.MAY_BE_NONE, sizes=sizes)
     return None
 
 
-def told(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tuple[Alternative, ...]]:
+def told(findings: Sequence[Finding], judging: Judging) -> tuple[tuple[Finding, ...], tuple[Alternative, ...]]:
     """Those that may be named, and the others as what was rejected."""
-    judged = [(each, refused(each)) for each in findings]
+    judged = [(each, refused(each, judging)) for each in findings]
     named = tuple(each for each, objection in judged if objection is None)
     return named, tuple(not_named(each, objection) for each, objection in judged if objection is not None)
 

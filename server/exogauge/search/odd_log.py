@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.findings.verdict import ABOVE, Caveat
+from exogauge.criteria.criteria import Criteria
+from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
 from exogauge.identification.result import ChannelFit
 from exogauge.identification.settings import Recording
 from exogauge.search.search import Search
-
-ODD = 1.5  # times the fitted logs' error on the same channel
 
 
 def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
@@ -32,19 +31,20 @@ def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
 def odd_logs(search: Search) -> Iterator[Recording]:
     """Held-out ones, in the order of the study, in which some channel errs more than noise and more than where it was
     fitted."""
-    order = search.base.model.order
+    order, criteria = search.base.model.order, search.settings.criteria
     fits = search.current.validation
     fitted = {fit.channel: _mean_square([each for each in fits if each.channel == fit.channel and not each.held_out])
               for fit in fits}  # fmt: skip
     for recording in sorted(search.recordings, key=lambda each: order.get(each.log.name, -1)):
         own = [fit for fit in fits if fit.log == recording.log.name and fit.rmse_moving is not None]
-        if recording.held_out and any(_is_odd(fit, fitted[fit.channel]) for fit in own):
+        if recording.held_out and any(_is_odd(fit, fitted[fit.channel], criteria) for fit in own):
             yield recording
 
 
-def _is_odd(fit: ChannelFit, fitted: float) -> bool:
+def _is_odd(fit: ChannelFit, fitted: float, criteria: Criteria) -> bool:
     assert fit.rmse_moving is not None
-    return fit.rmse_moving > ABOVE * fit.noise_floor and fit.rmse_moving**2 > ODD**2 * fitted
+    above = fit.rmse_moving > criteria.judging.above * fit.noise_floor
+    return above and fit.rmse_moving**2 > criteria.search.odd**2 * fitted
 
 
 def _mean_square(fits: list[ChannelFit]) -> float:

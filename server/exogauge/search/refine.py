@@ -14,15 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from exogauge.criteria.searching import Searching
 from exogauge.identification.model import RobotModel
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, sums_of
 
 Array = NDArray[np.float64]
-
-TRIALS = 40  # of the search, per shape
-STARTS = 2  # where shapes trade against each other, one start may end beside the summit
-SWALLOWED = 0.5  # of the evidence that the search begins with: what is left of it where a shape counts for nothing
 
 
 @final
@@ -35,8 +32,12 @@ class Pace:
     last_gain: float
 
 
-BROADLY = Pace(0.08, 0.01, 1e-3)
-CLOSELY = Pace(0.004, 1e-4, 1e-5)  # a wave's length over a wide range must be known far better than to a hundredth
+def broadly(criteria: Searching) -> Pace:
+    return Pace(*criteria.broadly)
+
+
+def closely(criteria: Searching) -> Pace:
+    return Pace(*criteria.closely)
 
 
 def closest(
@@ -45,16 +46,32 @@ def closest(
     """What the best starts lead to. of_grid: of one effect at one site, most evidence first."""
     first = of_grid[0]
     free = [one for one in first.candidate.effect.shapes if not one.choice]
-    starts = of_grid[: STARTS if len(free) > 1 else 1]
-    ends = [refined(model, each, rows, memory) for each in starts]
+    criteria = model.criteria.search
+    starts = of_grid[: criteria.starts if len(free) > 1 else 1]
+    ends = climbed(model, starts, rows, memory, (broadly(criteria),))
     return max((each for each in ends if each.evidence >= first.evidence), key=lambda each: each.gain)
 
 
+def climbed(
+    model: RobotModel,
+    starts: Sequence[Score],
+    rows: Sequence[SiteRows],
+    memory: Mapping[int, float],
+    paces: Sequence[Pace],
+) -> list[Score]:
+    """What each start leads to, one pace after the other."""
+    ends = list(starts)
+    for pace in paces:
+        ends = [refined(model, each, rows, memory, pace) for each in ends]
+    return ends
+
+
 def refined(
-    model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float], pace: Pace = BROADLY
+    model: RobotModel, first: Score, rows: Sequence[SiteRows], memory: Mapping[int, float], pace: Pace | None = None
 ) -> Score:
-    """The candidate with its shapes searched from those it has, within their bounds."""
-    candidate = first.candidate
+    """The candidate with its shapes searched from those it has, within their bounds; broadly, if not otherwise said."""
+    candidate, criteria = first.candidate, model.criteria.search
+    pace = pace or broadly(criteria)
     shapes = candidate.effect.shapes
     free = [k for k, one in enumerate(shapes) if not one.choice]
     if not free:
@@ -69,7 +86,7 @@ def refined(
 
     def cost(values: Array) -> float:
         found = at(np.clip(values, 0.0, 1.0))
-        return 0.0 if found is None or found.evidence < SWALLOWED * first.evidence else -found.gain
+        return 0.0 if found is None or found.evidence < criteria.swallowed * first.evidence else -found.gain
 
     start = np.array([shapes[k].share(candidate.shape[k]) for k in free])
     simplex = np.vstack(
@@ -79,7 +96,7 @@ def refined(
         ]
     )
     best = minimize(
-        cost, start, method="Nelder-Mead", options={"maxfev": TRIALS * len(free), "initial_simplex": simplex,
+        cost, start, method="Nelder-Mead", options={"maxfev": criteria.trials * len(free), "initial_simplex": simplex,
                                                     "xatol": pace.last, "fatol": pace.last_gain * first.gain},
     )  # fmt: skip
     found = at(np.clip(best.x, 0.0, 1.0))

@@ -12,10 +12,8 @@ from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.search.baseline import lay_ground
 from exogauge.search.effect_size import gone
 from exogauge.search.finding import channel_of
-from exogauge.search.residual_correction import LEAST, Bend, held_out_rmse
+from exogauge.search.residual_correction import Bend, held_out_rmse
 from exogauge.search.search import Search, Step, as_added, judge_best
-
-ABOVE = 1.1  # noise floors: below, nothing is left to look at
 
 
 def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
@@ -31,8 +29,9 @@ def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
 def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
     before = bends[-1].found if bends else search.current
     finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
+    criteria = search.settings.criteria.search
     rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
-    if rmse < ABOVE * floor:
+    if rmse < criteria.remainder_above * floor:
         return []
     site = step.added.site
     ground = lay_ground(before.model, search.recordings, search.effects, lambda _fraction, _phrase: None, at=site)
@@ -45,7 +44,7 @@ def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
     after = search.identified([*there, added])
     channel = channel_of(before.model.equations, best.kind)
     sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
-    if gone(*(rmse for rmse, _ in sizes)) < LEAST * sizes[1][1]:
+    if gone(*(rmse for rmse, _ in sizes)) < criteria.bend_least * sizes[1][1]:
         return []
     rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
     return [Bend(step, added, finding.refined_by("remainder", rmse, added.effect.name), after, "remainder")]

@@ -24,11 +24,8 @@ from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled
 from exogauge.search.score import Score, score
-from exogauge.search.search import WORTH_JUDGING, Search, Step
+from exogauge.search.search import Search, Step
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
-
-SURE = 2.0  # standard errors by which held-out error must fall: few bends are tried, and none gets a name
-LEAST = 0.25  # of the noise floor, that a bend must take off the held-out error
 
 
 @final
@@ -47,11 +44,12 @@ class Bend:
 def own_curves(search: Search) -> list[Bend]:
     """One after the other, in the order in which the effects were added; none where nothing is gained by it."""
     bends: list[Bend] = []
+    criteria = search.settings.criteria.search
     effects = [each.added for each in search.steps]
     for step in search.steps:
         before = bends[-1].found if bends else search.current
         scored, rows = _bent(search, step, before)
-        if scored is None or (judged := judge(before.model, scored, rows, SURE)).objection:
+        if scored is None or (judged := judge(before.model, scored, rows, criteria.bend_sure)).objection:
             continue
         candidate = scored.candidate
         added = AddedEffect(candidate.effect, candidate.site, candidate.shape)
@@ -59,7 +57,7 @@ def own_curves(search: Search) -> list[Bend]:
         finding = _told(step.finding, before, after, scored, rows)
         channel = channel_of(before.model.equations, judged.kind)
         sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
-        if gone(*(rmse for rmse, _ in sizes)) > LEAST * sizes[1][1]:
+        if gone(*(rmse for rmse, _ in sizes)) > criteria.bend_least * sizes[1][1]:
             bends.append(Bend(step, added, finding, after, "own_curve"))
     return bends
 
@@ -69,6 +67,7 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
     effect, site, shape = step.added.effect, step.added.site, step.added.shape
     if not isinstance(site, AxisSite | SensorSite) or search.last is None:
         return None, ()
+    least = search.settings.criteria.judging.worth_judging
     rows = collect_rows(found.model, search.recordings, [site])[site]
     sizes = _sizes(step.added, rows)
     best: Score | None = None
@@ -83,7 +82,7 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
                               search.last.memory)) is not None
         ]  # fmt: skip
         better = max(tried, key=lambda each: each.evidence, default=None)
-        if better is None or better.evidence < (best.evidence if best else WORTH_JUDGING):
+        if better is None or better.evidence < (best.evidence if best else least):
             return best, rows
         best, chosen = better, tuple(better.candidate.effect.terms)  # type: ignore[attr-defined]
 

@@ -31,20 +31,11 @@ from exogauge.search.hints import hinted
 from exogauge.search.judge import Judgement, judge
 from exogauge.search.locate import channels, pooled
 from exogauge.search.may_be_named import not_named
-from exogauge.search.refine import CLOSELY, closest, refined
+from exogauge.search.refine import closely, closest, refined
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 
-MOST_EFFECTS = 6
-WORTH_JUDGING = 6.0  # evidence (BIC): odds of twenty to one before the number of candidates is counted
-JUDGED = 12  # candidates per round
-COMMON = 2  # other places at which an effect is named, from which on it is no remainder of another one here
-BETTER = 10.0  # evidence by which another effect must beat one that was named, to take its place
-RELINEARISED = (
-    2  # identifications with an effect that depends on what the bodies weigh: the first one's were bent by it
-)
 ON_LOADS = ("load", "drive")  # coordinates of such effects of a joint
-NO_BETTER = 1.005  # held-out error without an effect over that with it, below which it is not needed
 
 Key = tuple[str, Site]
 
@@ -125,7 +116,7 @@ class Search:
         judged = [self._weighed(each) for each in judged if not is_soft(each)]
         self.rejected = [rejection(ground.model, each, each.objection) for each in judged if each.objection]
         claimed = [each for each in judged if not each.objection and each.score.candidate.key not in self.failed]
-        for first in claimed if len(self.steps) < MOST_EFFECTS else []:
+        for first in claimed if len(self.steps) < self.settings.criteria.search.most_effects else []:
             winner = self._weighed(with_closest_shape(ground, first, rows))
             judged = [winner if each is first else each for each in judged]
             candidate = winner.score.candidate
@@ -138,7 +129,9 @@ class Search:
             size = gone(without, with_it)
             rank = len(self.steps) + 1
             finding, undecided = name_effect(rank, ground, winner, judged, self.current, found, rows, kind)
-            refused = objection(finding, without, with_it) or self._not_worth(winner, kind, size)
+            refused = objection(finding, without, with_it, self.settings.criteria.judging) or self._not_worth(
+                winner, kind, size
+            )
             if not refused:
                 self.steps.append(Step(added, finding, found, size, undecided))
                 return following
@@ -188,9 +181,9 @@ class Search:
         named = [
             Named(each.finding.effect, each.gone, each.added.effect.coordinate == candidate.effect.coordinate)
             for each in self.steps
-            if each.added.site == candidate.site and len(elsewhere) < COMMON
+            if each.added.site == candidate.site and len(elsewhere) < self.settings.criteria.search.common
         ]
-        return not_worth(size, self._floor(kind), named)
+        return not_worth(size, self._floor(kind), named, self.settings.criteria.search)
 
     def _swap(self, number: int) -> bool:
         """Whether another effect at the same place explains more than this step's, once the later ones are there."""
@@ -205,7 +198,7 @@ class Search:
         best = next((each for each in judged if not each.objection), None)
         if best is None or best is named or best.score.candidate.key in self.failed:
             return False
-        if named is not None and best.score.evidence < named.score.evidence + BETTER:
+        if named is not None and best.score.evidence < named.score.evidence + self.settings.criteria.search.better:
             return False
         kept = [each for k, each in enumerate(self.steps) if k != number]
         self._take_out(number, Objection(Why.BETTERED, of=_effects(kept)))
@@ -220,7 +213,7 @@ class Search:
             without = self.identified([each.added for each in kept])
             channel = step.finding.held_out.channel
             now, then = (_held_out_rmse(each, channel) for each in (self.current, without))
-            if then > NO_BETTER * now:
+            if then > self.settings.criteria.search.not_needed * now:
                 number += 1
                 continue
             self._take_out(number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
@@ -245,7 +238,8 @@ class Search:
 
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         floors = floors_of(self.base.validation)
-        found, passes = self.base, RELINEARISED if any(_depends_on_loads(each) for each in effects) else 1
+        twice = any(_depends_on_loads(each) for each in effects)
+        found, passes = self.base, self.settings.criteria.search.relinearised if twice else 1
         if self.eyes is not None:
             found, passes = self.eyes, 1
         for _ in range(passes):
@@ -288,10 +282,11 @@ def judge_best(
     """The best shape of every effect and site that is worth it, refined and judged, most evidence first; and the rows
     of their sites. only: at one site."""
     best: dict[Key, list[Score]] = {}
+    least, most = ground.model.criteria.judging.worth_judging, ground.model.criteria.search.judged
     for each in ground.scores:
         key = each.candidate.key
         wanted = only is None or each.candidate.site == only
-        if wanted and each.evidence > WORTH_JUDGING and (key in best or len(best) < JUDGED):
+        if wanted and each.evidence > least and (key in best or len(best) < most):
             best.setdefault(key, []).append(each)
     hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
     rows = collect_rows(
@@ -300,8 +295,8 @@ def judge_best(
     for candidate in hints:
         sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
         tried = score(ground.model, candidate, sums, ground.memory)
-        least = best[candidate.key][0].evidence if candidate.key in best else WORTH_JUDGING
-        if tried is not None and tried.evidence > least:
+        known = best[candidate.key][0].evidence if candidate.key in best else least
+        if tried is not None and tried.evidence > known:
             best[candidate.key] = [tried]
     judged = []
     for (_, site), scores in best.items():
@@ -312,7 +307,11 @@ def judge_best(
 def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:
     """What is to be added, its shapes searched to the end, if that may still be claimed."""
     own = rows[judged.score.candidate.site]
-    closer = judge(ground.model, refined(ground.model, judged.score, own, ground.memory, CLOSELY), own)
+    closer = judge(
+        ground.model,
+        refined(ground.model, judged.score, own, ground.memory, closely(ground.model.criteria.search)),
+        own,
+    )
     return judged if closer.objection else closer
 
 

@@ -15,14 +15,11 @@ from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import Identification
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.doubt import parameters
-from exogauge.search.refine import BROADLY, CLOSELY, refined
+from exogauge.search.refine import broadly, climbed, closely
 from exogauge.search.residual_correction import held_out_rmse
 from exogauge.search.score import Score, score
 from exogauge.search.search import Search, as_added
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
-
-ABOVE = 1.05  # noise floors: below, no shape is worth a search
-BETTER = 0.98  # of the held-out error: what the new shape must leave at most
 
 
 def shapes_again(search: Search) -> None:
@@ -47,8 +44,13 @@ def _sought_again(search: Search, number: int) -> bool:
 
 def _bettered(search: Search, number: int) -> bool:
     step, others = search.steps[number], [each.added for k, each in enumerate(search.steps) if k != number]
+    criteria = search.settings.criteria
     now, floor = _left(step.finding, search.current)
-    if search.last is None or now < ABOVE * floor or all(one.choice for one in step.added.effect.shapes):
+    if (
+        search.last is None
+        or now < criteria.search.shapes_above * floor
+        or all(one.choice for one in step.added.effect.shapes)
+    ):
         return False
     eyes, site = search.current, step.added.site
     search.eyes = eyes
@@ -60,7 +62,7 @@ def _bettered(search: Search, number: int) -> bool:
     added = as_added(best.candidate)
     found = search.identified([*others[:number], added, *others[number:]])
     left, _ = _left(step.finding, found)
-    if left > BETTER * now:
+    if left > criteria.search.shapes_better * now:
         return False
     finding = replace(step.finding.refined_by("shape", left), parameters=parameters(without.model, best, rows))
     search.steps[number] = replace(step, added=added, finding=finding)
@@ -78,9 +80,8 @@ def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memor
     alike = [shape for shape in grid(added.effect) if all(shape[k] == added.shape[k] for k in chosen)]
     coarse = [each for shape in alike if (each := scored(shape))]
     starts = [each for each in (scored(added.shape), max(coarse, key=lambda one: one.gain, default=None)) if each]
-    for pace in (BROADLY, CLOSELY):
-        starts = [refined(model, each, rows, memory, pace) for each in starts]
-    return max(starts, key=lambda one: one.gain, default=None)
+    paces = [pace(model.criteria.search) for pace in (broadly, closely)]
+    return max(climbed(model, starts, rows, memory, paces), key=lambda one: one.gain, default=None)
 
 
 def _left(finding: Finding, found: Identification) -> tuple[float, float]:

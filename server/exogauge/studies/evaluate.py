@@ -105,7 +105,7 @@ def _evaluate(
                 missing = find_missing_effects(
                     first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
                 )
-                alike = filtered_alike(worn, missing.recordings)
+                alike = filtered_alike(worn, missing.recordings, missing.settings.criteria.stored_filter)
                 discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
                 plain_now, worn_now = logs.as_plain(missing.recordings), alike
         support, stiffness = None, tuple[StiffnessResult, ...]()

@@ -100,7 +100,7 @@ def _held_out(channel: str, before: Identification, after: Identification, conta
             fits = [fit for fit in each.validation if fit.channel == channel]
             values.append(pooled([fit for fit in fits if (fit.log in touched if log else fit.held_out)]))
         held = HeldOut(channel, unit_of(channel, before.model.robot), values[0][0], values[1][0], values[1][1], log)
-        if held.falls:
+        if held.falls(after.model.criteria.judging):
             break
     return held
 

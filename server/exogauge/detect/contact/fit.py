@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from exogauge.criteria.contact import Touching
 from exogauge.detect.contact.rows import LogRows
-from exogauge.detect.contact.scan import USUAL_N, bump
+from exogauge.detect.contact.scan import bump
 
 Array = NDArray[np.float64]
 
-POWERS = (0.5, 1.0, 2.0)  # of the sine that a push rises and falls with: nearly constant, half a wave, bell
-SHORTEST_S, LONGEST_S = 0.1, 2.5
 PASSES = 5  # of the moment's doubt, which depends on the force
-LEAST_N = 1.0  # force that the moment's doubt takes for granted
 TRIALS = 60
 STEP_S = 0.01  # for the slopes with start and duration
 
@@ -89,23 +87,30 @@ class Around:
     w: Array
     e: Array
     reach: Array
+    criteria: Touching
 
 
 def explain(
-    rows: LogRows, columns: Array, reach: Array, middle: float, duration: float, body: int | None = None
+    rows: LogRows,
+    columns: Array,
+    reach: Array,
+    middle: float,
+    duration: float,
+    criteria: Touching,
+    body: int | None = None,
 ) -> Push:
     """columns: of `force_columns`; reach: (N,) [m] of `reaches`. middle, duration: where the search begins. body: the
     one that is pushed, None for the likeliest."""
     low_pass = rows.prepared.low_pass
-    near = np.abs(rows.time - middle) < LONGEST_S / 2.0 + 1.0 / low_pass.cutoff_hz
-    part = Around(rows, rows.time[near], columns[:, near], rows.weight[near], rows.e[near], reach)
+    near = np.abs(rows.time - middle) < criteria.bounds_s[1] / 2.0 + 1.0 / low_pass.cutoff_hz
+    part = Around(rows, rows.time[near], columns[:, near], rows.weight[near], rows.e[near], reach, criteria)
     power, known = 1.0, body
     for _ in range(2):
         likeliest = max(_links(part, _shape(part, middle, duration, power)), key=lambda each: each.evidence).body
         if known == likeliest and body is None:
             break
         known = likeliest if body is None else body
-        tried = [_refined(part, known, middle, duration, power) for power in POWERS]
+        tried = [_refined(part, known, middle, duration, power) for power in criteria.powers]
         middle, duration, power = max(tried, key=lambda each: each[1])[0]
     shape = _shape(part, middle, duration, power)
     links = tuple(sorted(_links(part, shape), key=lambda each: -each.evidence))
@@ -159,7 +164,7 @@ def _fit(part: Around, body: int, shape: Array) -> LinkFit:
     g = np.einsum("tki,tk,tk->i", A, part.w, part.e)
     force, theta, doubt = np.zeros(3), np.zeros(6), np.eye(6)
     for _ in range(PASSES):
-        doubt = _prior(force, float(part.reach[body]))
+        doubt = _prior(force, float(part.reach[body]), part.criteria)
         theta = np.linalg.solve(S + np.linalg.inv(doubt), g)
         force = theta[:3]
     gain = float(g @ theta)
@@ -167,11 +172,11 @@ def _fit(part: Around, body: int, shape: Array) -> LinkFit:
     return LinkFit(body, theta, gain, gain - float(np.linalg.slogdet(np.eye(6) + half.T @ S @ half)[1]))
 
 
-def _prior(force: Array, reach: float) -> Array:
+def _prior(force: Array, reach: float, criteria: Touching) -> Array:
     """(6, 6) what is believed of force and moment."""
-    square = float(force @ force) + LEAST_N**2
+    square = float(force @ force) + criteria.least_n**2
     doubt = np.zeros((6, 6))
-    doubt[:3, :3] = USUAL_N**2 * np.eye(3)
+    doubt[:3, :3] = criteria.usual_n**2 * np.eye(3)
     doubt[3:, 3:] = reach**2 * (square * np.eye(3) - np.outer(force, force))
     return doubt
 
@@ -181,14 +186,16 @@ def _refined(
 ) -> tuple[tuple[float, float, float], float]:
     """((middle, duration, power), gain) with which the body explains most."""
 
+    bounds = part.criteria.bounds_s
+
     def cost(values: Array) -> float:
-        m, d = float(values[0]), float(np.clip(np.exp(values[1]), SHORTEST_S, LONGEST_S))
+        m, d = float(values[0]), float(np.clip(np.exp(values[1]), *bounds))
         return -_fit(part, body, _shape(part, m, d, power)).gain
 
     start = np.array([middle, np.log(duration)])
     simplex = start + np.array([[0.0, 0.0], [0.2 * duration, 0.0], [0.0, 0.4]])
     found = minimize(cost, start, method="Nelder-Mead", options={"maxfev": TRIALS, "initial_simplex": simplex})
-    m, d = float(found.x[0]), float(np.clip(np.exp(found.x[1]), SHORTEST_S, LONGEST_S))
+    m, d = float(found.x[0]), float(np.clip(np.exp(found.x[1]), *bounds))
     return (m, d, power), -float(found.fun)
 
 
@@ -203,7 +210,7 @@ def _doubt(part: Around, best: LinkFit, middle: float, duration: float, power: f
     A = part.C[best.body] * _shape(part, middle, duration, power)[:, None, None]
     A = np.concatenate([A, of_middle[:, :, None], of_duration[:, :, None]], axis=2)
     S = np.einsum("tki,tk,tkj->ij", A, part.w, A)
-    S[:6, :6] += np.linalg.inv(_prior(best.wrench[:3], float(part.reach[best.body])))
+    S[:6, :6] += np.linalg.inv(_prior(best.wrench[:3], float(part.reach[best.body]), part.criteria))
     covariance = np.linalg.pinv(S, hermitian=True)
     left = (part.e - added(middle, duration))[part.w > 0.0] ** 2
     more = max(float(np.sum(part.w[part.w > 0.0] * left)) / max(_usual_square(part.rows, part.w), 1e-300), 1.0)

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.contact import Touching
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.settings import Recording
@@ -19,14 +20,6 @@ from exogauge.robots.tree import RigidTree
 from exogauge.search.score import residual_memory
 
 Array = NDArray[np.float64]
-
-LEVEL_S = 4.0  # a running median over this is no burst: drifts, a load put down, an anchor that slipped
-SPEEDS = 5  # parts of an axis' speeds, in each of which its own error is usual
-FEWEST = 20  # rows of a kind, below which nothing is usual
-MAD = 1.4826  # to the standard deviation of a normal distribution
-MOST = 0.9, 1.645  # share of errors, and how many standard deviations hold it
-NEAREST = 0.03  # [m] standard deviation of where a link is pushed, at least
-OF_LENGTH = 0.3  # of a link's length, if that is more
 
 
 @final
@@ -53,7 +46,7 @@ class LogRows:
 def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows]:
     """Spans that were left out are looked at as well."""
     equations, x = model.equations, model.solution.unbounded.x
-    layout = equations.layout
+    layout, level_s = equations.layout, model.criteria.contact.level_s
     shown = layout.numbers(RowType.BASE, RowType.AXIS, RowType.SENSOR)
     found = []
     for recording in recordings:
@@ -61,8 +54,8 @@ def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows
         prepared = model.prepare(whole)
         e = equations.residuals(prepared, x)[:, shown]
         e[:, layout.told.axes][~prepared.steady[prepared.kept]] = np.nan
-        step = float(np.median(np.diff(whole.time[prepared.kept]))) if len(prepared.kept) > 1 else LEVEL_S
-        found.append((recording, prepared, whole.time[prepared.kept], _without_level(e, round(LEVEL_S / step))))
+        step = float(np.median(np.diff(whole.time[prepared.kept]))) if len(prepared.kept) > 1 else level_s
+        found.append((recording, prepared, whole.time[prepared.kept], _without_level(e, round(level_s / step))))
     ratios = _by_speed(model, [(prepared, e) for _, prepared, _, e in found])
     return [
         LogRows(recording, prepared, time, np.nan_to_num(e), _weights(model, prepared, e, ratios))
@@ -104,13 +97,13 @@ def middles(tree: RigidTree) -> Array:
     return np.asarray(np.where(mass > 0.0, tree.phi[:, 1:4] / np.where(mass > 0.0, mass, 1.0), 0.0))
 
 
-def reaches(tree: RigidTree) -> Array:
+def reaches(tree: RigidTree, criteria: Touching) -> Array:
     """(N,) [m] how far from its middle a body is pushed, as a standard deviation."""
     length = 2.0 * np.linalg.norm(middles(tree), axis=1)
     for k, parent in enumerate(tree.parent):
         if parent >= 0:
             length[parent] = max(length[parent], float(np.linalg.norm(tree.T_before[k].translation)))
-    return np.asarray(np.maximum(NEAREST, OF_LENGTH * length))
+    return np.asarray(np.maximum(criteria.nearest_m, criteria.of_length * length))
 
 
 def _without_level(e: Array, window: int) -> Array:
@@ -129,23 +122,24 @@ def _without_level(e: Array, window: int) -> Array:
     return e - level
 
 
-def _usual(e: Array) -> float:
+def _usual(e: Array, criteria: Touching) -> float:
     """A standard deviation that rare large values do not move."""
     size = np.abs(e[np.isfinite(e)])
-    if len(size) < FEWEST:
+    if len(size) < criteria.rows:
         return float("nan")
-    return max(MAD * float(np.median(size)), float(np.quantile(size, MOST[0])) / MOST[1])
+    by_most = float(np.quantile(size, criteria.most)) / criteria.most_std
+    return max(criteria.mad_std * float(np.median(size)), by_most)
 
 
 def _by_speed(model: RobotModel, logs: Sequence[tuple[Prepared, Array]]) -> list[tuple[Array, Array]]:
     """Per axis: edges of its speeds, and (SPEEDS,) how much larger than usual errors are between them, all logs
     together: what friction leaves at one speed it leaves whenever the axis is that fast."""
-    found = []
+    found, criteria = [], model.criteria.contact
     for axis in range(len(model.robot.joints)):
         kind = model.equations.layout.told.axis(axis)
         speeds, sizes = [], []
         for prepared, e in logs:
-            usual = _usual(e[:, kind])
+            usual = _usual(e[:, kind], criteria)
             used = np.isfinite(e[:, kind])
             if np.isfinite(usual) and usual > 0.0:
                 speeds.append(np.abs(prepared.axis_velocity[prepared.kept, axis])[used])
@@ -154,17 +148,17 @@ def _by_speed(model: RobotModel, logs: Sequence[tuple[Prepared, Array]]) -> list
             found.append((np.zeros(0), np.ones(1)))
             continue
         speed, size = np.concatenate(speeds), np.concatenate(sizes)
-        edges = np.unique(np.quantile(speed, np.arange(1, SPEEDS) / SPEEDS))
+        edges = np.unique(np.quantile(speed, np.arange(1, criteria.speeds) / criteria.speeds))
         part = np.searchsorted(edges, speed)
-        ratios = np.array([_usual(size[part == k]) for k in range(len(edges) + 1)])
+        ratios = np.array([_usual(size[part == k], criteria) for k in range(len(edges) + 1)])
         found.append((edges, np.maximum(np.nan_to_num(ratios, nan=1.0), 1.0)))
     return found
 
 
 def _weights(model: RobotModel, prepared: Prepared, e: Array, ratios: Sequence[tuple[Array, Array]]) -> Array:
-    weight = np.zeros_like(e)
+    weight, criteria = np.zeros_like(e), model.criteria.contact
     for kind, row in enumerate(model.equations.layout.told.rows):
-        usual = _usual(e[:, kind])
+        usual = _usual(e[:, kind], criteria)
         if not np.isfinite(usual) or usual <= 0.0:
             continue
         std = np.full(len(e), usual)

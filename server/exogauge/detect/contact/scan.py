@@ -10,18 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import correlate1d
 
+from exogauge.criteria.contact import Touching
 from exogauge.detect.contact.rows import LogRows
 from exogauge.logs.filtering import LowPass
 
 Array = NDArray[np.float64]
-
-DURATIONS = (0.25, 0.5, 1.0)  # [s] that are tried first
-USUAL_N = 25.0  # standard deviation of what a push is believed to be
-BLOCK_S = 1.0
-APART_S = 1.5  # [s] between two bursts
-MOST_BURSTS = 3  # in all logs: what comes more often is no accident
-FALSE_ALARM = 1e-4  # of a study, as far as the usual blocks' tail says
-ABOVE = 1.6  # times the next moment that is no burst, in the square root of the gain
 
 
 @final
@@ -45,15 +38,15 @@ def bump(low_pass: LowPass, middle: float, duration: float, power: float, time: 
     return np.interp(time, fine, low_pass.apply(raw), left=0.0, right=0.0)
 
 
-def gains(rows: LogRows, columns: Array) -> tuple[Array, Array]:
+def gains(rows: LogRows, columns: Array, criteria: Touching) -> tuple[Array, Array]:
     """(n,) gain of the best force, body and duration around each kept sample, and that duration. None near the ends of
     a log that was low-passed before it was stored: there that filter leaned on what nobody logged."""
-    best, lasts = np.zeros(len(rows.time)), np.full(len(rows.time), DURATIONS[0])
+    best, lasts = np.zeros(len(rows.time)), np.full(len(rows.time), criteria.durations_s[0])
     if len(rows.time) < 3:
         return best, lasts
     step = float(np.median(np.diff(rows.time)))
     kernels = []
-    for duration in DURATIONS:
+    for duration in criteria.durations_s:
         half = int(np.ceil(duration / step)) + 2
         kernels.append(bump(rows.prepared.low_pass, 0.0, duration, 1.0, np.arange(-half, half + 1.0) * step))
     for own in columns[:, :, :, :3]:
@@ -61,54 +54,56 @@ def gains(rows: LogRows, columns: Array) -> tuple[Array, Array]:
         C, w, e = own[:, touched], rows.weight[:, touched], rows.e[:, touched]
         square = np.einsum("nki,nk,nkj->nij", C, w, C)
         both = np.einsum("nki,nk,nk->ni", C, w, e)
-        for duration, kernel in zip(DURATIONS, kernels, strict=True):
-            S = correlate1d(square, kernel**2, axis=0, mode="constant") + np.eye(3) / USUAL_N**2
+        for duration, kernel in zip(criteria.durations_s, kernels, strict=True):
+            S = correlate1d(square, kernel**2, axis=0, mode="constant") + np.eye(3) / criteria.usual_n**2
             g = correlate1d(both, kernel, axis=0, mode="constant")
             gain = np.einsum("ni,ni->n", g, np.linalg.solve(S, g[:, :, None])[:, :, 0])
             better = gain > best
             best[better], lasts[better] = gain[better], duration
-    best[_near_ends(rows)] = 0.0
+    best[_near_ends(rows, criteria)] = 0.0
     return best, lasts
 
 
-def _near_ends(rows: LogRows) -> NDArray[np.bool_]:
+def _near_ends(rows: LogRows, criteria: Touching) -> NDArray[np.bool_]:
     stored, log = rows.prepared.log.stored, rows.prepared.log
-    ends = 0.0 if stored is None else stored.settle_samples(log.rate_hz) / log.rate_hz + 0.5 * DURATIONS[-1]
+    half = 0.5 * criteria.durations_s[-1]
+    ends = 0.0 if stored is None else stored.settle_samples(log.rate_hz) / log.rate_hz + half
     return np.asarray((rows.time < log.time[0] + ends) | (rows.time > log.time[-1] - ends))
 
 
-def bursts(logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]]) -> tuple[list[Moment], float]:
-    """Largest first, and the gain of the next moment that is none. found: of `gains`, log by log."""
-    peaks = [moment for log, rows in enumerate(logs) for moment in _peaks(log, rows.time, *found[log])]
+def bursts(
+    logs: Sequence[LogRows], found: Sequence[tuple[Array, Array]], bar: float, criteria: Touching
+) -> tuple[list[Moment], float]:
+    """Largest first, and the gain of the next moment that is none. found: of `gains`, log by log. bar: of `level`."""
+    peaks = [moment for log, rows in enumerate(logs) for moment in _peaks(log, rows.time, *found[log], criteria)]
     peaks.sort(key=lambda each: -each.gain)
-    bar = level([rows.time for rows in logs], [gain for gain, _ in found])
     high = [each for each in peaks if np.sqrt(each.gain) > bar]
-    for count in range(min(len(high), MOST_BURSTS), 0, -1):
+    for count in range(min(len(high), criteria.most_bursts), 0, -1):
         left = peaks[count].gain if len(peaks) > count else 0.0
-        if np.sqrt(high[count - 1].gain) > ABOVE * np.sqrt(left):
+        if np.sqrt(high[count - 1].gain) > criteria.above_next * np.sqrt(left):
             return high[:count], left
     return [], 0.0
 
 
-def level(times: Sequence[Array], every: Sequence[Array]) -> float:
-    """What the root of the gain reaches by chance: an exponential tail through the usual blocks of a second."""
+def level(times: Sequence[Array], every: Sequence[Array], block_s: float, criteria: Touching) -> float:
+    """What the root of the gain reaches by chance: an exponential tail through the usual blocks."""
     tops: list[float] = []
     for time, gain in zip(times, every, strict=True):
-        block = np.floor((time - time[0]) / BLOCK_S).astype(np.intp) if len(time) else np.zeros(0, np.intp)
+        block = np.floor((time - time[0]) / block_s).astype(np.intp) if len(time) else np.zeros(0, np.intp)
         top = np.zeros(int(block[-1]) + 1 if len(block) else 0)
         np.maximum.at(top, block, gain)
         tops += list(np.sqrt(top))
     if len(tops) < 10:
         return float("inf")
     middle, high = np.quantile(tops, [0.5, 0.9])
-    return float(middle + (high - middle) * np.log(0.5 * len(tops) / FALSE_ALARM) / np.log(5.0))
+    return float(middle + (high - middle) * np.log(0.5 * len(tops) / criteria.false_alarm) / np.log(5.0))
 
 
-def _peaks(log: int, time: Array, gain: Array, duration: Array) -> list[Moment]:
-    """Moments that are the best within `APART_S`, a few of each log."""
+def _peaks(log: int, time: Array, gain: Array, duration: Array, criteria: Touching) -> list[Moment]:
+    """Moments that are the best within `contact.apart_s`, a few of each log."""
     left, found = gain.copy(), list[Moment]()
-    while len(found) <= MOST_BURSTS and left.max(initial=0.0) > 0.0:
+    while len(found) <= criteria.most_bursts and left.max(initial=0.0) > 0.0:
         at = int(np.argmax(left))
         found.append(Moment(log, float(time[at]), float(duration[at]), float(left[at])))
-        left[np.abs(time - time[at]) < APART_S] = 0.0
+        left[np.abs(time - time[at]) < criteria.apart_s] = 0.0
     return found

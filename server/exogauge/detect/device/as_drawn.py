@@ -8,17 +8,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.effects.effect import Quantity
 from exogauge.effects.order import LOG, SINCE
 from exogauge.findings.result import Finding
 from exogauge.identification.model import Effect
-from exogauge.search.may_be_named import SURE
 
 PLACES = (LOG, SINCE)  # in the order of the logs: no number of a curve
 
 
-def as_drawn(finding: Finding, effect: Effect) -> Finding:
+def as_drawn(finding: Finding, effect: Effect, judging: Judging) -> Finding:
     """Without the shapes whose std exceeds their value, and without coefficients that may as well be zero beside them.
 
     A shape that may be negative, such as the angle at which a spring rests, is a place: zero is as good as any other.
@@ -27,7 +27,7 @@ def as_drawn(finding: Finding, effect: Effect) -> Finding:
     own: Sequence[Quantity] = effect.coefficients
     sizes = [one.name for one in own if one.name in finding.parameters]
     open_shapes = [name for name in shapes if name in finding.parameters and _std_over_value(finding, name) > 1.0]
-    open_sizes = [name for name in sizes if SURE * _std_over_value(finding, name) > 1.0]
+    open_sizes = [name for name in sizes if judging.significant * _std_over_value(finding, name) > 1.0]
     if not open_shapes and not (shapes and sizes and open_sizes == sizes):
         return finding
     dropped = (*open_sizes, *open_shapes)

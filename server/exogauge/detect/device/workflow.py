@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import Judging
 from exogauge.detect.chain import descendant
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.doubt import deviations
@@ -32,7 +33,7 @@ from exogauge.effects.catalogue import band_effects
 from exogauge.findings.band_numbers import BandNumbers
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Excess, Finding, Link
-from exogauge.findings.verdict import ABOVE, Caveat, Seen
+from exogauge.findings.verdict import Caveat, Seen
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
 from exogauge.search.block_gains import summed, sureness
@@ -44,7 +45,6 @@ Array = NDArray[np.float64]
 MOST_EFFECTS = 4  # on one wear
 WORTH_JUDGING = 6.0  # evidence (BIC)
 JUDGED = 8  # candidates per round
-SURE = 3.0  # standard errors above the floor
 REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
 OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
 CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
@@ -121,7 +121,7 @@ def search_wear(
             break
         sharpened, winner, judged = _sharpened(ground, winner, judged, folds)
         finding = name_effect(named + len(findings) + 1, sharpened, winner, judged, folds, of)
-        if objection := refused(finding):
+        if objection := refused(finding, model.criteria.judging):
             rejected.append(not_named(finding, objection))
             break
         ground = sharpened
@@ -138,14 +138,14 @@ def search_wear(
     for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
         if effects.get(each.effect) is not None:
             finding = name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of)
-            named_now, doubtful = told([finding])
+            named_now, doubtful = told([finding], model.criteria.judging)
             findings += named_now
             rejected += doubtful
     return WearFindings(
         findings=tuple(findings),
         chain=_chain(ground, findings, wears, folds, of),
         rejected=tuple(rejected),
-        unexplained=_unexplained(ground, folds),
+        unexplained=_unexplained(ground, folds, model.criteria.judging),
         seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
         bands=_numbers(ground) if len(wears) > 1 else (),
@@ -267,16 +267,18 @@ def _chain(
     return tuple(links)
 
 
-def _unexplained(ground: Ground, folds: Folds) -> tuple[Excess, ...]:
+def _unexplained(ground: Ground, folds: Folds, judging: Judging) -> tuple[Excess, ...]:
     """Joints on which the wear's model errs by more than repeated runs do."""
     e, found = left_out_residual(ground.setting, ground.fitted.wear, folds), list[Excess]()
     for joint, name in enumerate(ground.joints):
         error, floor = rmse(e, joint), float(ground.floor[joint])
         used = np.isfinite(e[:, joint])
-        if floor > 0.0 and used.any() and error > ABOVE * floor:
+        if floor > 0.0 and used.any() and error > judging.above * floor:
             count = summed(used[used].astype(float), ground.setting.logs.block[used])
-            z = sureness(summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (ABOVE * floor) ** 2)
-            if z > SURE:
+            z = sureness(
+                summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (judging.above * floor) ** 2
+            )
+            if z > judging.sure_above:
                 found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z))
     return tuple(found)
 

@@ -15,12 +15,6 @@ from exogauge.logs.model import Log
 from exogauge.robots.kinematics import forward
 from exogauge.search.correlation_time import row_memory
 
-SURE = 9.0  # twice the log likelihood ratio: odds of 90, and some twenty numbers are looked at
-SIGNIFICANT = 2.0  # standard deviations of the mass or the gain: no number that may as well be none is named
-TELL_APART = 6.0  # by which the best number must stand above another one
-MOST = 2
-BASE_TURNS = 0.02  # rms angular velocity of a floating base [rad/s], below which nothing is claimed of any link
-TILTS = 0.15  # rms turn of gravity in a body's frame [rad] that shows its weight
 THINNED = 500  # samples of a log looked at
 
 
@@ -28,20 +22,17 @@ THINNED = 500  # samples of a log looked at
 @dataclass(frozen=True)
 class Change:
     """A number that is let go. evidence: twice the log likelihood ratio for that. value, std: (k,) of the change, of a
-    link its ten parameters [kg, kg·m, kg·m²], of a gain its share."""
+    link its ten parameters [kg, kg·m, kg·m²], of a gain its share. sure: enough of it for a name."""
 
     stated: Stated
     evidence: float
     value: Array
     std: Array
+    sure: bool
 
     @property
     def of_link(self) -> bool:
         return self.stated.sort in ("load", "scaled")
-
-    @property
-    def significant(self) -> bool:
-        return bool(abs(self.value[0]) >= SIGNIFICANT * self.std[0])
 
 
 @final
@@ -65,20 +56,21 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
     measured acceleration, which the residual holds too. Where one factor on all gains explains more than any of them,
     none is to blame.
     """
+    criteria = model.criteria
     numbers, data = stated_numbers(model, _tilting(model, logs), row_memory(model, logs))
     found: list[Contradiction] = []
-    while len(found) < min(MOST, len({_key(each) for each in numbers if each.sort != "gains"})):
+    while len(found) < min(criteria.nominal.most, len({_key(each) for each in numbers if each.sort != "gains"})):
         changes = []
         for stated in numbers:
             let = data.let(stated.columns)
             changes.append(_change(model, stated, let.evidence, let.change * stated.broad, let.std * stated.broad))
         ordered, common = _best_of_each(changes)
         best = ordered[0]
-        if not _is_sure(best) or (not best.of_link and common > best.evidence):
+        if not best.sure or (not best.of_link and common > best.evidence):
             break
-        alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < TELL_APART)
+        alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < criteria.judging.open)
         others = tuple(each for each in ordered[1:3] if each not in alike)
-        found.append(Contradiction(best, alike, others, best.evidence - common < TELL_APART))
+        found.append(Contradiction(best, alike, others, best.evidence - common < criteria.judging.open))
         data = data.without(best.stated.columns)
         numbers = [each for each in numbers if _key(each) != _key(best.stated)]
     return found
@@ -88,7 +80,9 @@ def _change(model: RobotModel, stated: Stated, evidence: float, value: Array, st
     if stated.sort == "scaled":
         own = model.robot.tree.phi[stated.index]
         value, std = value * own, std * np.abs(own)
-    return Change(stated, evidence, value, std)
+    criteria = model.criteria
+    significant = bool(abs(value[0]) >= criteria.judging.significant * std[0])
+    return Change(stated, evidence, value, std, evidence >= criteria.nominal.sure and significant)
 
 
 def _best_of_each(changes: Sequence[Change]) -> tuple[list[Change], float]:
@@ -96,16 +90,12 @@ def _best_of_each(changes: Sequence[Change]) -> tuple[list[Change], float]:
     evidence first; and the evidence for all gains alike."""
     first: dict[tuple[bool, int], Change] = {}
     common = -np.inf
-    for each in sorted(changes, key=lambda each: (not _is_sure(each), -each.evidence)):
+    for each in sorted(changes, key=lambda each: (not each.sure, -each.evidence)):
         if each.stated.sort == "gains":
             common = each.evidence
         else:
             first.setdefault(_key(each.stated), each)
     return sorted(first.values(), key=lambda each: -each.evidence), common
-
-
-def _is_sure(change: Change) -> bool:
-    return change.evidence >= SURE and change.significant
 
 
 def _key(stated: Stated) -> tuple[bool, int]:
@@ -114,6 +104,7 @@ def _key(stated: Stated) -> tuple[bool, int]:
 
 def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
     """Indices of bodies across which gravity turns enough to show what they weigh."""
+    criteria = model.criteria.nominal
     up, turning = [], []
     for log in logs:
         prepared = model.prepare(log)
@@ -121,7 +112,7 @@ def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
         kept = prepared.kept[:: max(1, len(prepared.kept) // THINNED)]
         pulled = forward(model.robot.tree, prepared.motion.rows(kept)).proper_acceleration
         up.append(pulled / np.maximum(np.linalg.norm(pulled, axis=2, keepdims=True), 1e-12))
-    if model.robot.floating and np.sqrt(np.mean(np.concatenate(turning) ** 2)) < BASE_TURNS:
+    if model.robot.floating and np.sqrt(np.mean(np.concatenate(turning) ** 2)) < criteria.base_turns:
         return []  # all that its accelerometer says beside gravity is noise
     spread = np.sqrt(np.sum(np.var(np.concatenate(up), axis=0), axis=1))
-    return [body for body, each in enumerate(spread) if each > TILTS]
+    return [body for body, each in enumerate(spread) if each > criteria.tilts]

@@ -8,7 +8,7 @@ import numpy as np
 
 from exogauge.detect.nominal.ablation import put_back
 from exogauge.detect.nominal.contradicted import Change, Contradiction
-from exogauge.detect.nominal.nominal_values import TORQUE_DOUBT, gain_columns
+from exogauge.detect.nominal.nominal_values import gain_columns
 from exogauge.devices.result import Estimate
 from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated
@@ -21,7 +21,6 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.robots.ends import takes_payload
 
 NOTHING_TO_DRAW = np.zeros(0)
-MOST_ALIKE = 2  # others that are worth a name
 
 
 def name_contradiction(
@@ -33,7 +32,7 @@ def name_contradiction(
     held_out = put_back(found, recordings, best, settings)
     same = [Alternative("link_mass", place, 1.0, Objection(Why.ONE_BODY))] if effect == "payload" else []
     same += [Alternative("kt_gain", Place("joint", ALL), 1.0, Objection(Why.ONE_FACTOR))] if odd.or_all_gains else []
-    alike = [*same, *(_alternative(model, each, best) for each in odd.alike)][:MOST_ALIKE]
+    alike = [*same, *(_alternative(model, each, best) for each in odd.alike)][: model.criteria.nominal.most_alike]
     return Finding(
         rank=rank,
         effect=effect,
@@ -80,7 +79,9 @@ def _stated_gain(model: RobotModel, best: Change) -> Estimate:
     column, joint = gain_columns(equations)[axis], model.robot.joints[axis]
     unit = coefficient_unit("N·m/A", joint.name, model.robot)
     value = float(prior.seen_mean[column])
-    std = TORQUE_DOUBT if joint.actuation == "torque" else float(np.sqrt(prior.seen_covariance[column, column]))
+    logged = joint.actuation == "torque"
+    doubt = model.criteria.nominal.torque_doubt
+    std = doubt if logged else float(np.sqrt(prior.seen_covariance[column, column]))
     return Estimate(value, std, unit)
 
 

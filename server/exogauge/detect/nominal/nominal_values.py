@@ -9,6 +9,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.nominal import Contradicting
 from exogauge.detect.nominal.bayes_factor import IntArray, LettingGo
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
@@ -19,14 +20,6 @@ from exogauge.robots.parameters import inertia_by_first_moment
 
 Array = NDArray[np.float64]
 Sort = Literal["load", "scaled", "gain", "gains"]
-
-MASS_KG, REACH_M = 1.0, 0.1  # of what might hang on a link, and how far from its frame: std of a broad belief
-BROAD = np.array([MASS_KG, *([MASS_KG * REACH_M] * 3), *([MASS_KG * REACH_M**2] * 6)])
-BROAD_SHARE = 0.5  # of a link that is as described but of another density
-BROAD_GAIN = 0.25
-LEAST_OF_DOUBT = 0.1  # of a first moment's doubt, that is about where the centre lies
-SECOND_MOMENTS = 2.0  # times rho: how far the model's prior lets inertias go
-TORQUE_DOUBT = 0.02  # relative, of a logged torque: what a calibration leaves, of which no maker writes
 
 
 @final
@@ -47,7 +40,8 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
 
     Gains only where something fixes the scale of all torques: else a common factor would fall on one of them.
     """
-    rows, phi = _Rows(model, memory), model.robot.tree.phi
+    rows, phi, criteria = _Rows(model, memory), model.robot.tree.phi, model.criteria.nominal
+    broad_load, broad_share, broad_gain = _broad(criteria), criteria.broad_share, criteria.broad_gain
     numbers: list[Stated] = []
 
     def add(sort: Sort, index: int, broad: Array) -> None:
@@ -56,11 +50,11 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
 
     seen = model.solution.prior.seen
     for body in bodies:
-        rows.moved(seen[:, 10 * body : 10 * body + 10] * BROAD)
-        add("load", body, BROAD)
+        rows.moved(seen[:, 10 * body : 10 * body + 10] * broad_load)
+        add("load", body, broad_load)
         if phi[body, 0] > 0.0:
-            rows.moved(BROAD_SHARE * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
-            add("scaled", body, np.array([BROAD_SHARE]))
+            rows.moved(broad_share * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
+            add("scaled", body, np.array([broad_share]))
     driven = [a for a, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
     places = gain_columns(model.equations)
     if not driven or not places or not model.known_scale:
@@ -69,15 +63,21 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
     for axis in driven:
         if model.robot.joints[axis].actuation == "torque":
             rows.torque_logged(axis, places[axis])
-            logged.append((rows.width - 1, TORQUE_DOUBT / BROAD_GAIN))
+            logged.append((rows.width - 1, criteria.torque_doubt / broad_gain))
         else:
             unit = np.zeros((model.equations.size, 1))
-            unit[places[axis]] = BROAD_GAIN * model.solution.prior.seen_mean[places[axis]]
+            unit[places[axis]] = broad_gain * model.solution.prior.seen_mean[places[axis]]
             rows.moved(unit)
-        add("gain", axis, np.array([BROAD_GAIN]))
+        add("gain", axis, np.array([broad_gain]))
     doubted = _doubted(rows.letting_go(), logged)
     gains = np.concatenate([each.columns for each in numbers if each.sort == "gain"])
-    return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([BROAD_GAIN]))], _alike(doubted, gains)
+    return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([broad_gain]))], _alike(doubted, gains)
+
+
+def _broad(criteria: Contradicting) -> Array:
+    """(10,) std of a broad belief in what may hang on a link."""
+    mass, reach = criteria.mass_kg, criteria.reach_m
+    return np.array([mass, *([mass * reach] * 3), *([mass * reach**2] * 6)])
 
 
 def as_stated(model: RobotModel) -> Prior:
@@ -101,9 +101,9 @@ def as_stated(model: RobotModel) -> Prior:
         mean[second] -= share[3:] * mean[mass] + shift @ mean[first]
         spread = (std[first] / std[mass]) ** 2  # g² + c²
         of_lengths = 1.0 - np.mean(centre @ centre / np.maximum(spread, 1e-300))  # g² of it
-        least = LEAST_OF_DOUBT**2
+        least = model.criteria.nominal.centre**2
         std[first] *= np.sqrt(max(of_lengths, least))
-        std[second] *= max(of_lengths, least) / SECOND_MOMENTS
+        std[second] *= max(of_lengths, least) / model.criteria.nominal.second_moments
     return replace(prior, mean=mean, std=std, seen=seen)
 
 
@@ -136,7 +136,7 @@ class _Rows:
     def __init__(self, model: RobotModel, memory: Array) -> None:
         solution: Solution = model.solution
         self.equations, self.statistics = model.equations, solution.statistics
-        self.weights = solution.weights / memory
+        self.weights, self.broad_gain = solution.weights / memory, model.criteria.nominal.broad_gain
         self.data = PriorLeastSquares(self.statistics.square_root(self.weights), as_stated(model), 1.0)
         self.G, g, _ = self.statistics.normal(self.weights)
         self.slope = g - self.G @ self.data.x
@@ -167,7 +167,8 @@ class _Rows:
             A_u[columns] += w * (G[:, k] + slope)
             own += w * (G[k, k] + 2.0 * slope[k] + squares)
             left += w * (slope[k] + squares)
-        self._take(BROAD_GAIN * A_u, BROAD_GAIN**2 * own, BROAD_GAIN * left, None)
+        broad = self.broad_gain
+        self._take(broad * A_u, broad**2 * own, broad * left, None)
 
     def _take(self, A_u: Array, own: float, left: float, move: Array | None) -> None:
         """The product of two columns is p^T A^T u where one of them moves parameters; logged torques of two axes share

@@ -18,7 +18,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.detect.stored_filter.stored_pass import BLOCK_S, Band, beside_rest, stored_band
+from exogauge.detect.stored_filter.stored_pass import Band, beside_rest, stored_band
 from exogauge.detect.stored_filter.turn_evidence import turn_evidence
 from exogauge.errors import NotIdentifiable
 from exogauge.findings.basis import FloorOf, LowPassed
@@ -35,12 +35,6 @@ from exogauge.logs.stored_band import Edge, stored_edges
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-SURE = 3.0  # standard errors by which held-out blocks must gain
-ONCE = 6.0  # standard errors asked of logs that judge themselves, by blocks of single joints
-WORTH = 0.05  # of the mean square error
-MOST = 0.5  # of the mean square error of the middle joint: little else takes that from all of them, and `SURE` will do
-JOINTS = 0.75  # share of joints that must gain that much: every joint passes a stored low-pass, presliding is one's own
-ALIKE = 1.5  # ratio of the edges of logs that were stored alike
 ALL = "all"
 
 
@@ -67,13 +61,14 @@ def band_limits(
 
     found: identification of `recordings` as they are. identify_anew: the same with other recordings.
     """
+    criteria = found.model.criteria
     edges = stored_edges([each.log for each in recordings if each.log.stored is None])
     if not edges or not any(each.held_out for each in recordings):
         return None
     progress(0.0, "looking for the band in which the logs were stored")
     ended = [each for each in recordings if each.log.name in edges]
     seeking = [each.log for each in ended if not each.held_out] or [each.log for each in ended]
-    names = _stored_alike(edges, [log.name for log in seeking])
+    names = _stored_alike(edges, [log.name for log in seeking], criteria.stored_filter.alike)
     seeking = [log for log in seeking if log.name in names]
     band = stored_band(found.model, seeking, float(np.median([edges[log.name].hz for log in seeking])))
     if band is None:
@@ -89,7 +84,11 @@ def band_limits(
     except NotIdentifiable:  # behind so low a pass nothing is left that moves steadily
         return None
     judges = _judges(ended, names, seeking)
-    free = {each.log.name: beside_rest(found.model.prepare(each.log)) for each in ended if each.log.name in judges.logs}
+    free = {
+        each.log.name: beside_rest(found.model.prepare(each.log), criteria.stored_filter)
+        for each in ended
+        if each.log.name in judges.logs
+    }
     if not _surely_better(found, again, judges, free):
         return None
     finding = _finding(band, judges, found, again, limited, free)
@@ -105,11 +104,11 @@ class _Judges:
     themselves: bool
 
 
-def _stored_alike(edges: Mapping[str, Edge], among: Sequence[str]) -> tuple[str, ...]:
-    """Logs that end as those `among` do in the middle."""
+def _stored_alike(edges: Mapping[str, Edge], among: Sequence[str], ratio: float) -> tuple[str, ...]:
+    """Logs that end as those `among` do in the middle, within this ratio of their edges."""
     steep = sum(edges[name].steep for name in among) > 0.5 * len(among)
     middle = float(np.median([edges[name].hz for name in among if edges[name].steep is steep]))
-    alike = [name for name, edge in edges.items() if edge.steep is steep and middle / ALIKE < edge.hz < middle * ALIKE]
+    alike = [name for name, edge in edges.items() if edge.steep is steep and middle / ratio < edge.hz < middle * ratio]
     return tuple(alike)
 
 
@@ -126,25 +125,28 @@ def _surely_better(
     """Whether the blocks of these logs gain: each joint counts by its share of its own error. Of logs that judge
     themselves every joint's blocks count by themselves, as joints turn at their own times, and rarely: few blocks hold
     most of it. free: log -> samples that count."""
+    criteria, channels = before.model.criteria, [f"tau.{joint.name}" for joint in before.model.robot.joints]
+    least, once = criteria.judging.least, criteria.judging.once
     gains = [
-        _gains(one, other, free[one.log], [f"tau.{joint.name}" for joint in before.model.robot.joints])
+        _gains(one, other, free[one.log], channels, criteria.judging.block_s)
         for one, other in zip(before.predictions, after.predictions, strict=True)
         if one.log in judges.logs
     ]
     gain = np.concatenate(gains, axis=1) if gains else np.zeros((0, 0))
     gain = gain[:, np.isfinite(gain).any(axis=0)][np.isfinite(gain).any(axis=1)]
-    if gain.shape[1] < 2 or np.mean(np.nanmean(gain, axis=1) > WORTH) < JOINTS:
+    if gain.shape[1] < 2 or np.mean(np.nanmean(gain, axis=1) > least) < criteria.stored_filter.joints:
         return False
-    parts, sure = np.nanmean(gain, axis=0), SURE
+    parts, sure = np.nanmean(gain, axis=0), criteria.judging.sure
     if judges.themselves:
-        parts, sure = gain[np.isfinite(gain)], SURE if np.median(np.nanmean(gain, axis=1)) > MOST else ONCE
-    return bool(parts.mean() > WORTH and parts.mean() > sure * parts.std(ddof=1) / np.sqrt(len(parts)))
+        most = np.median(np.nanmean(gain, axis=1)) > criteria.stored_filter.most
+        parts, sure = gain[np.isfinite(gain)], sure if most else once
+    return bool(parts.mean() > least and parts.mean() > sure * parts.std(ddof=1) / np.sqrt(len(parts)))
 
 
-def _gains(before: Prediction, after: Prediction, free: BoolArray, channels: Sequence[str]) -> Array:
+def _gains(before: Prediction, after: Prediction, free: BoolArray, channels: Sequence[str], block_s: float) -> Array:
     """(joints, blocks) by how much the mean square error falls, over that of the joint in the whole log; NaN where a
     joint rests. free: (T, joints) samples that count. channels: of all joints, of which some have no torque."""
-    block = ((before.time - before.time[0]) / BLOCK_S).astype(np.intp)
+    block = ((before.time - before.time[0]) / block_s).astype(np.intp)
     found = []
     for axis, channel in enumerate(channels):
         if channel not in before.measured:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.optimize import minimize_scalar
 
+from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import measured_channels, predictions
@@ -31,15 +32,6 @@ SHAPES: tuple[tuple[Literal["butterworth", "bessel"], int, bool], ...] = (
     *(("butterworth", order, late) for order in (1, 2, 3, 4) for late in (False, True)),
     *(("bessel", order, late) for order in (2, 3, 4) for late in (False, True)),
 )
-WIDTHS = 3.0  # factor around the cut-off of the usual shape, in which that of another shape is sought
-ABOVE = 4.0  # of the edge: the highest cut-off that is tried
-LOWEST_HZ = 0.5  # of these: a gentle low-pass begins far below where its fall is seen
-COARSE, FINE = 1.25, 9  # factor from one to the next, and how many between its neighbours then
-NEAR = 1.2  # factor around the best coarse one in which the fine ones lie
-BLOCK_S = 1.0
-TURN_S = 0.1  # a joint that turns round at once is at rest for no longer
-FORGOTTEN_S = 0.5  # after a rest, and before one: by then a low-pass holds nothing of it
-LEAST_S = 2.0  # of turns and motion; a joint with less is looked at as a whole
 
 
 @final
@@ -52,17 +44,17 @@ class Band:
     logs: tuple[str, ...]
 
 
-def beside_rest(prepared: Prepared) -> BoolArray:
+def beside_rest(prepared: Prepared, criteria: StoredFilter) -> BoolArray:
     """(T, A) samples of motion and of turns, as far from rest and from the log's ends as a low-pass reaches; of an axis
     that hardly has any, all that are settled."""
     rate_hz, settled = prepared.log.rate_hz, prepared.settled[:, None].copy()
-    turn, reach = (max(round(seconds * rate_hz), 1) for seconds in (TURN_S, FORGOTTEN_S))
+    turn, reach = (max(round(seconds * rate_hz), 1) for seconds in (criteria.turn_s, criteria.forgotten_s))
     end = min(reach, prepared.log.samples // 10)
     settled[:end] = settled[prepared.log.samples - end :] = False
     still = (prepared.raw_direction == 0.0).astype(np.uint8)
     long = maximum_filter1d(minimum_filter1d(still, turn, axis=0), turn, axis=0)
     free = (maximum_filter1d(long, 2 * reach + 1, axis=0) == 0) & settled
-    enough = free.sum(axis=0) > LEAST_S * rate_hz
+    enough = free.sum(axis=0) > criteria.least_s * rate_hz
     return np.asarray(np.where(enough, free, settled))
 
 
@@ -72,14 +64,15 @@ def stored_band(model: RobotModel, logs: Sequence[Log], edge_hz: float) -> Band 
 
     Std: one block of a second left out at a time (jackknife).
     """
-    trials = _Trials(model, logs)
-    steps = round(np.log(ABOVE * edge_hz / LOWEST_HZ) / np.log(COARSE))
-    cutoffs = np.geomspace(LOWEST_HZ, ABOVE * edge_hz, max(steps, 3))
+    trials, criteria = _Trials(model, logs), model.criteria.stored_filter
+    highest = criteria.above_edge * edge_hz
+    steps = round(np.log(highest / criteria.lowest_hz) / np.log(criteria.coarse))
+    cutoffs = np.geomspace(criteria.lowest_hz, highest, max(steps, 3))
     best = int(np.argmin(_unexplained(trials.squares(USUAL, cutoffs))))
     if best in (0, len(cutoffs) - 1):
         return None
-    shape = _best_shape(trials, float(cutoffs[best]))
-    cutoffs = np.geomspace(shape.hz / NEAR, shape.hz * NEAR, FINE)
+    shape = _best_shape(trials, float(cutoffs[best]), criteria.widths)
+    cutoffs = np.geomspace(shape.hz / criteria.near, shape.hz * criteria.near, criteria.fine)
     squares = trials.squares(shape, cutoffs)
     total = squares.sum(axis=2, keepdims=True)
     hz = _lowest(cutoffs, _unexplained(squares))
@@ -106,8 +99,9 @@ class _Trials:
     def __init__(self, model: RobotModel, logs: Sequence[Log]) -> None:
         self._prepared = [model.prepare(log) for log in logs]
         self._turns = [TurnsOf(model.robot, log, model.at_rest) for log in logs]
-        self._free = [beside_rest(each) for each in self._prepared]
-        self._block = [(np.arange(log.samples) / (BLOCK_S * log.rate_hz)).astype(np.intp) for log in logs]
+        self._free = [beside_rest(each, model.criteria.stored_filter) for each in self._prepared]
+        block_s = model.criteria.judging.block_s
+        self._block = [(np.arange(log.samples) / (block_s * log.rate_hz)).astype(np.intp) for log in logs]
         measured = [measured_channels(model.equations, each, model.k_T) for each in self._prepared]
         smooth = [predictions(model.equations, _without_jumps(each), [model.identified])[0] for each in self._prepared]
         names = enumerate(f"tau.{joint.name}" for joint in model.robot.joints)
@@ -116,7 +110,7 @@ class _Trials:
         self._load = [[each[name] for each in smooth] for _, name in self._axes]
 
     def squares(self, shape: StoredPass, cutoffs: Sequence[float] | Array) -> Array:
-        """(cut-offs, joints, blocks) sums of squared residuals over a second each."""
+        """(cut-offs, joints, blocks) sums of squared residuals over a block each."""
         return np.array([self._left(replace(shape, hz=float(hz))) for hz in cutoffs])
 
     def _left(self, stored: StoredPass) -> Array:
@@ -141,14 +135,14 @@ def _without_jumps(prepared: Prepared) -> Prepared:
     return replace(prepared, stored_direction=nothing, stored_rest=nothing)
 
 
-def _best_shape(trials: _Trials, usual_hz: float) -> StoredPass:
+def _best_shape(trials: _Trials, usual_hz: float, widths: float) -> StoredPass:
     """Of all kinds and orders, passed once or there and back, each at its best cut-off."""
     found = []
     for kind, order, late in SHAPES:
         shape = StoredPass(usual_hz, order, late, kind)
         best = minimize_scalar(
             lambda log_hz, shape=shape: float(_unexplained(trials.squares(shape, [np.exp(log_hz)]))[0]),
-            bounds=(np.log(usual_hz / WIDTHS), np.log(usual_hz * WIDTHS)),
+            bounds=(np.log(usual_hz / widths), np.log(usual_hz * widths)),
             method="bounded",
             options={"xatol": 0.01},
         )

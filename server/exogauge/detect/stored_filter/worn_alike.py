@@ -7,13 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.detect.stored_filter.limit import ALIKE
+from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.identification.settings import Recording
 from exogauge.logs.stored_band import stored_edge
 from exogauge.support.settings import WornLog
 
 
-def filtered_alike(worn: Sequence[WornLog], recordings: Sequence[Recording]) -> tuple[WornLog, ...]:
+def filtered_alike(
+    worn: Sequence[WornLog], recordings: Sequence[Recording], criteria: StoredFilter
+) -> tuple[WornLog, ...]:
     """recordings: without a device, with the band that was found in them, if any (`band_limits`).
 
     A log with a device gets the same band where its spectrum ends where theirs do: bands pull as slowly as the robot
@@ -28,6 +30,6 @@ def filtered_alike(worn: Sequence[WornLog], recordings: Sequence[Recording]) -> 
 
     def alike(each: WornLog) -> bool:
         edge = stored_edge(each.log)
-        return edge is not None and middle / ALIKE < edge.hz < middle * ALIKE
+        return edge is not None and middle / criteria.alike < edge.hz < middle * criteria.alike
 
     return tuple(replace(each, log=replace(each.log, stored=stored)) if alike(each) else each for each in worn)

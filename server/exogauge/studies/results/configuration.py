@@ -45,7 +45,7 @@ def configuration_entry(
         "devices": [_wear(each, record.logs) for each in record.wears],
         "logs": [_log(each) for each in record.logs],
         "settings": {
-            **asdict(settings),
+            **stated_settings(settings),
             "cutoff_hz": found.cutoff_hz,
             "prior_strength": found.prior_strength,
             "motion_doubtful": support_settings.doubtful,
@@ -53,6 +53,11 @@ def configuration_entry(
         },
         "inputs_sha256": inputs_digest(inputs),
     }
+
+
+def stated_settings(settings: Settings) -> dict[str, Any]:
+    """Without the criteria, which are told with their reasons elsewhere."""
+    return {name: value for name, value in asdict(settings).items() if name != "criteria"}
 
 
 def inputs_digest(inputs: Iterable[Input]) -> str:

@@ -18,7 +18,8 @@ from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.intake.bundle import Input
 from exogauge.studies.intake.open import Step
-from exogauge.studies.results.configuration import configuration_entry, software
+from exogauge.studies.results.configuration import configuration_entry, software, stated_settings
+from exogauge.studies.results.criteria_results import criteria_entries
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.schema import StudyResults
 from exogauge.studies.results.scope import scope_entry
@@ -114,7 +115,8 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             else {"step": each.step, "status": "done"}
             for each in evaluation.steps
         ],
-        "settings": asdict(evaluation.settings),
+        "settings": stated_settings(evaluation.settings),
+        "criteria": criteria_entries(evaluation.settings.criteria),
         "warnings": [*evaluation.warnings, *found.warnings, *(support.warnings if support else ())],
         "doctor": list(evaluation.findings),
         "identification": {

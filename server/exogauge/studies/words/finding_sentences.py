@@ -13,7 +13,7 @@ from exogauge.findings.basis import BesideStated, Continued, FloorOf, LeftOut, L
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
 from exogauge.findings.result import Concentration, Consequence, Excess, Finding, HeldOut, Place
-from exogauge.findings.verdict import NEEDED_S, Caveat
+from exogauge.findings.verdict import Caveat
 from exogauge.studies.words.names import (
     NO_BREAK,
     at_place,
@@ -220,7 +220,7 @@ def reason_words(caveat: Caveat | None) -> str:
         case "too_short":
             many = "channels have" if caveat.others > 1 else "channel has"
             more = f"; {caveat.others} other {many} less than that, too" if caveat.others else ""
-            reason = f"{caveat.value:.1f} of {NEEDED_S:.0f} s of {steady} at {channel(caveat.of)}{more}"
+            reason = f"{caveat.value:.1f} of {caveat.needed:.0f} s of {steady} at {channel(caveat.of)}{more}"
         case "far" if caveat.of:
             reason = (
                 f"{channel(caveat.of)} stands at {caveat.value:.3g} noise floors, and {caveat.seconds:.1f} s of "

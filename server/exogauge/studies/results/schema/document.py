@@ -6,6 +6,7 @@ from typing import Literal, final
 
 from pydantic import Field
 
+from exogauge.studies.results.schema.criteria import Criterion
 from exogauge.studies.results.schema.device import BandStiffness, StiffnessFit, Support
 from exogauge.studies.results.schema.discrepancy import Discrepancy
 from exogauge.studies.results.schema.identification import Identification
@@ -70,6 +71,7 @@ class StudyResults(Part):
     inputs: list[InputFile] = Field(description="every file that was read")
     steps: list[StepDone] = Field(description="in order")
     settings: Settings = Field(description="as study.yaml has them")
+    criteria: list[Criterion] = later("by which numbers it was decided")
     warnings: list[str] = Field(description="in sentences")
     doctor: list[SignalDoubt] = Field(description="worst first, log by log")
     identification: Identification = Field(description="the robot")

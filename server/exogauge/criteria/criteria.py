@@ -1,0 +1,27 @@
+"""Every number that decides, for one run: the defaults, or those that "
+"`dataclasses.replace` puts in their place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+from exogauge.criteria.contact import Touching
+from exogauge.criteria.judging import Judging
+from exogauge.criteria.nominal import Contradicting
+from exogauge.criteria.searching import Searching
+from exogauge.criteria.stored_filter import StoredFilter
+from exogauge.criteria.telling import Telling
+
+
+@final
+@dataclass(frozen=True)
+class Criteria:
+    """One part for each subject."""
+
+    judging: Judging = field(default_factory=Judging)
+    search: Searching = field(default_factory=Searching)
+    stored_filter: StoredFilter = field(default_factory=StoredFilter)
+    contact: Touching = field(default_factory=Touching)
+    nominal: Contradicting = field(default_factory=Contradicting)
+    telling: Telling = field(default_factory=Telling)

@@ -1,0 +1,90 @@
+"""What a name has to hold wherever it is found, on a robot or on a device, and when a gap counts as one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.criterion import convention, criterion, derived, judgement, measured
+
+MISSING = "docs/decisions/0005-missing-effects.md"
+
+
+@final
+@dataclass(frozen=True)
+class Judging:
+    """evidence: twice the log likelihood, with as many samples as are independent, less the price of what was chosen.
+    z: standard errors of a mean over blocks."""
+
+    block_s: float = criterion(
+        1.0, "s", "blocks of this length count as independent: errors of joints forget within it", judgement(MISSING)
+    )
+    fewest_blocks: int = criterion(
+        5, "blocks", "below, the standard error of a mean over them is hardly known", judgement(MISSING)
+    )
+    sure: float = criterion(
+        3.0,
+        "z",
+        "the held-out square error has to fall by this: dozens of effects and shapes are tried for each joint",
+        judgement(MISSING),
+    )
+    once: float = criterion(
+        6.0,
+        "z",
+        "asked in place of `sure` of what the fitted logs alone show: nothing was held out that could confirm it",
+        judgement("docs/decisions/0011-rules-of-single-effects.md: made on 18 cases of stored low-passes"),
+    )
+    least: float = criterion(
+        0.05, "1", "share of the square error that has to go: less is real and worth no name", judgement(MISSING)
+    )
+    worse: float = criterion(3.0, "z", "no regime of motion may surely get worse", judgement(MISSING))
+    fewest_in_regime: int = criterion(
+        30,
+        "samples",
+        "with fewer a regime is not asked",
+        convention("thirty: from there on means count as normally distributed"),
+    )
+    worth_judging: float = criterion(
+        6.0, "evidence", "odds of twenty to one, before the number of candidates is counted", derived("2 ln 20 = 5.99")
+    )
+    open: float = criterion(
+        6.0,
+        "evidence",
+        "a lead of less, odds of twenty to one, leaves open which of two it is",
+        derived("2 ln 20 = 5.99"),
+    )
+    tell_apart: float = criterion(
+        2.0,
+        "z",
+        "a smaller lead by blocks leaves open which of two it is: one in twenty is chance",
+        derived("normal distribution, 95.4 %"),
+    )
+    significant: float = criterion(
+        2.0,
+        "std",
+        "the size of what is named has to differ from none by this: one in twenty, as with every interval told",
+        derived("normal distribution, 95.4 %"),
+    )
+    falls: float = criterion(
+        0.995,
+        "1",
+        "share of the error before that may be left at most: with more the two are told by the same three digits",
+        derived("half a unit of the third digit"),
+    )
+    above: float = criterion(
+        1.25,
+        "noise floors",
+        "from here on a channel is said to stand above its floor: below, the floor itself is not known better",
+        measured(f"{MISSING}: 40 channels of a robot in which nothing is hidden stand at 0.97 to 1.01"),
+    )
+    sure_above: float = criterion(
+        3.0,
+        "z",
+        "by which the mean square error has to stand above what noise alone leaves in as many rows",
+        judgement(MISSING),
+    )
+
+    @property
+    def needed_s(self) -> float:
+        """[s] of steady held-out motion of a channel, below which nothing is said of it."""
+        return self.fewest_blocks * self.block_s
