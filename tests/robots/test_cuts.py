@@ -10,6 +10,7 @@ from exogauge.errors import BadRobot
 from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.export import export_urdf
+from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import cut_regressor, cut_wrench, regressor
 from exogauge.robots.row_blocks import RowBlocks
@@ -131,6 +132,23 @@ def test_rows_in_base_parameters_are_the_dense_ones(sensors):
             assert block[:, :-2] == pytest.approx(dense[:, row, own], abs=1e-11)
             assert not block[:, -2:].any()
             assert not rest.any()
+
+
+@pytest.mark.parametrize("sensors", [(), ("wrist_ft",), ("wrist_ft", "foot_ft"), ("foot_ft", "wrist_ft")])
+@pytest.mark.parametrize("coupled", [False, True])
+def test_loads_are_the_rows_times_the_parameters(sensors, coupled):
+    tree, motion = _tree(*sensors), _motion()
+    base, C = find_base_parameters(tree), np.eye(3)
+    C[0, 2] = 0.5 if coupled else 0.0
+    phi = np.random.default_rng(3).normal(size=(base.rank, 2))
+    phi[:4, 1] = 0.0  # a body that asks for nothing
+    rows = RowBlocks(tree, base, C)
+    expected = [block @ phi[own] for block, own in zip(rows.fill(motion), rows.columns, strict=True)]
+    for frame in sensors:
+        cut = CutRows(tree, base, frame)
+        expected += [block @ phi[own] for block, own in zip(cut.fill(motion), cut.columns, strict=True)]
+    found = BodyLoads(tree, base, C, sensors).of(motion, phi)
+    assert found == pytest.approx(np.transpose(expected, (2, 0, 1)), abs=1e-10)
 
 
 def test_a_sensor_tells_the_tool_from_the_link_before_it():

@@ -64,14 +64,3 @@ def test_a_leaf_axis_has_seven_columns_and_a_force_row_no_inertia(robot):
     assert len(columns[5]) == base.rank
     assert len(columns[6 + tree.joints.index("leg_left_6_joint")]) == 7
     assert len(columns[6 + tree.joints.index("leg_left_1_joint")]) == 6 * 7
-
-
-@pytest.mark.parametrize("coupled", [False, True])
-@pytest.mark.parametrize("name", ["talos", "odd"])
-def test_one_axis_alone_is_its_block_to_the_last_bit(name, coupled, robot, random_motion):
-    tree, _, _ = robot(name)
-    base, motion = find_base_parameters(tree), random_motion(tree, 70)
-    rows = RowBlocks(tree, base, _coupling(tree) if coupled else np.eye(len(tree.joints)))
-    first = 6 if tree.floating else 0
-    for row, block in list(enumerate(rows.fill(motion)))[first:]:
-        assert np.array_equal(rows.fill_axis(row, motion), block)

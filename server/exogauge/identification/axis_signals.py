@@ -18,11 +18,11 @@ from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.undoing import StoredPositions
 from exogauge.robots.motion import Motion
+from exogauge.robots.swings import inertia_and_gravity_slope
 
 Array = NDArray[np.float64]
 
 EVERY_S = 0.1  # [s] between samples that are computed; both change with the posture alone
-NUDGE = 1e-3  # [rad] for the slope
 LEAST = 0.02  # of the usual inertia, in any posture
 
 
@@ -111,17 +111,6 @@ def _swings(model: RobotModel, prepared: Prepared) -> tuple[Array, Array, Array]
 
 def inertia_and_slope(equations: Equations, phi: Array, motion: Motion) -> tuple[Array, Array]:
     """(T, A) each. phi: (B,) base parameters."""
-    turns = np.linalg.inv(equations.robot.axes_from_joints)
-    still, nowhere = np.zeros_like(motion.q), np.zeros((motion.samples, 3))
-    inertia, slope = np.empty_like(motion.q), np.empty_like(motion.q)
-
-    def torque(axis: int, q: Array, ddq: Array, acc: Array) -> Array:
-        row = equations.layout.told.axis(axis)
-        return equations.of_bodies(Motion(q, still, ddq, acc, nowhere, nowhere), phi, slice(row, row + 1))[:, 0]
-
-    for axis in range(motion.q.shape[1]):
-        turn = turns[:, axis]
-        inertia[:, axis] = torque(axis, motion.q, still + turn, nowhere)
-        ahead, behind = (torque(axis, motion.q + side * NUDGE * turn, still, motion.acc) for side in (1.0, -1.0))
-        slope[:, axis] = (ahead - behind) / (2.0 * NUDGE)
-    return inertia, slope
+    robot, standard = equations.robot, np.zeros(10 * len(equations.robot.tree.bodies))
+    standard[equations.base.columns] = phi
+    return inertia_and_gravity_slope(robot.tree, robot.axes_from_joints, standard.reshape(-1, 10), motion)

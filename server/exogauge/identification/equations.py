@@ -25,6 +25,7 @@ from exogauge.identification.preparation import Prepared, View
 from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
+from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.rows import RowLayout, RowType
@@ -186,13 +187,18 @@ class Equations:
         alternatives: (P, L).
         """
         rows, kinds = range(*of.indices(len(self.layout.told))), self.layout.numbers(*TOLD)
-        out, blocks = np.empty((alternatives.shape[1], len(rows), prepared.log.samples)), None
-        for which in chunks(prepared.log.samples):
-            blocks = self.filled(prepared, which, view.signals(which), view.added, blocks)
-            sensors = self.filled_sensors(prepared, which, view.added) if rows.stop > len(blocks) else []
-            for place, row in enumerate(rows):
-                block, own = [*blocks, *sensors][row], self._columns[kinds[row]]
-                out[:, place, which] = (block[:, :-1] @ alternatives[own] - block[:, -1:]).T
+        out = self._loads.of(prepared.motion, alternatives[: self.base_size])[:, of]
+        signals = view.signals()
+        for place, row in enumerate(rows):
+            kind = kinds[row]
+            out[:, place] += prepared.smeared[:, row]
+            columns, entries = self.added_to(kind)
+            for column, entry in zip(columns + self.first_added, entries, strict=True):
+                out[:, place] -= np.multiply.outer(alternatives[column], view.added[:, entry])
+            if self.layout.rows[kind].type == RowType.AXIS:
+                axis = self.layout.rows[kind].place
+                for effect, column in zip(self.effects, self.effect_columns(axis), strict=True):
+                    out[:, place] -= np.multiply.outer(alternatives[column], effect.column(signals[axis]))
         return out
 
     def outside(self, prepared: Prepared, samples: slice | IntArray = EVERY) -> Array:
@@ -302,24 +308,14 @@ class Equations:
         return residual
 
     def of_bodies(self, motion: Motion, phi: Array, of: slice = EVERY) -> Array:
-        """(T, n, ...) Y φ of the told rows `of`. phi: (B, ...) base parameters, one set or several.
+        """(T, n, ...) Y φ of the told rows `of`. phi: (B, ...) base parameters, one set or several."""
+        found = self._loads.of(motion, phi.reshape(len(phi), -1))[:, of]
+        return np.ascontiguousarray(found.transpose(2, 1, 0)).reshape(motion.samples, -1, *phi.shape[1:])
 
-        By the rows that a fit takes: the compiled ones give all of a sample in a sixth of the time of inverse dynamics.
-        """
-        rows, first_sensor = range(*of.indices(len(self.layout.told))), len(self.blocks.columns)
-        out, blocks = np.empty((motion.samples, len(rows), *phi.shape[1:])), list[Array]()
-        for which in chunks(motion.samples):
-            some, found = motion.rows(which), dict[int, Array]()
-            if len(rows) == 1 and self.layout.told.rows[rows[0]].type == RowType.AXIS:
-                found = {rows[0]: self.blocks.fill_axis(rows[0], some)}
-            elif rows.start < first_sensor:
-                blocks = self.blocks.fill(some, 0, blocks)
-                found = dict(enumerate(blocks))
-            if rows.stop > first_sensor:
-                found |= enumerate((block for cut in self.cuts for block in cut.fill(some)), first_sensor)
-            for place, row in enumerate(rows):
-                out[which, place] = found[row] @ phi[self.body_columns[row]]
-        return out
+    @cached_property
+    def _loads(self) -> BodyLoads:
+        frames = [cut.frame for cut in self.cuts]
+        return BodyLoads(self.robot.tree, self.base, self.robot.axes_from_joints, frames)
 
 
 def chunks(samples: int) -> list[slice]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from exogauge.robots.tree import IntArray, RigidTree
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+TreeArrays: TypeAlias = tuple[Ints, Ints, NDArray[np.bool_], Array, Array, Array, Array, Array, Array]
 
 AXES = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])  # x, the next, the one after
 ENTRIES = np.array([[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2]])  # Ixx, Ixy, Iyy, Ixz, Iyz, Izz
@@ -42,11 +43,7 @@ class RowBlocks:
         self.tree, self.base, self.axes_from_joints = tree, base, axes_from_joints
         self.layout = layout = BlockColumns.of(tree, base, axes_from_joints)
         self.columns = layout.columns
-        k, n = Kinematics(tree), len(tree.bodies)
-        dof = np.where(tree.dof >= 0, tree.dof, len(tree.joints))
-        self._tree = (tree.parent.astype(np.int64), dof.astype(np.int64), tree.prismatic)
-        self._poses = (k.E_0.reshape(n, 9), k.E_c.reshape(n, 9), k.E_s.reshape(n, 9),
-                       k.axis_in_parent, k.p_before, k.offset_in_body)  # fmt: skip
+        self._tree, n = tree_arrays(Kinematics(tree)), len(tree.bodies)
         self._kept = (
             np.searchsorted(layout.mass_standard, 4 * np.arange(n + 1)).astype(np.int64),
             (layout.mass_standard % 4).astype(np.int64),
@@ -80,31 +77,30 @@ class RowBlocks:
         whole = buffer_of(blocks)
         if whole is None or not motion.samples:
             return blocks
-        first = np.cumsum([0, *(block.shape[1] for block in blocks)], dtype=np.int64)
-        self._fill(motion, self.tree.floating, self._segments, first, whole)
-        return blocks
-
-    def fill_axis(self, row: int, motion: Motion) -> Array:
-        """(T, k_r) the block of one axis row, as `fill` gives it, without the others."""
-        whole = np.empty((len(self.columns[row]), motion.samples))
-        segments, bodies, weights = self._segments
-        first = np.zeros(len(self.columns) + 1, dtype=np.int64)  # of rows without a segment here, nothing is written
-        if motion.samples:
-            self._fill(motion, False, (segments[segments[:, 0] == row], bodies, weights), first, whole)
-        return whole.T
-
-    def _fill(
-        self, motion: Motion, base_rows: bool, segments: tuple[Ints, Ints, Array], first: Ints, whole: Array
-    ) -> None:
-        """whole: (rows of all blocks, T). first: where each block begins in it."""
         from exogauge.loops.rows import fill_rows
 
-        rest = np.zeros((1, motion.samples))  # the last joint: that of bodies without one
-        q, dq, ddq = (np.concatenate([x, rest]) for x in (motion.q.T, motion.dq.T, motion.ddq.T))
-        signals = np.stack([q, np.cos(q), np.sin(q), dq, ddq])
-        base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
-        fill_rows(base_rows, *self._tree, *self._poses, *self._kept, *segments,
+        first = np.cumsum([0, *(block.shape[1] for block in blocks)], dtype=np.int64)
+        signals, base = signals_of(motion)
+        fill_rows(self.tree.floating, *self._tree, *self._kept, *self._segments,
                   signals, base, AXES, ENTRIES, first, whole)  # fmt: skip
+        return blocks
+
+
+def tree_arrays(of: Kinematics) -> TreeArrays:
+    """What the compiled sweep takes: parent, dof (J for none), which slide, and the constants of each body's joint."""
+    tree, n = of.tree, len(of.tree.bodies)
+    dof = np.where(tree.dof >= 0, tree.dof, len(tree.joints)).astype(np.int64)
+    E_0, E_c, E_s = (each.reshape(n, 9) for each in (of.E_0, of.E_c, of.E_s))
+    fixed = of.axis_in_parent, of.p_before, of.offset_in_body
+    return tree.parent.astype(np.int64), dof, tree.prismatic, E_0, E_c, E_s, *fixed
+
+
+def signals_of(motion: Motion) -> tuple[Array, Array]:
+    """(5, J + 1, T) q, cos q, sin q, dq, ddq, the last joint that of bodies without one; (9, T) acc, gyro, gyro_dot."""
+    rest = np.zeros((1, motion.samples))
+    q, dq, ddq = (np.concatenate([x.T, rest]) for x in (motion.q, motion.dq, motion.ddq))
+    base = np.concatenate([motion.acc.T, motion.gyro.T, motion.gyro_dot.T])
+    return np.stack([q, np.cos(q), np.sin(q), dq, ddq]), base
 
 
 def ready_blocks(
