@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import json
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from exogauge import __version__
 from exogauge.errors import ExogaugeError
+
+if TYPE_CHECKING:
+    from exogauge.client import Client, Job, Payload
 
 INCOMPLETE, BAD_INPUT = 1, 2
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -92,14 +96,19 @@ def _add_study_commands(commands: Commands) -> None:
     identify = steps.add_parser("run", help="identify it, and tell what is left of the wrench")
     identify.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     identify.add_argument("--out", type=Path, required=True, metavar="DIR", help="where results.json goes")
+    _add_server(identify)
     identify.set_defaults(command=run_payload)
     out = steps.add_parser("export", help="what was identified, for a robot's model or controller")
-    out.add_argument("results", type=Path, help="results.json of a payload, or its folder")
+    out.add_argument("results", help="results.json of a payload, or its folder; with --server the payload's id")
     out.add_argument("--format", required=True, metavar="FORMAT", help="json, csv, urdf, sdf, mjcf, ur, kuka or abb")
     pose = "pose of the sensor in the flange [m, °, about the flange's fixed axes] (default: all in the sensor's frame)"
     out.add_argument("--flange", type=float, nargs=6, metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"), help=pose)
     out.add_argument("--out", type=Path, metavar="FILE", help="write it there, and not to the screen")
+    _add_server(out)
     out.set_defaults(command=export_payload)
+    listed = steps.add_parser("list", help="payloads that a service holds, newest first")
+    _add_server(listed, needed=True)
+    listed.set_defaults(command=list_payloads)
     look = steps.add_parser("doctor", help="examine its logs before they are believed")
     look.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     look.set_defaults(command=examine_payload)
@@ -110,6 +119,7 @@ def _add_study_commands(commands: Commands) -> None:
         planned = steps.add_parser(what, help=help_text)
         planned.add_argument("payload", type=Path, help="payload.yaml with `plan`, or its folder")
         planned.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the CSV and the JSON go")
+        _add_server(planned)
         planned.set_defaults(command=plan_payload)
 
     mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
@@ -145,6 +155,10 @@ def _add_study_commands(commands: Commands) -> None:
     what_if.add_argument("--save", type=Path, metavar="FILE", help="write the changed device as device.yaml")
     what_if.add_argument("--json", action="store_true", help="the answer as JSON")
     what_if.set_defaults(command=ask_what_if, changes=[])
+
+
+def _add_server(step: argparse.ArgumentParser, *, needed: bool = False) -> None:
+    step.add_argument("--server", metavar="URL", required=needed, help="let the service at this address do it")
 
 
 def _add_synthetic_commands(commands: Commands) -> None:
@@ -252,6 +266,8 @@ def run_payload(options: argparse.Namespace) -> int:
     from exogauge.payload.intake import open_payload
     from exogauge.payload.results import results, summary, write_results
 
+    if options.server:
+        return send_payload(options, lambda client, payload: client.identify_payload(payload))
     evaluation = evaluate(open_payload(options.payload))
     path = write_results(evaluation, options.out)
     print(summary(results(evaluation)))
@@ -272,9 +288,16 @@ def examine_payload(options: argparse.Namespace) -> int:
 
 
 def export_payload(options: argparse.Namespace) -> int:
-    from exogauge.payload.exports.formats import export, read_results
+    from exogauge.payload.exports.formats import export, read_results, results_from
 
-    text = export(read_results(options.results), options.format, options.flange)
+    if options.server:
+        from exogauge.client import Client
+
+        with Client(options.server) as client:
+            found = results_from(json.dumps(client.payload_results(options.results)).encode(), "results.json")
+    else:
+        found = read_results(Path(options.results))
+    text = export(found, options.format, options.flange)
     if options.out is None:
         print(text, end="")
     else:
@@ -283,10 +306,37 @@ def export_payload(options: argparse.Namespace) -> int:
     return 0
 
 
+def list_payloads(options: argparse.Namespace) -> int:
+    from exogauge.client import Client
+    from exogauge.terminal import text_table
+
+    with Client(options.server) as client:
+        rows = [[each.id, each.name, each.version, len(each.summary.get("logs", ()))] for each in client.payloads()]
+    print(text_table(("id", "name", "version", "logs"), rows) if rows else "none")
+    return 0
+
+
+def send_payload(options: argparse.Namespace, ask: Callable[[Client, Payload], Job]) -> int:
+    """Hand it in, wait, and fetch what was made."""
+    from exogauge.client import Client
+
+    with Client(options.server) as client:
+        payload = client.upload_payload(options.payload)
+        job = client.wait(ask(client, payload))
+        written = client.download(job, options.out)
+    print(f"payload {payload.id}, version {payload.version}")
+    for path in written:
+        print(path)
+    return 0
+
+
 def plan_payload(options: argparse.Namespace) -> int:
     from exogauge.payload.planning.plan import open_plan, plan_excitation, plan_postures, summary, write_plan
     from exogauge.terminal import bar
 
+    if options.server:
+        what = "postures" if options.step == "postures" else "excitation"
+        return send_payload(options, lambda client, payload: client.plan_payload(payload, what))
     asked = open_plan(options.payload)
     with bar(options.step) as progress:
         plan = (plan_postures if options.step == "postures" else plan_excitation)(asked, progress)

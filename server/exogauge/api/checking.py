@@ -27,6 +27,11 @@ def check_device(folder: Path, robot_folder: Path, file: str = "device.yaml") ->
     return _ask("device", folder, BadStudy, file=file, robot_folder=str(robot_folder))
 
 
+def check_payload(folder: Path) -> dict[str, Any]:
+    """What the payload in `folder` is, after reading every log it names, and trying its plan's robot."""
+    return _ask("payload", folder, BadStudy)
+
+
 def check_log(folder: Path, file: str, mapping: str | None = None, robot: str | None = None) -> dict[str, Any]:
     return _ask("log", folder, BadLog, file=file, mapping=mapping, robot=robot)
 

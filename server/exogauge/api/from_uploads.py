@@ -1,12 +1,12 @@
-"""What arrived by resumable upload becomes a study or a log, by the same checks as what comes in one request."""
+"""What arrived by resumable upload becomes a study, a payload or a log, checked like what comes in one request."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, final
+from typing import Annotated, Any, TypeVar, final
 from uuid import UUID
 
 import yaml
@@ -15,15 +15,21 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from exogauge.api.dependencies import SettingsDep, StorageDep
 from exogauge.api.logs import MAPPING, receive
+from exogauge.api.payload_shapes import PayloadOut
+from exogauge.api.payloads import keep_payload
 from exogauge.api.shapes import LogOut, StudyOut
 from exogauge.api.studies import keep_study
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.api.uploads_resumable import FilesDep, remove, whole
 from exogauge.errors import BadInput, Fault
+from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
+from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.records import UploadRecord
+from exogauge.storage.store import Storage
 
 router = APIRouter(tags=["uploads"])
+Kept = TypeVar("Kept")
 FilePath = Annotated[str, Field(min_length=1, max_length=400)]
 MappingGiven = Annotated[dict[str, Any] | str, Field(description="the content of mapping.yaml, as JSON or as its text")]
 
@@ -57,14 +63,24 @@ def create_study_from_upload(
     wanted: StudyFromUpload, storage: StorageDep, settings: SettingsDep, files: FilesDep, response: Response
 ) -> StudyOut:
     """Check and store a study of files that were uploaded before; the uploads are used up when it is there."""
-    uploads = whole([str(key) for key in wanted.upload_ids], storage, files)
-    with scratch_folder(settings) as scratch:
-        with opened(uploads, named(wanted, [upload for upload, _ in uploads])) as parts:
-            lay_out(parts, scratch, settings)
-        study, new = keep_study(scratch, storage)
-    remove([upload for upload, _ in uploads], storage, files)
+    study, new = of_uploads(wanted, storage, settings, files, keep_study)
     response.status_code = 201 if new else 200
     return study
+
+
+@router.post(
+    "/payloads/from-upload",
+    operation_id="createPayloadFromUpload",
+    status_code=201,
+    responses={200: {"model": PayloadOut, "description": "The same files were there already"}},
+)
+def create_payload_from_upload(
+    wanted: StudyFromUpload, storage: StorageDep, settings: SettingsDep, files: FilesDep, response: Response
+) -> PayloadOut:
+    """Check and store a payload of files that were uploaded before; the uploads are used up when it is there."""
+    payload, new = of_uploads(wanted, storage, settings, files, keep_payload)
+    response.status_code = 201 if new else 200
+    return payload
 
 
 @router.post(
@@ -88,6 +104,23 @@ def create_log_from_upload(
     remove([upload], storage, files)
     response.status_code = 201 if new else 200
     return LogOut.model_validate(log)
+
+
+def of_uploads(
+    wanted: StudyFromUpload,
+    storage: Storage,
+    settings: Settings,
+    files: PartialFiles,
+    keep: Callable[[Path, Storage], tuple[Kept, bool]],
+) -> tuple[Kept, bool]:
+    """What `keep` makes of the folder that the uploads are laid out in; they are removed once it is kept."""
+    uploads = whole([str(key) for key in wanted.upload_ids], storage, files)
+    with scratch_folder(settings) as scratch:
+        with opened(uploads, named(wanted, [upload for upload, _ in uploads])) as parts:
+            lay_out(parts, scratch, settings)
+        kept = keep(scratch, storage)
+    remove([upload for upload, _ in uploads], storage, files)
+    return kept
 
 
 def named(wanted: StudyFromUpload, uploads: Sequence[UploadRecord]) -> list[str]:

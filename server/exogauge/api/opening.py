@@ -1,5 +1,5 @@
-"""The child process that opens an uploaded bundle: study, robot, device or log. Its one answer is a summary or the
-faults.
+"""The child process that opens an uploaded bundle: study, robot, device, payload or log. Its one answer is a summary
+or the faults.
 
 Run by `checking` as `python -I -m exogauge.api.opening` in a temporary folder of its own.
 """
@@ -86,6 +86,22 @@ def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:
         "warnings": [vars(doubt) for doubt in doubts],
         "reads": [each.file for each in bundle.inputs],
     }
+
+
+def payload(folder: str) -> dict[str, Any]:
+    """payload.yaml, every log from its first row to its last, and the robot of its plan at home."""
+    from exogauge.errors import BadStudy, Fault
+    from exogauge.payload.intake import open_payload
+    from exogauge.payload.planning.plan import open_plan
+    from exogauge.payload.summary import summary
+
+    opened = open_payload(Path(folder))
+    if opened.file.plan is not None:
+        open_plan(Path(folder))
+    elif not opened.recordings:
+        advice = "Name `logs` to identify it, or add `plan`."
+        raise BadStudy(Fault("there is nothing to identify and nothing to plan", "no_logs", advice, opened.name))
+    return summary(opened)
 
 
 def log(folder: str, file: str, mapping: str | None, robot: str | None) -> dict[str, Any]:
@@ -185,4 +201,4 @@ def span(read: Any) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    serve({"study": study, "robot": robot, "device": device, "log": log})
+    serve({"study": study, "robot": robot, "device": device, "payload": payload, "log": log})

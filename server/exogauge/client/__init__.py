@@ -8,6 +8,6 @@
 
 from exogauge.client.client import Client
 from exogauge.client.problem import ClientProblem
-from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, WhatIf
+from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf
 
-__all__ = ["Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Robot", "Study", "WhatIf"]
+__all__ = ["Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Payload", "Robot", "Study", "WhatIf"]

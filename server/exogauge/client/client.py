@@ -15,7 +15,7 @@ import httpx
 from exogauge.client.bundle import zipped, zipped_description
 from exogauge.client.problem import ClientProblem, problem_of_job
 from exogauge.client.resumable import upload
-from exogauge.client.things import Artifact, Device, Job, Log, Robot, Study, WhatIf, thing
+from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
 from exogauge.client.transport import Transport
 from exogauge.terminal import bar
 
@@ -23,7 +23,7 @@ Thing = TypeVar("Thing")
 
 POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
-STUDY, ROBOT, DEVICE = "study.yaml", "robot.yaml", "device.yaml"
+STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
 YAML = (".yaml", ".yml")
 
 
@@ -51,14 +51,12 @@ class Client:
 
         From 64 MiB on it goes up in pieces and survives broken connections; a bar on stderr shows what has arrived.
         """
-        source = Path(path)
-        source = source.parent if source.name == STUDY else source
-        with tempfile.TemporaryDirectory() as temporary:
-            if source.is_dir():
-                source = zipped(source, STUDY, Path(temporary) / f"{source.resolve().name}.zip")
-            if source.is_file() and source.stat().st_size >= LARGE:
-                return self.study_of_uploads([self.upload(source, progress=True)])
-            return thing(Study, self._http.post("studies", files={"files": source}))
+        return thing(Study, self._upload_logs("studies", Path(path), STUDY))
+
+    def upload_payload(self, path: str | Path) -> Payload:
+        """A payload's folder, its payload.yaml, or a zip; large ones as large studies. Other files under the same name
+        are its next version."""
+        return thing(Payload, self._upload_logs("payloads", Path(path), PAYLOAD))
 
     def upload(self, file: str | Path, *, progress: bool = False) -> str:
         """Send one file of any size in pieces, going on where it was when the line breaks; returns the upload's id."""
@@ -120,12 +118,47 @@ class Client:
         asked = {"name": name, "robot_id": None if robot is None else id_of(robot)}
         return self._all("devices", Device, {key: value for key, value in asked.items() if value is not None})
 
+    def payloads(self, name: str | None = None) -> Iterator[Payload]:
+        """All payloads, newest first; the versions of one name, where given."""
+        return self._all("payloads", Payload, {} if name is None else {"name": name})
+
+    def payload(self, payload: Payload | str) -> Payload:
+        return thing(Payload, self._http.get(f"payloads/{id_of(payload)}"))
+
+    def identify_payload(self, payload: Payload | str, settings: Mapping[str, Any] | None = None) -> Job:
+        """Ask for mass, centre, inertia, zero and inclination. settings: override those of payload.yaml."""
+        body = {"payload_id": id_of(payload), "kind": "payload", "settings": dict(settings or {})}
+        return thing(Job, self._http.post("jobs", body))
+
+    def plan_payload(self, payload: Payload | str, what: str) -> Job:
+        """Ask what to record. what: postures or excitation."""
+        return thing(Job, self._http.post(f"payloads/{id_of(payload)}/plans", {"what": what}))
+
+    def payload_plans(self, payload: Payload | str) -> list[dict[str, Any]]:
+        """Newest first: [{job, found: what it will tell, or None, files}]."""
+        answer: list[dict[str, Any]] = self._http.get(f"payloads/{id_of(payload)}/plans")["items"]
+        return answer
+
+    def payload_results(self, payload: Payload | str) -> dict[str, Any]:
+        """results.json of the payload's latest job that succeeded."""
+        answer: dict[str, Any] = self._http.get(f"payloads/{id_of(payload)}/results")
+        return answer
+
+    def export_payload(
+        self, payload: Payload | str, form: str, target: str | Path, flange: Sequence[float] | None = None
+    ) -> Path:
+        """What was identified, written to `target`. form: json, csv, urdf, sdf, mjcf, ur, kuka or abb. flange: the
+        sensor's pose in it, x, y, z [m], roll, pitch, yaw [°]; without it all is in the sensor's frame."""
+        asked = httpx.QueryParams([("flange", repr(float(x))) for x in flange or ()])
+        return self._http.download(f"payloads/{id_of(payload)}/exports/{quote(form)}?{asked}", Path(target))
+
     def device(self, device: Device | str) -> Device:
         return thing(Device, self._http.get(f"devices/{id_of(device)}"))
 
-    def jobs(self, study: Study | str | None = None) -> Iterator[Job]:
-        """All jobs, newest first; of one study where given."""
-        return self._all("jobs", Job, {} if study is None else {"study_id": id_of(study)})
+    def jobs(self, study: Study | str | None = None, payload: Payload | str | None = None) -> Iterator[Job]:
+        """All jobs, newest first; of one study or payload where given."""
+        asked = {"study_id": study, "payload_id": payload}
+        return self._all("jobs", Job, {key: id_of(owner) for key, owner in asked.items() if owner is not None})
 
     def study(self, study: Study | str) -> Study:
         return thing(Study, self._http.get(f"studies/{id_of(study)}"))
@@ -260,6 +293,16 @@ class Client:
                 written.append(self._http.download(quote(artifact.href), target))
         return written
 
+    def _upload_logs(self, path: str, source: Path, main: str) -> Any:
+        """A folder with logs, which may be large."""
+        source = source.parent if source.name == main else source
+        with tempfile.TemporaryDirectory() as temporary:
+            if source.is_dir():
+                source = zipped(source, main, Path(temporary) / f"{source.resolve().name}.zip")
+            if source.is_file() and source.stat().st_size >= LARGE:
+                return self._http.post(f"{path}/from-upload", {"upload_ids": [self.upload(source, progress=True)]})
+            return self._http.post(path, files={"files": source})
+
     def _upload_bundle(self, path: str, source: Path, main: str, form: Mapping[str, str] | None = None) -> Any:
         source = source.parent if source.name == main else source
         if not source.is_dir():
@@ -294,7 +337,7 @@ class Client:
         self.close()
 
 
-def id_of(thing: Robot | Device | Study | Job | str) -> str:
+def id_of(thing: Robot | Device | Study | Payload | Job | str) -> str:
     """Records and plain ids are both accepted."""
     return thing if isinstance(thing, str) else thing.id
 

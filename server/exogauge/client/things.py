@@ -59,20 +59,35 @@ class Study:
 
 @final
 @dataclass(frozen=True)
+class Payload:
+    """One version of a payload. summary: its sensor, pose, logs, what may be planned."""
+
+    id: str
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
 class Job:
-    """state: queued, running, succeeded, failed or cancelled. progress: 0..1. place: where in the queue, in words;
-    ahead: how many start before it. steps: [{message, progress, started_at, seconds}] of the present attempt.
+    """study_id, payload_id: one of them is what it is of. state: queued, running, succeeded, failed or cancelled.
+
+    progress: 0..1. place: where in the queue, in words; ahead: how many start before it. steps: [{message, progress,
+    started_at, seconds}] of the present attempt.
 
     reason: why it did not succeed; problem: the same with `errors` (file, row, column, value, advice), where what was
     handed in is to blame.
     """
 
     id: str
-    study_id: str
+    study_id: str | None
     kind: str
     state: str
     progress: float
     message: str
+    payload_id: str | None = None
     place: str | None = None
     ahead: int | None = None
     steps: Sequence[Mapping[str, Any]] = field(default=(), repr=False)

@@ -11,9 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, final
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from exogauge.errors import BadInput, BadStudy, Fault
+from exogauge.payload.contract import SettingsEntry as PayloadSettings
 from exogauge.studies.device_pages.change_entries import WhatIfSettings
 from exogauge.studies.intake.contract import SettingsEntry
 
@@ -42,7 +43,8 @@ class Recipe:
         if self.settings is None:
             return dict(settings)
         try:
-            return self.settings.model_validate(settings).model_dump(mode="json", exclude_none=True)
+            asked = self.settings.model_validate(settings)
+            return asked.model_dump(mode="json", exclude_none=True, exclude_unset=True)
         except ValidationError as error:
             raise BadInput([as_fault(entry["loc"], entry["msg"], entry["type"]) for entry in error.errors()]) from error
 
@@ -68,6 +70,30 @@ def a_worn_log(summary: Mapping[str, Any]) -> list[Fault]:
     return [Fault(detail, "no_worn_log", advice, "study.yaml", column="logs", value=found)]
 
 
+def a_log_that_identifies(summary: Mapping[str, Any]) -> list[Fault]:
+    found = dict.fromkeys(str(log.get("role")) for log in summary.get("logs", ()))
+    if {"postures", "excitation"} & set(found):
+        return []
+    advice = "Give a log the role `postures` (the arm stops here and there) or `excitation`."
+    told = ", ".join(found) or "none"
+    return [Fault("no log identifies the payload", "no_role", advice, "payload.yaml", column="logs", value=told)]
+
+
+def a_plan(summary: Mapping[str, Any]) -> list[Fault]:
+    if summary.get("plan"):
+        return []
+    advice = "Add `plan` with joints, home, …"
+    return [Fault("nothing says what may be planned", "no_plan", advice, "payload.yaml", column="plan")]
+
+
+@final
+class PlanSettings(BaseModel):
+    """What is planned."""
+
+    model_config = ConfigDict(extra="forbid")
+    what: Literal["postures", "excitation"]
+
+
 SIX_HOURS_S, EVALUATING = 6 * 3600.0, "exogauge.studies.evaluate"
 EVALUATE = Recipe("evaluate", f"{EVALUATING}:evaluate", SIX_HOURS_S, SettingsEntry)
 SUPPORT = Recipe("support", f"{EVALUATING}:evaluate_support", SIX_HOURS_S, SettingsEntry, a_worn_log)
@@ -75,7 +101,14 @@ STIFFNESS = Recipe("stiffness", f"{EVALUATING}:evaluate_stiffness", SIX_HOURS_S,
 WHAT_IF = Recipe(
     "whatif", "exogauge.studies.device_pages.what_if:compute", 3600.0, WhatIfSettings, result="what_if.json"
 )
-RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF)}
+PAYLOAD = Recipe(
+    "payload", "exogauge.payload.compute:identify", SIX_HOURS_S, PayloadSettings, a_log_that_identifies, of="payload"
+)
+PAYLOAD_PLAN = Recipe(
+    "payload_plan", "exogauge.payload.compute:plan", SIX_HOURS_S, PlanSettings, a_plan, "plan.json", "payload"
+)
+KINDS = (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF, PAYLOAD, PAYLOAD_PLAN)
+RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in KINDS}
 
 
 def recipe_for(kind: str) -> Recipe:

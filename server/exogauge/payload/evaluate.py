@@ -118,8 +118,9 @@ class Evaluation:
     warnings: tuple[str, ...]
 
 
-def evaluate(payload: Payload) -> Evaluation:
-    """Raises BadInput, NotIdentifiable."""
+def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda share, doing: None) -> Evaluation:
+    """progress: share done and what is being done. Raises BadInput, NotIdentifiable."""
+    progress(0.0, "postures")
     warnings: list[str] = []
     gravity, imu = np.array(payload.file.gravity), None
     postures = _postures(payload, warnings) if payload.of("postures") else None
@@ -129,6 +130,7 @@ def evaluate(payload: Payload) -> Evaluation:
     if payload.file.imu is not None and postures:
         imu = _imu(payload, postures, gravity)
     excitation = None
+    progress(0.1, "excitation")
     moved = [moving(payload, recording, gravity, imu) for recording in payload.of("excitation")]
     if moved:
         excitation = _excitation(payload, postures, moved, gravity, sign, warnings)
@@ -138,6 +140,7 @@ def evaluate(payload: Payload) -> Evaluation:
     tests: dict[str, dict[str, Remainder]] = {}
     touches: dict[str, tuple[Touch, ...]] = {}
     thresholds: dict[str, float] = {}
+    progress(0.7, "what is left")
     compensation = _compensation(payload, postures, excitation, gravity, sign)
     ignoring = _level(payload, postures, moved) if payload.of("test") else None
     for recording in payload.of("test"):

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.errors import BadInput, Fault
-from exogauge.payload.results import PayloadResults
+from exogauge.payload.schema import PayloadResults
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from exogauge.errors import BadInput, Fault
 from exogauge.payload.exports import abb, as_csv, as_json, kuka, mjcf, sdf, ur, urdf
 from exogauge.payload.exports.body import Body, body_of, in_flange
-from exogauge.payload.results import PayloadResults
+from exogauge.payload.schema import PayloadResults
 from exogauge.studies.intake.yaml_file import suggestion
 
 

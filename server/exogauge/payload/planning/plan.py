@@ -6,13 +6,11 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
 
-from exogauge import __version__
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile, PlanEntry
 from exogauge.payload.dynamics import (
@@ -29,6 +27,7 @@ from exogauge.payload.planning.arm import CONTINUOUS, Arm, Component, Limits
 from exogauge.payload.planning.excitation import Series, Task, excite
 from exogauge.payload.planning.postures import Believed, algorithm_1, choose, least_travel
 from exogauge.payload.planning.workspace import Cap, inside
+from exogauge.payload.schema import Certainty, Found
 from exogauge.payload.sensor_motion import from_joints
 from exogauge.payload.statics import StaticSolution
 from exogauge.robots.parameters import UNITS
@@ -46,38 +45,6 @@ ON_THE_WAY = 12  # places between two postures at which a straight move is tried
 SEED = 0
 STATIC_NAMES = ("m", "cx", "cy", "cz", *ZERO_NAMES, "U", "V")
 STATIC_UNITS = ("kg", *("m",) * 3, *("N",) * 3, *("N·m",) * 3, "°", "°")
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
-
-
-class Certainty(_Part):
-    """std: standard deviation with the plan's data; before: without it, None where nothing is known."""
-
-    name: str
-    unit: str
-    std: float
-    before: float | None
-    decided: bool
-
-
-class Found(_Part):
-    """condition: of the force and the moment part, of postures. strain: largest share of a bound at 1 kHz, of motion;
-    starts: mean ln of the standard deviations that each of them reached. undecided: names."""
-
-    version: Literal[1] = 1
-    exogauge: str = __version__
-    name: str
-    kind: Literal["postures", "excitation"]
-    choice: str
-    certainties: list[Certainty]
-    undecided: list[str]
-    seconds: float
-    condition: tuple[float, float] | None = None
-    strain: float | None = None
-    starts: list[float] | None = None
-    warnings: list[str]
 
 
 @final

@@ -1,0 +1,167 @@
+"""Payloads: payload.yaml with its URDF and logs, what was identified of them, and what to record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Path as InPath
+
+from exogauge.api import checking
+from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
+from exogauge.api.dependencies import (
+    NO_NUL,
+    Cursor,
+    Id,
+    Limit,
+    ReaderDep,
+    Search,
+    SettingsDep,
+    StorageDep,
+    StoreDep,
+    encoded_cursor,
+)
+from exogauge.api.jobs import JobOut, QueueDep, located
+from exogauge.api.payload_shapes import PayloadList, PayloadOut, PlanList, PlanOut, PlanRequest
+from exogauge.api.results import ANY_FILE, NOT_MODIFIED, FilePath, file_response
+from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.jobs import requests
+from exogauge.payload.schema import PayloadResults
+from exogauge.storage.files import keep_folder
+from exogauge.storage.store import Storage, Store
+
+router = APIRouter(tags=["payloads"])
+PAYLOAD = "payload.yaml"
+PLANS, MOST_PLANS = "payload_plan", 50
+FORM = bundle_schema("payload.yaml and what it names, under their relative paths, or one zip of them")
+RESULTS: dict[int | str, dict[str, Any]] = {
+    200: {"description": "results.json", "model": PayloadResults},
+    304: NOT_MODIFIED,
+}
+EXPORT: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The file", "content": {"*/*": {"schema": {"type": "string"}}}}
+}
+Flange = Annotated[
+    list[float] | None,
+    Query(
+        min_length=6,
+        max_length=6,
+        description="the sensor's pose in the flange: x, y, z [m], roll, pitch, yaw [°], one parameter each; without "
+        "it all is in the sensor's frame",
+    ),
+]
+
+
+@router.post(
+    "/payloads",
+    operation_id="createPayload",
+    status_code=201,
+    responses={200: {"model": PayloadOut, "description": "The same files were there already"}},
+    openapi_extra=FORM,
+)
+def create_payload(
+    upload: Annotated[BundleUpload, Depends(bundle_body)],
+    storage: StorageDep,
+    settings: SettingsDep,
+    response: Response,
+) -> PayloadOut:
+    """Check and store a payload; every log is read. Other files under the same name become its next version."""
+    with scratch_folder(settings) as scratch:
+        lay_out(upload.files, scratch, settings)
+        payload, new = keep_payload(scratch, storage)
+    response.status_code = 201 if new else 200
+    return payload
+
+
+@router.get("/payloads", operation_id="listPayloads")
+def list_payloads(
+    store: ReaderDep,
+    cursor: Cursor,
+    limit: Limit = 50,
+    search: Search = "",
+    name: Annotated[
+        str | None, Query(max_length=200, pattern=NO_NUL, description="only this payload: its versions")
+    ] = None,
+) -> PayloadList:
+    page = store.payloads.page(cursor, limit, search=search, name=name)
+    jobs = store.jobs.latest([payload.id for payload in page.items])
+    items = [PayloadOut.of(payload, jobs.get(payload.id)) for payload in page.items]
+    return PayloadList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/payloads/{payload_id}", operation_id="getPayload")
+def get_payload(payload_id: Id, store: ReaderDep) -> PayloadOut:
+    payload = store.payloads.get(str(payload_id))
+    return PayloadOut.of(payload, store.jobs.latest([payload.id]).get(payload.id), store.payloads.files(payload.id))
+
+
+@router.get("/payloads/{payload_id}/files/{path:path}", operation_id="getPayloadFile", responses=ANY_FILE)
+def get_payload_file(payload_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
+    """One file as it was handed in; ranges and If-None-Match are honoured."""
+    file = store.payloads.file(str(payload_id), path)
+    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+
+
+@router.get("/payloads/{payload_id}/results", operation_id="getPayloadResults", responses=RESULTS)
+def get_payload_results(payload_id: Id, store: ReaderDep, request: Request) -> Response:
+    """results.json of the payload's latest job that succeeded."""
+    store.payloads.get(str(payload_id))
+    result = store.results.of_payload(str(payload_id))
+    return file_response(store.blobs, request, result.sha256, "results.json", "application/json")
+
+
+@router.get("/payloads/{payload_id}/exports/{format}", operation_id="exportPayload", responses=EXPORT)
+def export_payload(
+    payload_id: Id,
+    format: Annotated[str, InPath(max_length=20, description="json, csv, urdf, sdf, mjcf, ur, kuka or abb")],
+    store: ReaderDep,
+    flange: Flange = None,
+) -> Response:
+    """What the latest job identified, for a robot's model or controller; frame and units are said in it."""
+    from exogauge.payload.exports.formats import export, format_of, results_from
+
+    store.payloads.get(str(payload_id))
+    wanted = format_of(format)
+    with store.blobs.open(store.results.of_payload(str(payload_id)).sha256) as stream:
+        text = export(results_from(stream.read(), "results.json"), format, flange)
+    headers = {"Content-Disposition": f'attachment; filename="payload{wanted.suffix}"'}
+    return Response(text, media_type=wanted.media_type, headers=headers)
+
+
+@router.post(
+    "/payloads/{payload_id}/plans", operation_id="planPayload", status_code=202, responses={200: {"model": JobOut}}
+)
+def plan_payload(
+    payload_id: Id, wanted: PlanRequest, request: Request, response: Response, store: StoreDep, queue: QueueDep
+) -> JobOut:
+    """Plan what to record. 202: a new job. 200: an equal request is queued, running or succeeded already."""
+    store.payloads.get(str(payload_id))
+    job, new = requests.submit(store, queue, str(payload_id), PLANS, wanted.model_dump())
+    return located(JobOut.of(job, store.session), new, request, response)
+
+
+@router.get("/payloads/{payload_id}/plans", operation_id="listPayloadPlans")
+def list_payload_plans(payload_id: Id, store: ReaderDep) -> PlanList:
+    """The 50 newest, newest first; those that are still planned, or failed, have no `found`."""
+    store.payloads.get(str(payload_id))
+    jobs = store.jobs.page(None, MOST_PLANS, payload_id=str(payload_id), kind=PLANS).items
+    return PlanList(items=[plan_of(store, job) for job in JobOut.of_each(jobs, store.session)])
+
+
+def plan_of(store: Store, job: JobOut) -> PlanOut:
+    if job.state != "succeeded":
+        return PlanOut(job=job, found=None, files=[])
+    with store.blobs.open(store.results.of_job(job.id).sha256) as stream:
+        return PlanOut.of(job, stream.read(), store.results.artifacts(job.id))
+
+
+def keep_payload(folder: Path, storage: Storage) -> tuple[PayloadOut, bool]:
+    """The payload below `folder`, checked and stored, and whether it is new."""
+    root = root_of(folder, PAYLOAD)
+    summary = checking.check_payload(root)
+    files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        payload, new = store.payloads.add(summary["name"], files, summary)
+        job = store.jobs.latest([payload.id]).get(payload.id)
+    return PayloadOut.of(payload, job, files), new

@@ -1,0 +1,41 @@
+"""What the service computes of a payload: identification and plans, as `compute(folder, out, progress, settings)`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from exogauge.payload.contract import SettingsEntry
+from exogauge.payload.evaluate import evaluate
+from exogauge.payload.intake import Payload, open_payload
+from exogauge.payload.planning.plan import open_plan, plan_excitation, plan_postures, write_plan
+from exogauge.payload.results import write_results
+
+PLAN = "plan.json"
+READ = 0.1  # of a job: by then the logs are in memory
+Progress = Callable[[float, str], None]
+
+
+def identify(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
+    """results.json and its schema. settings: override those of payload.yaml."""
+    progress(0.0, "reading logs")
+    payload = with_settings(open_payload(folder), settings)
+    evaluation = evaluate(payload, lambda share, doing: progress(READ + (0.95 - READ) * share, doing))
+    progress(0.95, "writing results")
+    write_results(evaluation, out)
+
+
+def plan(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
+    """plan.json, and postures.csv or excitation.csv. settings: `what` is planned."""
+    progress(0.0, "reading the robot")
+    asked = open_plan(folder)
+    make = plan_postures if settings["what"] == "postures" else plan_excitation
+    _, told = write_plan(make(asked, progress), out)
+    told.rename(out / PLAN)
+
+
+def with_settings(payload: Payload, settings: Mapping[str, Any]) -> Payload:
+    merged = SettingsEntry.model_validate({**payload.file.settings.model_dump(), **settings})
+    return replace(payload, file=payload.file.model_copy(update={"settings": merged}))

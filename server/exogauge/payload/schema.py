@@ -1,0 +1,153 @@
+"""The shape of a payload's results.json, and of the JSON beside a plan. Loads no numerics."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from exogauge import __version__
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Value(_Part):
+    """std: standard deviation; low, high: 95 % interval. identified: False where a belief decides it."""
+
+    name: str
+    unit: str
+    value: float
+    std: float
+    low: float
+    high: float
+    identified: bool = True
+
+
+class LeftOutErrors(_Part):
+    """Root mean square in a posture that was not fitted."""
+
+    force_n: float
+    moment_nm: float
+
+
+class Further(_Part):
+    """gravity: its direction in the sensor's axes, of the posture that would tell most; std_then: by name."""
+
+    gravity: tuple[float, float, float]
+    std_then: dict[str, float]
+
+
+class StaticResults(_Part):
+    """covariance: of `values`, in their order and units."""
+
+    postures: int
+    condition_force: float
+    condition_moment: float
+    inclined: bool
+    left_out_level: LeftOutErrors | None
+    left_out_inclined: LeftOutErrors | None
+    values: list[Value]
+    covariance: list[list[float]]
+    by_method: dict[str, dict[str, float]]
+    further: Further
+    residual_force_n: float
+    residual_moment_nm: float
+
+
+class DynamicResults(_Part):
+    """covariance: of `values`, in their order and units. mu: residual over what the stated noise explains; None where
+    that is not known. least_squares_would_do: None where only LS was run. possible: values of the likeliest body that
+    can exist, where the estimate is none."""
+
+    method: str
+    mu: float | None
+    mu_std: float | None
+    values: list[Value]
+    covariance: list[list[float]]
+    by_method: dict[str, dict[str, float]]
+    recursion: dict[str, float]
+    least_squares_would_do: bool | None
+    mass_from_motion_alone: Value
+    possible: dict[str, float] | None
+    cost_of_possible: float
+    residual_rms: list[float]
+    jerk_density: list[float]
+    left_out_s: list[tuple[float, float]]
+
+
+class RemainderResults(_Part):
+    """Force [N], then moment [N·m]: norm at t = 0, its mean and std; per axis rms, largest, and largest after the
+    secondary zero."""
+
+    first: tuple[float, float]
+    mean: tuple[float, float]
+    std: tuple[float, float]
+    rms: list[float]
+    most: list[float]
+    most_after_zero: list[float]
+    zero_helps: float
+
+
+class ContactResults(_Part):
+    """force_n: largest force on the payload, in the sensor's axes."""
+
+    start_s: float
+    end_s: float
+    force_n: tuple[float, float, float]
+
+
+class ImuResults(_Part):
+    rotation_sensor_imu: list[list[float]]
+    angle_deg: float
+    bias: tuple[float, float, float]
+    lag_ms: float
+    lag_std_ms: float
+    rms: float
+
+
+class PayloadResults(_Part):
+    """frame: of every vector. sees: told from the data."""
+
+    version: Literal[1]
+    exogauge: str
+    name: str
+    frame: str
+    sees: Literal["payload_on_sensor", "sensor_on_payload"]
+    static: StaticResults | None
+    dynamic: DynamicResults | None
+    tests: dict[str, dict[str, RemainderResults]]
+    contacts: dict[str, list[ContactResults]]
+    contact_threshold_n: dict[str, float]
+    imu: ImuResults | None
+    mass_error_kg: float | None
+    warnings: list[str]
+
+
+class Certainty(_Part):
+    """std: standard deviation with the plan's data; before: without it, None where nothing is known."""
+
+    name: str
+    unit: str
+    std: float
+    before: float | None
+    decided: bool
+
+
+class Found(_Part):
+    """condition: of the force and the moment part, of postures. strain: largest share of a bound at 1 kHz, of motion;
+    starts: mean ln of the standard deviations that each of them reached. undecided: names."""
+
+    version: Literal[1] = 1
+    exogauge: str = __version__
+    name: str
+    kind: Literal["postures", "excitation"]
+    choice: str
+    certainties: list[Certainty]
+    undecided: list[str]
+    seconds: float
+    condition: tuple[float, float] | None = None
+    strain: float | None = None
+    starts: list[float] | None = None
+    warnings: list[str]
