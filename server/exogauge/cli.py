@@ -112,6 +112,13 @@ def _add_study_commands(commands: Commands) -> None:
     look = steps.add_parser("doctor", help="examine its logs before they are believed")
     look.add_argument("payload", type=Path, help="payload.yaml, or its folder")
     look.set_defaults(command=examine_payload)
+    live = steps.add_parser("live", help="identify and compensate it sample by sample: from a log, or lines on stdin")
+    live.add_argument("payload", type=Path, help="payload.yaml, or its folder: what is known when the stream begins")
+    live.add_argument("--log", type=Path, metavar="FILE", help="read as if it were live; without it: lines on stdin")
+    live.add_argument("--rate", type=float, default=250.0, metavar="HZ", help="of the samples (default: 250)")
+    live.add_argument("--out", type=Path, metavar="FILE.csv", help="write the contact wrench of every sample there")
+    live.add_argument("--json", action="store_true", help="every message as a line of JSON")
+    live.set_defaults(command=follow_payload)
     for what, help_text in (
         ("postures", "plan the postures that tell most of it"),
         ("excite", "plan the motion that tells most of its inertia"),
@@ -328,6 +335,25 @@ def send_payload(options: argparse.Namespace, ask: Callable[[Client, Payload], J
     for path in written:
         print(path)
     return 0
+
+
+def follow_payload(options: argparse.Namespace) -> int:
+    """1 when a sample was refused."""
+    import json
+    from contextlib import ExitStack
+
+    from exogauge.payload.live_lines import Stream, from_lines, from_log
+    from exogauge.payload.live_start import open_start
+    from exogauge.payload.live_text import lines, written
+
+    stream = Stream(*open_start(options.payload), options.rate)
+    messages = from_lines(sys.stdin, stream) if options.log is None else from_log(options.log, stream)
+    with ExitStack() as opened:
+        if options.out is not None:
+            messages = written(messages, opened.enter_context(options.out.open("w", encoding="utf-8")))
+        for line in (json.dumps(each) for each in messages) if options.json else lines(messages):
+            print(line, flush=True)
+    return 1 if stream.arrivals.counts.refused else 0
 
 
 def plan_payload(options: argparse.Namespace) -> int:

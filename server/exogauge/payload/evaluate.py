@@ -124,7 +124,7 @@ def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda s
     warnings: list[str] = []
     gravity, imu = np.array(payload.file.gravity), None
     postures = _postures(payload, warnings) if payload.of("postures") else None
-    sign = postures.chosen.sign if postures else _stated_sign(payload)
+    sign = postures.chosen.sign if postures else stated_sign(payload)
     if postures:
         gravity = postures.chosen.gravity
     if payload.file.imu is not None and postures:
@@ -366,7 +366,8 @@ def _sign(sees: str) -> int:
     return -int(SIGN[sees])
 
 
-def _stated_sign(payload: Payload) -> int:
+def stated_sign(payload: Payload) -> int:
+    """s of [Payload], where no posture tells it."""
     if payload.file.sensor.sees is None:
         advice = "Say payload_on_sensor or sensor_on_payload, or hand in postures, which tell it."
         raise BadStudy(Fault("without postures the sign is not known", "no_sign", advice, payload.name, None, "sensor"))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from exogauge.studies.intake.yaml_file import load_yaml, suggestion
 
 Array = NDArray[np.float64]
 
+ROLES: tuple[Role, ...] = get_args(Role)
 ORTHONORMAL = 1e-3  # of RᵀR: four printed digits
 MOST_TURN = 8.0  # rad: more than any joint has; 30 in degrees is more
 
@@ -78,8 +79,8 @@ class Payload:
         return [each for each in self.recordings if each.role == role]
 
 
-def open_payload(path: Path) -> Payload:
-    """path: payload.yaml, or its folder. Raises BadInput."""
+def open_payload(path: Path, roles: Collection[Role] = ROLES) -> Payload:
+    """path: payload.yaml, or its folder. roles: of the logs that are read. Raises BadInput."""
     path = path / "payload.yaml" if path.is_dir() else path
     if not path.is_file():
         raise BadStudy(Fault("there is no such file", "no_file", "Name payload.yaml or its folder.", str(path)))
@@ -100,7 +101,9 @@ def open_payload(path: Path) -> Payload:
             advice = suggestion(file.sensor.frame or "", list(tree.frames))
             fault = Fault("the URDF has no such frame", "unknown_frame", advice, path.name, None, "sensor.frame")
             raise BadStudy(fault)
-    return Payload(file, path.name, tree, tuple(_recording(folder, file, entry) for entry in file.logs))
+    return Payload(
+        file, path.name, tree, tuple(_recording(folder, file, entry) for entry in file.logs if entry.role in roles)
+    )
 
 
 def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
@@ -110,7 +113,7 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
 
     def stream(columns: Sequence[str], unit: str, dimension: str, late: float = 0.0) -> Stream:
         table = _holding(tables, columns)
-        factor = _factor(unit, dimension, table.file)
+        factor = factor_of(unit, dimension, table.file)
         raw = table.read(list(columns))
         values = np.column_stack([np.asarray(as_vector(raw[c], table.file, c), np.float64) for c in columns])
         faults = [
@@ -123,17 +126,19 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
         return Stream(time, values * factor, table.file)
 
     force = stream(sensor.wrench, sensor.force_unit, "force")
-    moment_factor = _factor(sensor.moment_unit, "torque", force.file) / _factor(sensor.force_unit, "force", force.file)
+    moment_factor = factor_of(sensor.moment_unit, "torque", force.file) / factor_of(
+        sensor.force_unit, "force", force.file
+    )
     wrench = Stream(force.time, force.values * np.repeat([1.0, moment_factor], 3), force.file)
     angles = rotation = position = acceleration = None
     if pose.joints is not None:
         angles = stream(list(pose.joints.values()), pose.angle_unit, "angle")
-        _check_angles(angles, list(pose.joints.values()))
+        check_angles(angles, list(pose.joints.values()))
     elif pose.rotation is not None:
         rotation = stream(pose.rotation, "1", "ratio")
-        _check_rotation(rotation, pose.rotation[0])
+        check_rotation(rotation, pose.rotation[0])
     elif pose.quaternion is not None:
-        rotation = _from_quaternion(stream(pose.quaternion, "1", "ratio"), pose.quaternion_order or "xyzw")
+        rotation = from_quaternion(stream(pose.quaternion, "1", "ratio"), pose.quaternion_order or "xyzw")
     names = {name for table in tables for name in read_names(table)}
     if pose.position is not None and set(pose.position) <= names:
         position = stream(pose.position, pose.position_unit, "length")
@@ -160,7 +165,7 @@ def _span(stream: Stream) -> str:
 
 def _clocks(tables: Sequence[Table], file: PayloadFile) -> dict[str, Array]:
     """Seconds per file, 0 at the earliest sample of all; whole stamps are subtracted before they become floats."""
-    column, factor = file.time.column, _factor(file.time.unit, "time", tables[0].file)
+    column, factor = file.time.column, factor_of(file.time.unit, "time", tables[0].file)
     raw = {}
     for table in tables:
         if column not in read_names(table):
@@ -189,7 +194,7 @@ def _no_column(column: str, tables: Sequence[Table], advice: str) -> Fault:
     )  # fmt: skip
 
 
-def _factor(unit: str, dimension: str, file: str) -> float:
+def factor_of(unit: str, dimension: str, file: str) -> float:
     found = find_unit(unit)
     if found is None or found.dimension != dimension:
         advice = f"Known: {', '.join(units_of((dimension,)))}."
@@ -197,7 +202,7 @@ def _factor(unit: str, dimension: str, file: str) -> float:
     return found.factor
 
 
-def _check_angles(angles: Stream, columns: Sequence[str]) -> None:
+def check_angles(angles: Stream, columns: Sequence[str]) -> None:
     k = int(np.argmax(np.abs(angles.values).max(axis=0)))
     most = float(np.abs(angles.values[:, k]).max())
     if most > MOST_TURN:
@@ -206,7 +211,7 @@ def _check_angles(angles: Stream, columns: Sequence[str]) -> None:
         raise BadStudy(Fault(detail, "angle_too_large", advice, angles.file, column=columns[k], value=f"{most:.6g}"))
 
 
-def _check_rotation(rotation: Stream, column: str) -> None:
+def check_rotation(rotation: Stream, column: str) -> None:
     R = rotation.values.reshape(-1, 3, 3)
     off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
     wrong = (off > ORTHONORMAL) | (np.linalg.det(R) < 0)
@@ -218,7 +223,7 @@ def _check_rotation(rotation: Stream, column: str) -> None:
         raise BadStudy(fault)
 
 
-def _from_quaternion(stream: Stream, order: str) -> Stream:
+def from_quaternion(stream: Stream, order: str) -> Stream:
     from scipy.spatial.transform import Rotation
 
     size = np.linalg.norm(stream.values, axis=1)

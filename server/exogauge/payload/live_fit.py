@@ -17,7 +17,7 @@ State = Literal["static", "converging", "converged", "frozen"]
 BLOCK = 25  # samples whose scores are summed: longer than the smoother remembers, so that sums are independent
 BLOCKS = 100  # that are judged by the newest estimate; older ones keep what they were judged by
 EXCITED = 9.0  # of the noise's share in the columns of the inertia: below, they are noise
-STEADY = 10  # estimates over which a number must stay within its standard deviation
+STEADY, STAYS = 10, 2.0  # estimates over which a number must stay within so many standard deviations
 
 
 @final
@@ -100,7 +100,7 @@ class LiveFit:
         covariance = self._covariance()
         std = np.sqrt(np.diag(covariance))
         self._recent = [*self._recent[-STEADY + 1 :], x]
-        steady = len(self._recent) == STEADY and bool(np.all(np.abs(self._recent[0] - x)[:10] < std[:10]))
+        steady = len(self._recent) == STEADY and bool(np.all(np.abs(self._recent[0] - x)[:10] < STAYS * std[:10]))
         decided = std < DECIDED * self._believed
         state: State = "converging"
         if self.used == 0 and not decided[4:10].all():

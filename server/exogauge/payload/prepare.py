@@ -73,7 +73,7 @@ def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
         raise BadStudy(Fault(detail, "too_few_postures", advice, files, value=str(len(wrench))))
     R_BS, F_S = np.array(rotation), np.array(wrench)
     if payload.file.sensor.axes == "base":
-        F_S = _into_sensor(R_BS, F_S)
+        F_S = into_sensor(R_BS, F_S)
     std = std_of(payload) / np.sqrt(np.median(counts))
     holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans))
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
@@ -111,7 +111,7 @@ def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame
         motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
     wrench = streams["w"].values
     if payload.file.sensor.axes == "base":
-        wrench = _into_sensor(motion.rotation, wrench)
+        wrench = into_sensor(motion.rotation, wrench)
     inner = slice(motion.edge, len(time) - motion.edge)
     return Moved(motion.inner(), wrench[inner], same and "a" not in streams)
 
@@ -172,6 +172,7 @@ def _one_clock(streams: Mapping[str, Stream], name: str) -> dict[str, Stream]:
     }
 
 
-def _into_sensor(rotation: Array, wrench: Array) -> Array:
+def into_sensor(rotation: Array, wrench: Array) -> Array:
+    """(T, 6) in {S}. rotation: (T, 3, 3) R_BS; wrench: (T, 6) in {B}'s axes."""
     both = np.einsum("tji,taj->tai", rotation, wrench.reshape(-1, 2, 3))
     return np.asarray(both.reshape(-1, 6))

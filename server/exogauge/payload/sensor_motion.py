@@ -93,6 +93,11 @@ class Chain:
         a = out[:, :3] + np.einsum("tji,j->ti", rotation, gravity)
         return SensorMotion(time, rotation, a, out[:, 3:6], out[:, 6:], noise)
 
+    def rotations(self, angles: Array) -> Array:
+        """(T, 3, 3) R_BS at joint angles (T, J)."""
+        state, exact = np.stack([angles, 0 * angles, 0 * angles], axis=2), np.zeros((angles.shape[1], 3, 3))
+        return self.motion(np.zeros(len(angles)), state, exact, np.zeros(3)).rotation
+
 
 def from_joints(
     tree: RigidTree, frame: str, time: Array, angles: Array, std: float, gravity: Array,
@@ -143,8 +148,7 @@ def pose_motion(
 
 def rotations(tree: RigidTree, frame: str, angles: Array) -> Array:
     """(K, 3, 3) R_BS at joint angles (K, J)."""
-    state, exact = np.stack([angles, 0 * angles, 0 * angles], axis=2), np.zeros((angles.shape[1], 3, 3))
-    return Chain.of(tree, frame).motion(np.zeros(len(angles)), state, exact, np.zeros(3)).rotation
+    return Chain.of(tree, frame).rotations(angles)
 
 
 def turning(time: Array, rotation: Array, std_angle: float) -> tuple[Array, Array, Array]:

@@ -1,0 +1,62 @@
+"""What a stream says, as plain values: the same on a websocket and in a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadInput, ExogaugeError, Fault
+from exogauge.payload.dynamics import NAMES, ZERO_NAMES
+from exogauge.payload.live import Known, Sensed
+from exogauge.payload.live_input import Counts
+
+Array = NDArray[np.float64]
+
+DIGITS = 6  # of a number that is told: a hundredth of its standard deviation needs no more
+
+
+def wrench_message(sensed: Sensed, numbers: Sequence[int]) -> dict[str, Any]:
+    """numbers: of the samples. Wrench and std in N, N·m."""
+    return {
+        "type": "wrench",
+        "seq": list(numbers),
+        "t": sensed.time.tolist(),
+        "wrench": sensed.wrench.round(DIGITS).tolist(),
+        "std": sensed.std.round(DIGITS).tolist(),
+        "alarm": sensed.alarm.tolist(),
+        "settled": sensed.settled.tolist(),
+        "zero": sensed.zero,
+    }
+
+
+def payload_message(known: Known, counts: Counts, rate_hz: float) -> dict[str, Any]:
+    """Ten times a second."""
+    found, names = known.estimate, (*NAMES, *ZERO_NAMES)
+    return {
+        "type": "payload",
+        "t": known.time,
+        "state": found.state,
+        "value": dict(zip(names, found.value.tolist(), strict=True)),
+        "std": dict(zip(names, found.std.tolist(), strict=True)),
+        "decided": [name for name, sure in zip(names, found.decided.tolist(), strict=True) if sure],
+        "mu": found.mu,
+        "mu_std": found.mu_std,
+        "threshold_n": known.threshold,
+        "used_s": found.used / rate_hz,
+        "left_out_s": known.left_out / rate_hz,
+        "counts": dict(counts.plain()),
+    }
+
+
+def error_message(error: ExogaugeError | Fault) -> dict[str, Any]:
+    """The first fault, and how many there are."""
+    faults: tuple[Fault, ...] = (error,) if isinstance(error, Fault) else ()
+    if isinstance(error, BadInput):
+        faults = error.faults
+    first: Mapping[str, Any] = asdict(faults[0]) if faults else {"detail": str(error), "rule": type(error).__name__}
+    told = {key: value for key, value in first.items() if value not in (None, "")}
+    return {"type": "error", **told, "faults": max(len(faults), 1)}
