@@ -17,7 +17,8 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.urdf import load_tree
-from exogauge.search.search import Search
+from exogauge.search.search import searched as searched_for
+from exogauge.search.state import Problem, Search
 
 RATE = 200.0
 JOINTS = ("j1", "j2", "j3")
@@ -164,9 +165,7 @@ def searched(identified):
     """(recordings) -> a search on joints that has named what it names."""
 
     def run(recordings: list[Recording]) -> Search:
-        quiet = Search(identified(recordings), recordings, missing_effects(), SETTINGS, lambda *_: None)
-        quiet.run()
-        return quiet
+        return searched_for(Problem(identified(recordings), recordings, missing_effects(), SETTINGS))
 
     return run
 

@@ -12,7 +12,8 @@ from exogauge.findings.objection import Why
 from exogauge.findings.result import Place
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.sites import AxisSite
-from exogauge.search.search import Step
+from exogauge.search.prune import without_what_is_not_needed
+from exogauge.search.state import Step
 
 pytestmark = pytest.mark.slow
 
@@ -37,8 +38,8 @@ def test_several_that_later_ones_make_needless_are_all_taken_back(named):
         Step(added, replace(true.finding, effect="joint_spring", place=Place("joint", name)), true.found, true.gone)
         for added, name in zip(needless, ("j1", "j3"), strict=True)
     ]
-    named.steps = [*guesses, replace(true, found=named.identified([*needless, true.added]))]
-    named.drop_what_is_not_needed()
+    true_again = replace(true, found=named.identified([*needless, true.added]))
+    named = without_what_is_not_needed(replace(named, steps=(*guesses, true_again)))
     assert [each.added for each in named.steps] == [true.added]
     assert [each.finding.rank for each in named.steps] == [1]
     for added in needless:
@@ -48,6 +49,6 @@ def test_several_that_later_ones_make_needless_are_all_taken_back(named):
 def test_what_is_needed_stays(named):
     before = list(named.steps)
     other = AddedEffect(shaped_effects()["joint_spring"], AxisSite(0), (0.0,))
-    named.steps = [*before, replace(before[0], added=other, found=named.identified([before[0].added, other]))]
-    named.drop_what_is_not_needed()
+    second = replace(before[0], added=other, found=named.identified([before[0].added, other]))
+    named = without_what_is_not_needed(replace(named, steps=(*before, second)))
     assert [each.added for each in named.steps] == [before[0].added, other]

@@ -12,17 +12,19 @@ from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
 from exogauge.identification.result import ChannelFit
 from exogauge.identification.settings import Recording
-from exogauge.search.search import Search
+from exogauge.search.search import resumed
+from exogauge.search.state import Search
 
 
 def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
     """What it finds once a log that differs from all others is fitted, and notes; or the same search."""
+    problem = search.problem
     for recording in odd_logs(search):
-        joined = [replace(each, held_out=False) if each is recording else each for each in search.recordings]
-        number = search.base.model.order.get(recording.log.name, -1)
-        base = identify(search.base.model.robot, joined, search.settings)
-        again = replace(search, base=base, recordings=joined, steps=[], rejected=list(search.rejected), only=number)
-        again.resume(search.steps)
+        joined = [replace(each, held_out=False) if each is recording else each for each in problem.recordings]
+        number = problem.base.model.order.get(recording.log.name, -1)
+        base = identify(problem.base.model.robot, joined, problem.settings)
+        with_it = replace(problem, base=base, recordings=joined, only=number)
+        again = resumed(replace(search, problem=with_it), search.steps)
         if len(again.steps) > len(search.steps):
             return again, (Caveat("joined", recording.log.name),)
     return search, ()
@@ -31,11 +33,12 @@ def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
 def odd_logs(search: Search) -> Iterator[Recording]:
     """Held-out ones, in the order of the study, in which some channel errs more than noise and more than where it was
     fitted."""
-    order, criteria = search.base.model.order, search.settings.criteria
+    problem = search.problem
+    order, criteria = problem.base.model.order, problem.settings.criteria
     fits = search.current.validation
     fitted = {fit.channel: _mean_square([each for each in fits if each.channel == fit.channel and not each.held_out])
               for fit in fits}  # fmt: skip
-    for recording in sorted(search.recordings, key=lambda each: order.get(each.log.name, -1)):
+    for recording in sorted(problem.recordings, key=lambda each: order.get(each.log.name, -1)):
         own = [fit for fit in fits if fit.log == recording.log.name and fit.rmse_moving is not None]
         if recording.held_out and any(_is_odd(fit, fitted[fit.channel], criteria) for fit in own):
             yield recording

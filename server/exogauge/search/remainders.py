@@ -13,7 +13,8 @@ from exogauge.search.baseline import lay_ground
 from exogauge.search.effect_size import gone
 from exogauge.search.finding import channel_of
 from exogauge.search.residual_correction import Bend, held_out_rmse
-from exogauge.search.search import Search, Step, as_added, judge_best
+from exogauge.search.screen import as_added, judge_best
+from exogauge.search.state import Search, Step
 
 
 def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
@@ -29,18 +30,19 @@ def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
 def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
     before = bends[-1].found if bends else search.current
     finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
-    criteria = search.settings.criteria.search
+    problem = search.problem
+    criteria = problem.settings.criteria.search
     rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
     if rmse < criteria.remainder_above * floor:
         return []
     site = step.added.site
-    ground = lay_ground(before.model, search.recordings, search.effects, lambda _fraction, _phrase: None, at=site)
-    judged, _ = judge_best(ground, search.recordings, search.effects, site)
+    ground = lay_ground(before.model, problem.recordings, problem.effects, lambda _fraction, _phrase: None, at=site)
+    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
     best = next((each for each in judged if not each.objection), None)
     if best is None:
         return []
     added = as_added(best.score.candidate)
-    there = [*(each.added for each in search.steps), *(each.added for each in bends)]
+    there = [*search.added, *(each.added for each in bends)]
     after = search.identified([*there, added])
     channel = channel_of(before.model.equations, best.kind)
     sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]

@@ -24,8 +24,8 @@ from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled
 from exogauge.search.score import Score, score
-from exogauge.search.search import Search, Step
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.search.state import Search, Step
 
 
 @final
@@ -44,8 +44,8 @@ class Bend:
 def own_curves(search: Search) -> list[Bend]:
     """One after the other, in the order in which the effects were added; none where nothing is gained by it."""
     bends: list[Bend] = []
-    criteria = search.settings.criteria.search
-    effects = [each.added for each in search.steps]
+    criteria = search.problem.settings.criteria.search
+    effects = search.added
     for step in search.steps:
         before = bends[-1].found if bends else search.current
         scored, rows = _bent(search, step, before)
@@ -67,8 +67,8 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
     effect, site, shape = step.added.effect, step.added.site, step.added.shape
     if not isinstance(site, AxisSite | SensorSite) or search.last is None:
         return None, ()
-    least = search.settings.criteria.judging.worth_judging
-    rows = collect_rows(found.model, search.recordings, [site])[site]
+    least = search.problem.settings.criteria.judging.worth_judging
+    rows = collect_rows(found.model, search.problem.recordings, [site])[site]
     sizes = _sizes(step.added, rows)
     best: Score | None = None
     chosen: tuple[int, ...] = ()

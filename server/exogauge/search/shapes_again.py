@@ -18,56 +18,44 @@ from exogauge.search.doubt import parameters
 from exogauge.search.refine import broadly, climbed, closely
 from exogauge.search.residual_correction import held_out_rmse
 from exogauge.search.score import Score, score
-from exogauge.search.search import Search, as_added
+from exogauge.search.screen import as_added
+from exogauge.search.search import resumed
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.search.state import Search
 
 
-def shapes_again(search: Search) -> None:
-    """Every step of `search` in turn; where one is bettered the search goes on from there."""
-    bettered = False
+def shapes_again(search: Search) -> Search:
+    """Every step in turn; where one is bettered the search goes on from there."""
+    tried = search
     for number in range(len(search.steps)):
-        bettered = _sought_again(search, number) or bettered
-    if bettered:
-        search.eyes = search.current
-        search.resume(search.steps)
+        tried = _with_better_shape(tried, number) or tried
+    return search if tried is search else resumed(replace(tried, eyes=tried.current), tried.steps)
 
 
-def _sought_again(search: Search, number: int) -> bool:
-    """Whether another shape of this step leaves less on held-out logs; it is in the model then. Where none does, the
-    search is as it was, what it sees effects' loads with included."""
-    seen_with = search.eyes
-    bettered = _bettered(search, number)
-    if not bettered:
-        search.eyes = seen_with
-    return bettered
-
-
-def _bettered(search: Search, number: int) -> bool:
-    step, others = search.steps[number], [each.added for k, each in enumerate(search.steps) if k != number]
-    criteria = search.settings.criteria
+def _with_better_shape(search: Search, number: int) -> Search | None:
+    """With the shape of this step that leaves less on held-out logs, seen with all that is in the model; None where
+    there is none."""
+    problem, step, others = search.problem, search.steps[number], [each.added for each in search.without(number)]
+    criteria = problem.settings.criteria.search
     now, floor = _left(step.finding, search.current)
-    if (
-        search.last is None
-        or now < criteria.search.shapes_above * floor
-        or all(one.choice for one in step.added.effect.shapes)
-    ):
-        return False
+    chosen = all(one.choice for one in step.added.effect.shapes)
+    if search.last is None or now < criteria.shapes_above * floor or chosen:
+        return None
     eyes, site = search.current, step.added.site
-    search.eyes = eyes
-    without = search.identified(others)
-    rows = collect_rows(without.model, search.recordings, [site], eyes.model)[site]
+    seeing = replace(search, eyes=eyes)
+    without = seeing.identified(others)
+    rows = collect_rows(without.model, problem.recordings, [site], eyes.model)[site]
     best = _best(without.model, step.added, rows, search.last.memory)
     if best is None:
-        return False
+        return None
     added = as_added(best.candidate)
-    found = search.identified([*others[:number], added, *others[number:]])
+    found = seeing.identified([*others[:number], added, *others[number:]])
     left, _ = _left(step.finding, found)
-    if left > criteria.search.shapes_better * now:
-        return False
+    if left > criteria.shapes_better * now:
+        return None
     finding = replace(step.finding.refined_by("shape", left), parameters=parameters(without.model, best, rows))
-    search.steps[number] = replace(step, added=added, finding=finding)
-    search.steps[-1] = replace(search.steps[-1], found=found)
-    return True
+    steps = [*search.steps[:number], replace(step, added=added, finding=finding), *search.steps[number + 1 :]]
+    return replace(seeing, steps=(*steps[:-1], replace(steps[-1], found=found)))
 
 
 def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score | None:

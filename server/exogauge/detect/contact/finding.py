@@ -19,6 +19,7 @@ from exogauge.robots.description import Robot
 from exogauge.robots.rows import RowType
 from exogauge.search.locate import pooled
 
+CONTACT = "contact"
 SHOWN_S = 0.7  # before and after the push
 
 
@@ -43,12 +44,12 @@ def name_contact(rank: int, contact: Contact, before: Identification, after: Ide
     def other(body: int, why: Why) -> Alternative:
         gain = next(each.gain for each in push.links if each.body == body)
         score = push.share * float(np.clip(gain / max(push.best.gain, 1e-300), 0.0, 1.0))
-        return Alternative("contact", Place("link", bodies[body]), score, Objection(why))
+        return Alternative(CONTACT, Place("link", bodies[body]), score, Objection(why))
 
     alike = tuple(other(body, Why.ALIKE) for body, _ in contact.alike)
     return Finding(
         rank=rank,
-        effect="contact",
+        effect=CONTACT,
         place=Place("link", bodies[contact.body]),
         parameters=_parameters(contact),
         held_out=held_out,

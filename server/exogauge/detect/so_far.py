@@ -1,0 +1,96 @@
+"""What is asked of the detectors, and what they have found so far: frozen values that each detector takes and gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+from exogauge.criteria.criteria import Criteria
+from exogauge.findings.result import Alternative, ChainStep, Excess, Finding, Place
+from exogauge.findings.verdict import Caveat, Seen
+from exogauge.identification.identify import identify
+from exogauge.identification.model import Effect
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Progress, Recording, Settings
+from exogauge.search.ambiguity import Undecided
+
+
+@final
+@dataclass(frozen=True)
+class Question:
+    """found: identification of `recordings` without what may be missing. effects: what that may be. touched: whether
+    something may have touched the robot. cannot: what could not be judged so far."""
+
+    found: Identification
+    recordings: tuple[Recording, ...]
+    effects: Sequence[Effect]
+    settings: Settings
+    progress: Progress = lambda _fraction, _phrase: None
+    touched: bool = True
+    cannot: tuple[Caveat, ...] = ()
+
+
+@final
+@dataclass(frozen=True)
+class Searched:
+    """What the search for effects says beside its findings. recordings: those that it ended with, in which a log that
+    differs from all others is fitted. before, after: channels above their floors. undecided: by effect and place."""
+
+    recordings: tuple[Recording, ...]
+    before: tuple[Excess, ...]
+    after: tuple[Excess, ...]
+    seen: tuple[Seen, ...]
+    rejected: tuple[Alternative, ...]
+    candidates: int
+    notes: tuple[Caveat, ...]
+    undecided: Mapping[tuple[str, Place], Undecided]
+
+
+@final
+@dataclass(frozen=True)
+class SoFar:
+    """recordings: with the band that they were stored in, and without the time in which something touched the robot,
+    where either was found; whole: with that time.
+
+    models: one for each link of the chain, the last one with all that was named. findings: what is in them, as
+    `additions` have it, with what was added without a name. beside: findings that no model needs. doubtful: what was
+    looked at and not named. anew: the question to be asked in place of this one, as the answers so far do not hold.
+    """
+
+    question: Question
+    recordings: tuple[Recording, ...]
+    whole: tuple[Recording, ...]
+    models: tuple[Identification, ...]
+    findings: tuple[Finding, ...] = ()
+    additions: tuple[ChainStep, ...] = ()
+    beside: tuple[Finding, ...] = ()
+    doubtful: tuple[Alternative, ...] = ()
+    searched: Searched | None = None
+    anew: Question | None = None
+
+    @staticmethod
+    def of(question: Question) -> SoFar:
+        return SoFar(question, question.recordings, question.recordings, (question.found,))
+
+    @property
+    def current(self) -> Identification:
+        return self.models[-1]
+
+    @property
+    def criteria(self) -> Criteria:
+        return self.question.settings.criteria
+
+    def identified(self, recordings: Sequence[Recording]) -> Identification:
+        """The robot without missing effects, from other recordings."""
+        return identify(self.current.model.robot, recordings, self.question.settings)
+
+    def having(self, findings: Sequence[Finding]) -> SoFar:
+        """With further findings that are in the models, ranked behind those that there are."""
+        ranked = tuple(replace(each, rank=len(self.findings) + n) for n, each in enumerate(findings, 1))
+        steps = tuple(ChainStep("effect", each.effect, each.place) for each in ranked)
+        return replace(self, findings=(*self.findings, *ranked), additions=(*self.additions, *steps))
+
+
+Detector = Callable[[SoFar], SoFar]
+"""Looks for one sort of cause in what the detectors before it have left."""

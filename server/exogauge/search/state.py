@@ -1,0 +1,122 @@
+"""What a search has come to: a frozen value. Every step of the search takes one and gives the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import final
+
+from exogauge.effects.soft_coulomb import SOFT_COULOMB
+from exogauge.findings.result import Alternative, Finding
+from exogauge.identification.identify import identify
+from exogauge.identification.model import AddedEffect, Effect, Extension, Site
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
+from exogauge.identification.sites import AxisSite, PairSite
+from exogauge.identification.validate import floors_of
+from exogauge.search.ambiguity import Undecided
+from exogauge.search.baseline import Ground, lay_ground
+from exogauge.search.creeping import Creeping
+
+ON_LOADS = ("load", "drive")  # coordinates of effects of a joint that depend on what the bodies weigh
+
+Key = tuple[str, Site]
+
+
+@final
+@dataclass(frozen=True)
+class Step:
+    """One effect that was added: as it is in the model, as it is told, and the model with it. gone: RMS that it takes
+    off the held-out error, low-passed [N·m or N]. undecided: what tells it from what it may be, too."""
+
+    added: AddedEffect
+    finding: Finding
+    found: Identification
+    gone: float
+    undecided: Undecided | None = None
+
+
+@final
+@dataclass(frozen=True)
+class Problem:
+    """base: the robot identified without missing effects, from `recordings`. effects: what may be missing. tell: called
+    with the share of the work that is done, at a guess, and a phrase. only: number of a log; then nothing is tried but
+    what begins with it, or sits in it."""
+
+    base: Identification
+    recordings: Sequence[Recording]
+    effects: Sequence[Effect]
+    settings: Settings
+    tell: Callable[[float, str], None] = lambda _share, _phrase: None
+    only: int | None = None
+
+
+@final
+@dataclass(frozen=True)
+class Search:
+    """steps: what was added, in order. failed: what was added and taken back. rejected: what the last round judged and
+    did not claim. first, last: grounds. tried: candidates. rounds: grounds laid. eyes: the model whose loads effects
+    see; None: the base, and then what comes of it. creeping: joints that were found to creep; then the search has
+    stopped, as it has to begin anew without these rows.
+    """
+
+    problem: Problem
+    steps: tuple[Step, ...] = ()
+    failed: Mapping[Key, Alternative] = field(default_factory=dict)
+    rejected: tuple[Alternative, ...] = ()
+    first: Ground | None = None
+    last: Ground | None = None
+    tried: int = 0
+    rounds: int = 0
+    eyes: Identification | None = None
+    creeping: Creeping = field(default_factory=lambda: Creeping({}, ()))
+
+    @property
+    def current(self) -> Identification:
+        return self.steps[-1].found if self.steps else self.problem.base
+
+    @property
+    def added(self) -> list[AddedEffect]:
+        return [each.added for each in self.steps]
+
+    def without(self, number: int) -> list[Step]:
+        """All steps but one."""
+        return [each for k, each in enumerate(self.steps) if k != number]
+
+    def having_failed(self, key: Key, why: Alternative) -> Search:
+        return replace(self, failed={**self.failed, key: why})
+
+    def identified(self, effects: Sequence[AddedEffect]) -> Identification:
+        """The robot with these effects."""
+        problem = self.problem
+        floors = floors_of(problem.base.validation)
+        twice = any(_depends_on_loads(each) for each in effects)
+        found, passes = problem.base, problem.settings.criteria.search.relinearised if twice else 1
+        if self.eyes is not None:
+            found, passes = self.eyes, 1
+        for _ in range(passes):
+            extension = Extension(found.model, tuple(effects), floors)
+            found = identify(problem.base.model.robot, problem.recordings, problem.settings, extension=extension)
+        return found
+
+    def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
+        """Every candidate scored beside this model; at one site only, if it is given."""
+        problem, share = self.problem, min(self.rounds / 3.0, 0.9)
+        soft = [SOFT_COULOMB] if at is None and problem.only is None and not _all_stored(problem.recordings) else []
+
+        def tick(fraction: float, phrase: str) -> None:
+            problem.tell(share + 0.2 * fraction, phrase)
+
+        ground = lay_ground(found.model, problem.recordings, [*problem.effects, *soft], tick, problem.only, at)
+        tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
+        return replace(self, rounds=self.rounds + 1, tried=tried), ground
+
+
+def _all_stored(recordings: Sequence[Recording]) -> bool:
+    """Whether all were low-passed before they were stored: a filter that is not quite the model's looks soft, too."""
+    return all(each.log.stored is not None for each in recordings)
+
+
+def _depends_on_loads(added: AddedEffect) -> bool:
+    of_motion = isinstance(added.site, AxisSite | PairSite) and added.effect.coordinate not in ON_LOADS
+    return not of_motion
