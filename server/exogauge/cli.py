@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from exogauge import __version__
+from exogauge.blas_threads import one_thread
 from exogauge.errors import ExogaugeError
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ SHOWN_FINDINGS = 5  # channels of one sort, unless it is an error
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. 0: done. 1: not all of it. 2: input or installation not usable, and the message says why."""
+    os.environ.update(one_thread(os.environ))  # before NumPy is there: processors are for logs (`side_by_side`)
     options = parser().parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(name)s: %(message)s", force=True)

@@ -3,10 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadLog, BadStudy, NotIdentifiable
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
+from exogauge.search.baseline import lay_ground
+from exogauge.side_by_side import CORES
 
 JOINTS = ("k_T", "k_d", "tau_c", "tau_s", "tau_o", "J_r")
 
@@ -186,3 +189,19 @@ def test_logs_without_steady_motion_are_refused_in_words(make_truth, make_log):
     still = Log(log.name, log.time, {name: np.full_like(values, values[0]) for name, values in log.channels.items()})
     with pytest.raises(NotIdentifiable, match="no joint moves steadily"):
         identify(truth.robot, [Recording(still, False)], Settings(cutoff_hz=8.0))
+
+
+def test_no_bit_depends_on_how_many_processors_there_are(make_truth, make_log, monkeypatch):
+    truth = make_truth(True)
+    logs = [make_log(truth, seed, seconds=12.0, noise=1.0) for seed in (1, 2, 3, 9)]
+    recordings = [Recording(log, held_out) for log, held_out in zip(logs, (False, False, False, True), strict=True)]
+    told = []
+    for count in ("1", "3"):
+        monkeypatch.setenv(CORES, count)
+        found = identify(truth.robot, recordings, Settings())
+        ground = lay_ground(found.model, recordings, missing_effects(), lambda _fraction, _phrase: None)
+        numbers = [[each.value, each.std] for each in found.parameters]
+        fits = [[each.rmse_identified, each.noise_floor] for each in found.validation]
+        scores = [[each.evidence, each.gain, *each.step] for each in ground.scores]
+        told.append([*numbers, *fits, *scores])
+    assert told[0] == told[1]

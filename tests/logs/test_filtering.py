@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from exogauge.errors import BadLog
-from exogauge.logs.filtering import LowPass, _sections, both_ways_by_scipy
+from exogauge.logs.filtering import LowPass, _sections, both_ways_by_scipy, zero_phase_by_scipy
 
 
 @pytest.mark.parametrize("frequency", [1.0, 5.0, 10.0, 15.0, 40.0])
@@ -66,6 +66,19 @@ def test_a_missing_value_is_named_instead_of_smeared():
 def test_a_cutoff_above_half_the_rate_is_refused():
     with pytest.raises(ValueError, match="cut-off"):
         LowPass(60.0, 100.0)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 17])
+@pytest.mark.parametrize("samples", [300, 2000])
+def test_the_compiled_low_pass_is_scipys_to_the_last_bit(channels, samples):
+    from exogauge.loops.passes import zero_phase
+
+    walk = np.random.default_rng(3).standard_normal((samples, channels)).cumsum(axis=0)
+    for low_pass in (LowPass(6.5, 200.0), LowPass(20.0, 100.0, 2)):
+        one, other = np.empty_like(walk), np.empty_like(walk)
+        zero_phase(*_sections(low_pass), walk, low_pass.settle_samples, one)
+        zero_phase_by_scipy(*_sections(low_pass), walk, low_pass.settle_samples, other)
+        np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("channels", [1, 3, 17])

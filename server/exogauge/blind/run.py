@@ -22,6 +22,7 @@ from typing import Any
 from exogauge.blas_threads import limit_children
 from exogauge.errors import BadInput, ExogaugeError, Fault, Unavailable
 from exogauge.jobs.code_version import code_version
+from exogauge.side_by_side import CORES
 
 RESULTS = "results"
 _STARTED = ".started"
@@ -41,6 +42,7 @@ def run(out: Path, progress: Progress, processes: int, keep: bool = False) -> li
     results, code = out / RESULTS, code_version()
     results.mkdir(exist_ok=True)
     limit_children()  # they are as many as there are processors
+    os.environ.setdefault(CORES, "1")
     for mark in results.glob(f"*{_STARTED}"):  # of a run that was interrupted
         mark.unlink()
     missing = {case for case in cases if not _is_done(results / f"{case}.json", code, keep)}

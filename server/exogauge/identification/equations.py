@@ -9,7 +9,7 @@ expressed in the base link, so that neither its pose nor its velocity is needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -32,7 +32,6 @@ from exogauge.robots.rows import RowLayout, RowType
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-Tick = Callable[[float], None]
 
 NONE, EVERY = np.zeros(0, dtype=np.intp), slice(None)
 TOLD = (RowType.BASE, RowType.AXIS, RowType.SENSOR)
@@ -273,19 +272,16 @@ class Equations:
         """Place of k_T among the effects."""
         return next((k for k, effect in enumerate(self.effects) if effect.name == "motor_gain"), None)
 
-    def collect(
-        self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram", tick: Tick = lambda _: None
-    ) -> list[Statistics]:
-        """Statistics of `folds` consecutive parts of a log. tick: called with the fraction done."""
+    def collect(self, prepared: Prepared, x_before: Array, folds: int, form: Form = "gram") -> list[Statistics]:
+        """Statistics of `folds` consecutive parts of a log."""
         parts = [Statistics.empty(self.size, self.columns(), form) for _ in range(folds)]
         edges = np.linspace(0, len(prepared.kept), folds + 1).astype(int)
-        for which, rows in self.rows(prepared, x_before):
+        for _, rows in self.rows(prepared, x_before):
             for chunk in rows:
                 cuts = np.searchsorted(chunk.samples, edges)
                 for fold, part in enumerate(parts):
                     if cuts[fold] < cuts[fold + 1]:
                         part.add_rows(chunk.kind, chunk.block[cuts[fold] : cuts[fold + 1]])
-            tick(which.stop / len(prepared.kept))
         return parts
 
     def scores(self, prepared: Prepared, x: Array, weights: Array, length: int) -> Array:

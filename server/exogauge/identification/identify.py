@@ -44,6 +44,7 @@ from exogauge.robots.consistency import is_physical
 from exogauge.robots.cut_rows import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.row_blocks import RowBlocks
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -79,7 +80,7 @@ def identify(
         bare = kept.of(log, "prepared", lambda: prepare(robot, log, cutoff_hz, at_rest))
         return extension.attach(bare) if extension else bare
 
-    fitted = [ready(log) for log in fitted_logs]
+    fitted = list(side_by_side(ready, fitted_logs))
     seen = scales(robot, fitted)
     added = added_std(equations, fitted, seen)
     prior = per_parameter(robot, equations.base, equations.effects, seen, added, equations.added)
@@ -265,15 +266,20 @@ def _validate(
     predictions: list[Prediction] = []
     validation: list[ChannelFit] = []
     held_out: list[Prepared] = []
-    for index, recording in enumerate(recordings):
-        progress(0.85 + 0.15 * index / len(recordings), f"predicting {recording.log.name}")
+
+    def predicted(recording: Recording) -> tuple[Prepared, Prediction, tuple[ChannelFit, ...]]:
         prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
-        held_out += [prepared] if recording.held_out else []
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
-        predictions.append(prediction)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
         floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
-        validation += fits(prediction, prepared, equations, parameters[0], floors)
+        return prepared, prediction, fits(prediction, prepared, equations, parameters[0], floors)
+
+    progress(0.85, f"predicting {recordings[0].log.name}")
+    for recording, found in zip(recordings, side_by_side(predicted, recordings), strict=True):
+        progress(0.85 + 0.15 * len(predictions) / len(recordings), f"predicting {recording.log.name}")
+        held_out += [found[0]] if recording.held_out else []
+        predictions.append(found[1])
+        validation += found[2]
     steady = steady_shares([joint.name for joint in equations.robot.joints], fitted, held_out)
     return tuple(predictions), tuple(validation), steady
 

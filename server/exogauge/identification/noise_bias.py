@@ -27,6 +27,7 @@ from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_before_stored, white_noise_std
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -49,16 +50,24 @@ def noise_bias(
     rng = np.random.default_rng(0)
     known = known_noise(equations.robot, [each.log for each in fitted], fitted[0].low_pass.cutoff_hz)
     parts: dict[float, list[Statistics]] = {1.0: [], -1.0: []}
-    for prepared in fitted:
-        noise = draw_noise(equations.robot, prepared, rng, known)
+
+    def noisier(of: tuple[Prepared, Mapping[str, Array]]) -> dict[float, list[Statistics]]:
+        prepared, noise = of
+        found = dict[float, list[Statistics]]()
         drawn = hashlib.blake2b(b"".join(each.tobytes() for each in noise.values()), digest_size=8).hexdigest()
         for sign in parts:
             noisy = partial(_noisy_at_kept, equations.robot, prepared, noise, sign, at_rest)
             alone = kept.of(prepared.log, f"noise {drawn} {sign:+}", noisy)
             whole = _beside(alone, prepared.added[prepared.kept], prepared.raw_added[prepared.kept])
-            parts[sign] += equations.collect(whole, solution.x_before, 1)
-    noisier = [solution.of(sum(each[1:], each[0])).x for each in parts.values()]
-    return np.asarray(np.mean(noisier, axis=0) - solution.of(solution.statistics).x)
+            found[sign] = equations.collect(whole, solution.x_before, 1)
+        return found
+
+    draws = ((each, draw_noise(equations.robot, each, rng, known)) for each in fitted)
+    for found in side_by_side(noisier, draws):
+        for sign, collected in found.items():
+            parts[sign] += collected
+    at_noise = [solution.of(sum(each[1:], each[0])).x for each in parts.values()]
+    return np.asarray(np.mean(at_noise, axis=0) - solution.of(solution.statistics).x)
 
 
 def draw_noise(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import is_dataclass
+from threading import Lock
 from typing import Any, TypeVar, final
 
 import numpy as np
@@ -26,23 +27,28 @@ class PerLog:
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._most_bytes, self._bytes = most_bytes, 0
         self._kept: OrderedDict[tuple[str, int], tuple[Log, Any, int]] = OrderedDict()
+        self._lock = Lock()  # of the bookkeeping: two that ask for the same at once both compute it
 
     def of(self, log: Log, what: str, compute: Callable[[], V]) -> V:
         """What is known of this log, else `compute()`, which is kept."""
-        found = self._kept.get((what, id(log)))
+        with self._lock:
+            found = self._kept.get((what, id(log)))
+            if found is not None:
+                self._kept.move_to_end((what, id(log)))
         if found is None:
             return self.put(log, what, compute())
-        self._kept.move_to_end((what, id(log)))
         value: V = found[1]
         return value
 
     def put(self, log: Log, what: str, value: V) -> V:
         """Keep it in place of what was known."""
-        self._drop((what, id(log)))
-        self._kept[what, id(log)] = (log, value, _bytes(value))
-        self._bytes += self._kept[what, id(log)][2]
-        while self._bytes > self._most_bytes:
-            self._drop(next(iter(self._kept)))
+        size = _bytes(value)
+        with self._lock:
+            self._drop((what, id(log)))
+            self._kept[what, id(log)] = (log, value, size)
+            self._bytes += size
+            while self._bytes > self._most_bytes:
+                self._drop(next(iter(self._kept)))
         return value
 
     def _drop(self, key: tuple[str, int]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import final
 
 import numpy as np
@@ -22,6 +22,7 @@ from exogauge.identification.prior import as_printed
 from exogauge.identification.ranges import solve_within_ranges
 from exogauge.identification.settings import Progress, Settings
 from exogauge.identification.static_friction import Sticking, fill_static_friction
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -95,12 +96,10 @@ def solve(
     belief = prior
     for number in range(passes):
         folds: list[Statistics] = []
-        for index, prepared in enumerate(fitted):
-
-            def tick(fraction: float, done: int = number * len(fitted) + index) -> None:
-                progress(0.1 + 0.65 * (done + fraction) / (passes * len(fitted)), "collecting the equations")
-
-            folds += equations.collect(prepared, x, FOLDS, form, tick)
+        collected = side_by_side(partial(equations.collect, x_before=x, folds=FOLDS, form=form), fitted)
+        for done, parts in enumerate(collected, number * len(fitted) + 1):
+            folds += parts
+            progress(0.1 + 0.65 * done / (passes * len(fitted)), "collecting the equations")
         total = sum(folds[1:], folds[0])
         if number == 0:
             weights = first_weights(equations, total, prior)

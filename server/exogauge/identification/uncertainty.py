@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -24,10 +25,13 @@ def score_covariance(equations: Equations, logs: Sequence[Prepared], x: Array, w
     heteroscedasticity- and autocorrelation-consistent covariance.
     """
     meat = np.zeros((equations.size, equations.size))
-    for log in logs:
+
+    def of_blocks(log: Prepared) -> Array:
         residual = equations.residuals(log, x)
         length = block_length(residual[:, weights > 0.0], log.log.rate_hz / (log.kept[1] - log.kept[0]))
-        sums = equations.scores(log, x, weights, length)
+        return equations.scores(log, x, weights, length)
+
+    for sums in side_by_side(of_blocks, logs):
         meat += sums.T @ sums * (len(sums) / (len(sums) - 1.0))
     return meat
 

@@ -150,12 +150,10 @@ class LowPass:
         beyond = self.settle_samples
         flat = values.reshape(len(values), -1)
         filtered = np.empty(flat.shape)
+        zero_phase = _zero_phase(values.size) if beyond < len(flat) else zero_phase_by_scipy
         for start in range(0, flat.shape[1], AT_ONCE):
-            channels = flat[:, start : start + AT_ONCE]
-            line = np.linspace(channels[0], channels[-1], len(channels))
-            extended = _reflected(channels - line, beyond)
-            _passes(values.size)(*_sections(self), extended)
-            np.add(line, extended[beyond : beyond + len(flat)], out=filtered[:, start : start + AT_ONCE])
+            channels = np.ascontiguousarray(flat[:, start : start + AT_ONCE], dtype=np.float64)
+            zero_phase(*_sections(self), channels, beyond, filtered[:, start : start + AT_ONCE])
         return filtered.reshape(values.shape)
 
     def gain(self, frequency_hz: ArrayLike) -> Array:
@@ -183,25 +181,26 @@ class LowPass:
         return max(1, math.floor(self.rate_hz / (keep_factor * self.cutoff_hz) + 1e-9))
 
 
-def _reflected(values: Array, beyond: int) -> Array:
-    """(beyond + T + beyond, K) of values (T, K) that begin and end with 0, turned about both ends."""
-    if beyond >= len(values):  # reflects again and again
-        return np.pad(values, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
-    return np.concatenate([-values[beyond:0:-1], values, -values[-2 : -2 - beyond : -1]])
-
-
-def _passes(size: int) -> Callable[[Array, Array, Array], None]:
+def _zero_phase(size: int) -> Callable[[Array, Array, Array, int, Array], None]:
     """For little, what is there already: to load the compiled one takes longer."""
-    loaded = _compiled_passes.cache_info().currsize > 0
-    return _compiled_passes() if size >= MANY or loaded else both_ways_by_scipy
+    loaded = _compiled_zero_phase.cache_info().currsize > 0
+    return _compiled_zero_phase() if size >= MANY or loaded else zero_phase_by_scipy
 
 
 @cache
-def _compiled_passes() -> Callable[[Array, Array, Array], None]:
+def _compiled_zero_phase() -> Callable[[Array, Array, Array, int, Array], None]:
     """To the last bit what SciPy's give, all channels of a sample side by side."""
-    from exogauge.loops.passes import both_ways
+    from exogauge.loops.passes import zero_phase
 
-    return both_ways
+    return zero_phase
+
+
+def zero_phase_by_scipy(sections: Array, steady: Array, values: Array, beyond: int, out: Array) -> None:
+    """See `loops.passes.zero_phase`; shorter than `beyond`, values are turned about their ends again and again."""
+    line = np.linspace(values[0], values[-1], len(values))
+    extended = np.pad(values - line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+    both_ways_by_scipy(sections, steady, extended)
+    np.add(line, extended[beyond : beyond + len(values)], out=out)
 
 
 def both_ways_by_scipy(sections: Array, steady: Array, values: Array) -> None:

@@ -83,8 +83,17 @@ def _spreads(values: Array, segments: int) -> Array:
     length, longer = divmod(values.size, segments)
     cut = longer * (length + 1)
     parts = (values[:cut].reshape(longer, length + 1), values[cut:].reshape(segments - longer, length))
-    centred = (np.abs(part - np.median(part, axis=1, keepdims=True)) for part in parts if part.size)
-    return MAD_TO_STD * np.concatenate([np.median(part, axis=1) for part in centred])
+    centred = (np.abs(part - _medians(part)[:, None]) for part in parts if part.size)
+    return MAD_TO_STD * np.concatenate([_medians(part) for part in centred])
+
+
+def _medians(rows: Array) -> Array:
+    """(n,) of each row of numbers: `numpy.median`, which also looks for NaN."""
+    middle = rows.shape[1] // 2
+    if rows.shape[1] % 2:
+        return np.asarray(np.partition(rows, middle, axis=1)[:, middle])
+    near = np.partition(rows, (middle - 1, middle), axis=1)
+    return np.asarray(0.5 * (near[:, middle - 1] + near[:, middle]))
 
 
 @lru_cache(maxsize=64)

@@ -35,3 +35,26 @@ def both_ways(sections: Array, steady: Array, values: Array) -> None:
                     early[s, k] = b_1 * x - a_1 * y + late[s, k]
                     late[s, k] = b_2 * x - a_2 * y
                     row[k] = y
+
+
+@compiled
+def zero_phase(sections: Array, steady: Array, values: Array, beyond: int, out: Array) -> None:
+    """out (T, K): the line from the first to the last of values (T, K), as `numpy.linspace` draws it, and the rest,
+    turned about both ends (beyond < T samples) and filtered both ways."""
+    length, channels = values.shape
+    buffer, step = np.empty((length + 2 * beyond, channels)), np.empty(channels)
+    for k in range(channels):
+        step[k] = (values[length - 1, k] - values[0, k]) / (length - 1)
+        for n in range(length - 1):
+            buffer[beyond + n, k] = values[n, k] - (n * step[k] + values[0, k])
+        buffer[beyond + length - 1, k] = 0.0
+    for n in range(1, beyond + 1):
+        for k in range(channels):
+            buffer[beyond - n, k] = -buffer[beyond + n, k]
+            buffer[beyond + length - 1 + n, k] = -buffer[beyond + length - 1 - n, k]
+    both_ways(sections, steady, buffer)
+    for n in range(length - 1):
+        for k in range(channels):
+            out[n, k] = (n * step[k] + values[0, k]) + buffer[beyond + n, k]
+    for k in range(channels):
+        out[length - 1, k] = values[length - 1, k] + buffer[beyond + length - 1, k]

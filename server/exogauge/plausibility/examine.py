@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from exogauge.plausibility.remedies import Remedy
 from exogauge.plausibility.search import Slip, find_slips
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 
 MOST_LOGS = 6  # a slip of a mapping is in all of them
 
@@ -45,7 +47,7 @@ def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[s
     or friction makes up for it (`search.DECISIVE`); of a joint that stands still, or bears nothing, none is.
     """
     chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, MOST_LOGS).astype(int))] if logs else []
-    seen = [each for each in (take(robot, log) for log in chosen) if each is not None]
+    seen = [each for each in side_by_side(partial(take, robot), chosen) if each is not None]
     turned = imu_findings(robot, seen)
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))

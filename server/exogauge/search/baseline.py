@@ -18,6 +18,7 @@ from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
 from exogauge.search.sums import Sums
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 Tick = Callable[[float, str], None]
@@ -84,29 +85,41 @@ def lay_ground(
     shown: dict[Site, set[str]] = {site: set() for site in everywhere}  # effects that some fitted log can show
     residuals: list[LogResiduals] = []
     order = sorted(recordings, key=lambda each: each.held_out)
-    for number, recording in enumerate(order):
-        tick(number / len(order), f"trying what may be missing in {recording.log.name}")
-        prepared = model.prepare(recording.log)
+
+    def of_log(recording: Recording) -> tuple[dict[Site, set[str]], Sums, LogResiduals]:
+        prepared, sums = model.prepare(recording.log), Sums()
         axes = [site for site in sites(model) if isinstance(site, AxisSite)]
         needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
         seen = seen_by(model, prepared, needed)
         columns: dict[Site, Array] = {}
+        applying: dict[Site, set[str]] = {}
         for site in () if recording.held_out else everywhere:
-            shown[site] |= {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}
+            applying[site] = {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}
             columns[site] = columns_of(everywhere[site], seen[site], prepared, len(site.kinds(model.equations)))
-        left = (Sums() if recording.held_out else fitted).take(model.equations, prepared, x, columns)
+        left = sums.take(model.equations, prepared, x, columns)
         time = recording.log.time[prepared.kept] - recording.log.time[0]
         moved = {site.axis: _moved(seen[site].signals, prepared.kept) for site in axes}
-        residuals.append(LogResiduals(recording.log.name, recording.held_out, time, left, moved))
+        return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
+
+    for number, (applying, sums, left) in enumerate(side_by_side(of_log, order)):
+        tick(number / len(order), f"trying what may be missing in {left.log}")
+        fitted.join(sums)
+        residuals.append(left)
+        for site, names in applying.items():
+            shown[site] |= names
     memory = {kind: _memory(residuals, kind) for kind in range(len(model.equations.layout))}
     tried = {
         site: [each for each in candidates if each.effect.name in shown[site]]
         for site, candidates in everywhere.items()
     }
+
+    def of_site(site: Site) -> list[Score]:
+        return list(score_all(model, everywhere[site], fitted.by_site[site], memory))
+
     scores = [
         each
-        for site, sums in fitted.by_site.items()
-        for each in score_all(model, everywhere[site], sums, memory)
+        for site, found in zip(fitted.by_site, side_by_side(of_site, fitted.by_site), strict=True)
+        for each in found
         if each.gain > 0.0 and each.candidate.effect.name in shown[site]
     ]
     ranked = tuple(sorted(scores, key=lambda each: -each.evidence))

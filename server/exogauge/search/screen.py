@@ -13,6 +13,7 @@ from exogauge.search.judge import Judgement, judge
 from exogauge.search.refine import closely, closest, refined
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.side_by_side import each as side_by_side
 
 
 def judge_best(
@@ -37,10 +38,12 @@ def judge_best(
         known = best[candidate.key][0].evidence if candidate.key in best else least
         if tried is not None and tried.evidence > known:
             best[candidate.key] = [tried]
-    judged = []
-    for (_, site), scores in best.items():
-        judged.append(judge(ground.model, closest(ground.model, scores, rows[site], ground.memory), rows[site]))
-    return sorted(judged, key=lambda one: -one.score.evidence), rows
+
+    def judged(scores: Sequence[Score]) -> Judgement:
+        own = rows[scores[0].candidate.site]
+        return judge(ground.model, closest(ground.model, scores, own, ground.memory), own)
+
+    return sorted(side_by_side(judged, best.values()), key=lambda one: -one.score.evidence), rows
 
 
 def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:

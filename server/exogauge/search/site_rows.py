@@ -15,6 +15,7 @@ from exogauge.identification.sites import seen_by
 from exogauge.logs.decimating import low_passed_at
 from exogauge.logs.filtering import LowPass
 from exogauge.search.sums import KindSums
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -76,7 +77,8 @@ def collect_rows(
         return {}
     equations, x = model.equations, model.solution.unbounded.x
     needed = {kind for site in sites for kind in site.kinds(model.equations)}
-    for recording in recordings:
+
+    def of_log(recording: Recording) -> list[tuple[Site, SiteRows]]:
         prepared = model.prepare(recording.log)
         parts: dict[int, list[tuple[IntArray, Array, Array]]] = {}
         for _, chunks in equations.rows(prepared, x):
@@ -89,11 +91,13 @@ def collect_rows(
         mine = {site: {kind: rows[kind] for kind in site.kinds(equations) if kind in rows} for site in sites}
         seen = seen_by(eyes or model, prepared, [site for site in sites if mine[site]])
         time = recording.log.time - recording.log.time[0]
-        for site, looks in seen.items():
-            kinds, own_rows = site.kinds(equations), mine[site]
-            found[site].append(
-                SiteRows(recording.log.name, recording.held_out, time, looks, prepared.low_pass, kinds, own_rows)
-            )
+        name, held_out, low_pass = recording.log.name, recording.held_out, prepared.low_pass
+        return [(site, SiteRows(name, held_out, time, looks, low_pass, site.kinds(equations), mine[site]))
+                for site, looks in seen.items()]  # fmt: skip
+
+    for of_sites in side_by_side(of_log, recordings):
+        for site, rows in of_sites:
+            found[site].append(rows)
     return {site: tuple(each) for site, each in found.items()}
 
 

@@ -46,6 +46,14 @@ class KindSums:
         self.square += float(e @ e)
         self.rows += len(e)
 
+    def join(self, other: KindSums) -> None:
+        """Take in the rows of another log."""
+        self.cross += other.cross
+        self.own += other.own
+        self.with_residual += other.with_residual
+        self.square += other.square
+        self.rows += other.rows
+
     def part(self, which: slice) -> KindSums:
         """Of some of the columns."""
         return KindSums(self.cross[which], self.own[which, which], self.with_residual[which], self.square, self.rows)
@@ -60,6 +68,13 @@ class Sums:
     """by_site: site -> sums of its candidates' columns, by kind of row, over all logs taken in."""
 
     by_site: dict[Site, SiteSums] = field(default_factory=dict)
+
+    def join(self, other: Sums) -> None:
+        """Take in another log."""
+        for site, by_kind in other.by_site.items():
+            mine = self.by_site.setdefault(site, {})
+            for kind, sums in by_kind.items():
+                mine.setdefault(kind, KindSums.empty(*sums.cross.shape)).join(sums)
 
     def take(
         self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[Site, Array]

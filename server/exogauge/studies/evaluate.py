@@ -25,6 +25,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
 from exogauge.identification.settings import Progress
 from exogauge.robots.export import export_urdf
+from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import admit
 from exogauge.studies.intake.contract import STEPS
 from exogauge.studies.intake.open import Study, open_study
@@ -227,10 +228,15 @@ def _write_all_series(evaluation: Evaluation, folder: Path) -> dict[str, str]:
     every: list[tuple[Prediction, Trial | None]] = [(each, None) for each in evaluation.identification.predictions]
     every += [(trial.prediction, trial) for trial in (evaluation.support.trials if evaluation.support else ())]
     logs, cutoff_hz = {log.name: log for log in evaluation.logs}, evaluation.identification.cutoff_hz
-    for prediction, trial in every:
+
+    def written(of: tuple[Prediction, Trial | None]) -> None:
+        prediction, trial = of
         log = logs.get(prediction.log)
         moved = None if log is None else Moved(evaluation.robot, log, cutoff_hz)
         write_series(prediction, folder / SERIES / f"{prediction.log}.parquet", trial, moved)
+
+    for _ in side_by_side(written, every):
+        pass
     return {f"series.{prediction.log}": f"{SERIES}/{prediction.log}.parquet" for prediction, _ in every}
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -15,6 +16,7 @@ from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
+from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, balance
 from exogauge.support.band_doubt import NullLog
 from exogauge.support.evidence import Background, Evidence, gather, on_joints
@@ -93,10 +95,11 @@ def gather_support(
     for motion in dict.fromkeys(each.motion for each in worn):
         plains = _plains(model, _of_motion(plain, motion), balances)
         background = Background(joints, plains, repeatability(plains, held, settings), held, None)
-        for pair in pairs(worn, plain):
-            if pair.worn.motion == motion:
-                progress(0.2 + 0.6 * len(evidences) / len(worn), f"comparing {pair.worn.log.name}")
-                evidences.append(_evidence(model, pair, plain, background, settings))
+        of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
+        compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
+        for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):
+            progress(0.2 + 0.6 * len(evidences) / len(worn), f"comparing {pair.worn.log.name}")
+            evidences.append(evidence)
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
     names = [model.robot.joints[j].name for j in joints]
@@ -114,11 +117,12 @@ def conclude_support(
     evidences, backgrounds, nothings = gathered.evidences, gathered.backgrounds, gathered.nothings
     progress(0.8, "identifying the bands")
     devices = {each.device.name: each.device for each in worn}
-    stiffness = [
-        result
+    fits = [
+        fit
         for device in devices.values()
-        for result in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
+        for fit in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
     ]
+    stiffness = list(side_by_side(lambda fit: fit(), fits))
     progress(0.95, "comparing with the band model")
     support = _result(model, evidences, backgrounds, stiffness, gathered.names, settings)
     return replace(support, warnings=(*gathered.notes, *support.warnings)), tuple(stiffness)
@@ -154,9 +158,10 @@ def _balances(
 ) -> Mapping[str, Balance]:
     """By the log's name."""
     found = {}
-    for done, each in enumerate(plain):
+    balances = side_by_side(lambda each: balance(model, model.prepare(each.log), joints), plain)
+    for done, (each, own) in enumerate(zip(plain, balances, strict=True)):
         progress(0.2 * done / len(plain), f"what is left in {each.log.name}")
-        found[each.log.name] = balance(model, model.prepare(each.log), joints)
+        found[each.log.name] = own
     return found
 
 
@@ -190,8 +195,8 @@ def _bands(
     backgrounds: Mapping[str, Background],
     nothings: Sequence[Nothing],
     names: Sequence[str],
-) -> Iterator[StiffnessResult]:
-    """By A where there is a log to compare with, by B, and by B with the maker's values."""
+) -> Iterator[Callable[[], StiffnessResult]]:
+    """What fits them: by A where there is a log to compare with, by B, and by B with the maker's values."""
     own = [each for each in evidences if each.worn.device.name == device.name]
     repeats = [backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
     approaches: tuple[Approach, ...] = ("A", "B", "prior")
@@ -203,7 +208,7 @@ def _bands(
         found = runs if approach == "A" and runs else [each.by_model_steady for each in repeats]
         sigma = np.maximum(np.sqrt(np.mean(np.square(found), axis=0)), LEAST_SIGMA)
         null_logs = [] if approach == "A" else _null_logs(model, device, used, backgrounds, nothings)
-        yield identify_bands(model, device, approach, used, sigma, null_logs, names)
+        yield partial(identify_bands, model, device, approach, used, sigma, null_logs, names)
 
 
 def _null_logs(

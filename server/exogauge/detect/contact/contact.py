@@ -24,6 +24,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Progress, Recording
 from exogauge.robots.rows import RowType
+from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ def pushes(model: RobotModel, recordings: Sequence[Recording], known: Sequence[P
     to be there still."""
     criteria, block_s = model.criteria.contact, model.criteria.judging.block_s
     logs = log_rows(model, recordings)
-    scanned = [gains(rows, force_columns(model, rows), criteria) for rows in logs]
+    scanned = list(side_by_side(lambda rows: gains(rows, force_columns(model, rows), criteria), logs))
     bar = level([rows.time for rows in logs], [gain for gain, _ in scanned], block_s, criteria)
     moments, next_gain = bursts(logs, scanned, bar, criteria)
     reach = reaches(model.robot.tree, model.criteria.contact)

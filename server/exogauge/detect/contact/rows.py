@@ -79,10 +79,10 @@ def force_columns(model: RobotModel, rows: LogRows) -> Array:
         W[:, 3:, :3] = _skew(p)
         if robot.floating:
             out[:, told.base] = -W
-        joints = np.zeros((n, len(robot.joints), 6))
-        for k in np.flatnonzero(carried[:, body] & (tree.dof >= 0)):
-            joints[:, tree.dof[k]] = np.einsum("at,tak->tk", sweep.S[k], W)
-        out[:, told.axes] = -np.einsum("aj,tjk->tak", to_axes, joints)
+        moving = np.flatnonzero(carried[:, body] & (tree.dof >= 0))
+        S = sweep.S[moving]
+        joints = np.concatenate([S[:, :3] + np.cross(S[:, 3:], p[None], axis=1), S[:, 3:]], axis=1)  # (k, 6, n)
+        out[:, told.axes] = -np.moveaxis(np.tensordot(to_axes[:, tree.dof[moving]], joints, 1), 2, 0)
         for sensor, cut in enumerate(equations.cuts):
             if body in tree.cuts[cut.frame]:
                 out[:, told.sensor(sensor)] = -np.moveaxis(

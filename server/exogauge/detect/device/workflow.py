@@ -38,6 +38,7 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
 from exogauge.search.block_gains import summed, sureness
 from exogauge.search.may_be_named import not_named, refused, told
+from exogauge.side_by_side import each as side_by_side
 from exogauge.support.evaluate import Gathered
 
 Array = NDArray[np.float64]
@@ -184,16 +185,19 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     """The ground with further wires that are worth it, the candidates judged, with most evidence first, and how many
     shapes were tried."""
     scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
-    for effect, wire in candidates(scorer, effects):
-        best, count = scorer.best(effect, wire)
+
+    def best_of(candidate: tuple[BandEffect, int]) -> tuple[BandScore | None, int]:
+        best, count = scorer.best(*candidate)
+        return None if best is None or best.evidence <= WORTH_JUDGING else scorer.refined(best), count
+
+    for best, count in side_by_side(best_of, candidates(scorer, effects)):
         tried += count
-        if best is not None and best.evidence > WORTH_JUDGING:
-            worth.append(scorer.refined(best))
+        worth += [] if best is None else [best]
     for effect in (each for each in effects.values() if each.sort == "wire"):
         ground, scorer, scores, count = further_wires(ground, scorer, effect)
         worth, tried = worth + [scorer.refined(each) for each in scores], tried + count
     worth = sorted(worth, key=lambda each: -each.evidence)[:JUDGED]
-    judged = [judge(ground, each, folds) for each in worth]
+    judged = list(side_by_side(lambda each: judge(ground, each, folds), worth))
     likely = [each for each in judged if each.evidence > WORTH_JUDGING]
     return ground, sorted(likely, key=lambda one: -one.evidence), tried
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
 from exogauge.plausibility.examine import examine_against_robot
 from exogauge.robots.description import Robot
+from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.results.document import finite
 from exogauge.support.settings import WornLog
 
@@ -22,7 +24,8 @@ def examine_logs(robot: Robot, recordings: Sequence[Recording], worn: Sequence[W
     """
     expected = expectation(robot)
     logs = [*(each.log for each in recordings), *(each.log for each in worn)]
-    alone = [(log.name, finding) for log in logs for finding in examine(log, expected)]
+    examined = side_by_side(partial(examine, expectation=expected), logs)
+    alone = [(log.name, finding) for log, findings in zip(logs, examined, strict=True) for finding in findings]
     doubtful = {log for log, finding in alone if finding.severity == "error" and finding.channel in OF_THE_BASE}
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
     return [_entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted), *alone)]
