@@ -20,7 +20,6 @@ from exogauge.detect.device.workflow import find_band_effects
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.catalogue import choose
-from exogauge.findings.band_numbers import with_effects
 from exogauge.findings.result import Discrepancy, Lineage
 from exogauge.findings.verdict import Seen
 from exogauge.identification.equations import Equations
@@ -33,8 +32,8 @@ from exogauge.robots.description import Joint, Robot
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.words.finding_sentences import finding_sentence
-from exogauge.support.evaluate import Gathered, Nothing
-from exogauge.support.evidence import Background, Evidence, on_joints
+from exogauge.support.evaluate import Gathered
+from exogauge.support.evidence import Background, Evidence, Nothing, on_joints
 from exogauge.support.repeatability import Repeatability
 from exogauge.support.settings import WornLog
 from exogauge.support.stiffness import identify_bands
@@ -231,7 +230,7 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
                 "worn": WornLog(Log(f"{motion}_{len(evidences)}", t, {}), motion, trunk.device), "reference": "plain",
                 "time": t, "q": posture, "posture": posture, "a": torque if approach == "A" else None, "b": torque,
                 "compared": moves, "steady": moves, "rest": still, "length": geometry.length,
-                "jacobian": on_joints(geometry.jacobian, routing, joints), "kept": kept, "sloped": kept[::5],
+                "kept": kept, "sloped": kept[::5],
                 "slope_a": np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32),
                 "slope_b": np.zeros((len(kept[::5]), 3, trunk.model.equations.size), dtype=np.float32),
             }  # fmt: skip
@@ -397,12 +396,28 @@ def test_the_stiffness_that_is_told_is_the_one_beside_the_named_effect(trunk):
     linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)
     found = search(trunk, ("left", "band_hardening"))
     assert found.findings
-    (told,) = with_effects([linear], found.bands)
-    for before, after in zip(linear.bands, told.bands, strict=True):
-        stiffness = {each.of: each for each in found.before_after if each.what == "stiffness"}
-        now = stiffness[before.band,].after
-        assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
-        low, high = after.stiffness_interval
-        assert low < now.value < high
-    other = replace(linear, approach="B")
-    assert with_effects([other], found.bands) == (other,), "the other approach did not fit the effect"
+    (named,) = found.bands
+    stiffness = {each.of: each for each in found.before_after if each.what == "stiffness"}
+    for approach in ("A", "B"):
+        told = identify_bands(
+            trunk.model, trunk.device, approach, seen.evidences, np.full(3, NOISE), seen.nothings, JOINTS, named
+        )
+        for after in told.bands:
+            now = stiffness[after.band,].after
+            low, high = after.stiffness_interval
+            assert after.with_effects
+            assert low < now.value < high
+            if approach == "A":  # by which it was named
+                assert (after.stiffness.value, after.stiffness.std) == (now.value, now.std)
+            assert abs(after.stiffness.value - K) < abs(linear.bands[0].stiffness.value - K)
+
+
+@pytest.mark.slow
+def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
+    seen, found = gathered(trunk, ("left", "band_stiffness"), 1), search(trunk, ("left", "band_stiffness"))
+    (named,) = found.bands
+    told = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS, named)
+    (finding,) = found.findings
+    for band, true in zip(told.bands, (0.62 * K, K), strict=True):
+        assert abs(band.stiffness.value - true) < 3.0 * band.stiffness.std < 0.1 * true
+    assert told.bands[0].stiffness.value == finding.parameters["stiffness"].value

@@ -427,7 +427,9 @@ def make_evidence(biped: Biped) -> Callable[..., Evidence]:
             b.stiffness * np.maximum(x - b.natural_length, 0)
             for b, x in zip(device.bands, geometry.length.T, strict=True)
         ]
-        torque = -np.einsum("twd,wt->td", geometry.jacobian, pull)
+        sections = butter(4, CUTOFF, fs=RATE, output="sos")
+        tension = np.maximum(sosfiltfilt(sections, pull, axis=1), 0.0)  # what the torque has passed, scipy's
+        torque = -np.einsum("twd,wt->td", geometry.jacobian, tension)
         torque = gain * (torque + noise * lasting(np.random.default_rng(seed), torque.shape, 0.2))
         nothing, always = np.zeros_like(torque), np.ones(torque.shape, dtype=bool)
         used = always & ~np.isin(routing.joints, list(unused))
@@ -438,7 +440,7 @@ def make_evidence(biped: Biped) -> Callable[..., Evidence]:
             time=course.time, q=course.q[:, routing.columns], posture=course.q, main=0,
             phase=np.zeros(len(torque), dtype=np.intp), a=torque, b=torque, a_priori=torque, std_a=nothing,
             std_b=nothing, half_a=nothing, half_b=nothing, low_b=torque, compared=used, steady=used, rest=~always,
-            length=geometry.length, jacobian=geometry.jacobian, kept=kept, sloped=kept[::20], slope_b=slope,
+            length=geometry.length, kept=kept, sloped=kept[::20], slope_b=slope,
             slope_a=slope, prediction=Prediction("worn", True, course.time, {}, {}, {}, {}),
         )  # fmt: skip
 

@@ -9,12 +9,16 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
-from exogauge.devices.band_fit import Reduced, fit_bands, layout, tension_and_pull
 from exogauge.devices.device import Device
+from exogauge.devices.routing import Routing
 from exogauge.identification.predict import Parameters
-from exogauge.support.band_doubt import NullLog, autocovariance, score_covariance
-from exogauge.support.band_samples import band_samples
+from exogauge.support.band_doubt import blocks, score_covariance
+from exogauge.support.band_fit import best_start, starts
+from exogauge.support.band_model import Belief, Setting, fit, shared
+from exogauge.support.band_rows import band_wires, rows_with
+from exogauge.support.band_weights import autocovariance
 from exogauge.support.evaluate import estimate_support
+from exogauge.support.evidence import Nothing
 from exogauge.support.settings import PlainLog, WornLog
 from exogauge.support.stiffness import identify_bands
 
@@ -25,6 +29,16 @@ TRUE = 1500.0
 
 def told_nothing(device: Device) -> Device:
     return replace(device, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in device.bands))
+
+
+def fitted(biped, device, evidences):
+    """With equal weights, as if nothing lasted."""
+    columns = np.array([biped.robot.tree.joints.index(name) for name in NAMES])
+    logs = rows_with(evidences, "A", columns, NAMES, biped.known().cutoff_hz)
+    wires, plan = band_wires(logs, Routing(biped.robot.tree, device.bands)), shared(device.bands)
+    belief = Belief(np.zeros(3), np.zeros((3, 3)))
+    setting = Setting(logs, wires, logs.used / SIGMA**2, float(logs.used.sum()), belief)
+    return setting, fit(setting, best_start(setting, starts(plan, wires, ())))
 
 
 def in_order(estimates):
@@ -56,8 +70,8 @@ def test_doubt_of_the_robots_parameters_reaches_the_bands_as_the_estimate_follow
     def bands(of):
         return next(each for each in estimate_support(of, *logs)[1] if each.approach == approach).bands
 
-    ahead, behind = (in_order(bands(moved(biped, model, direction, size)[0])) for size in (1e-3, -1e-3))
-    slope = (ahead - behind) / 2e-3
+    ahead, behind = (in_order(bands(moved(biped, model, direction, size)[0])) for size in (1e-4, -1e-4))
+    slope = (ahead - behind) / 2e-4
     x = moved(biped, model, direction, 1.0)[1]
     doubtful = replace(model, covariance=np.outer(x, x))
     found = bands(doubtful)
@@ -94,14 +108,8 @@ def test_the_score_of_a_log_without_the_device_is_the_bias_that_its_error_makes(
     offset = np.array([0.4, -0.2])
     wrong = replace(evidence, b=evidence.b + offset)
     kept = evidence.kept
-    null = NullLog(
-        evidence.length[kept],
-        evidence.jacobian[kept],
-        np.broadcast_to(offset, (len(kept), 2)),
-        np.zeros((len(kept), 2)),
-        np.ones((len(kept), 2), dtype=bool),
-        1.0,
-    )
+    null = Nothing("motion", evidence.time[kept], evidence.posture[kept], np.broadcast_to(offset, (len(kept), 2)),
+                   np.zeros((len(kept), 2)), np.ones((len(kept), 2), dtype=bool))  # fmt: skip
     model, device = biped.known(), told_nothing(suit)
 
     def identified(torque, null_logs):
@@ -109,26 +117,25 @@ def test_the_score_of_a_log_without_the_device_is_the_bias_that_its_error_makes(
         stds = [bands[0].stiffness.std, *(each.natural_length.std for each in bands)]
         return in_order(bands), np.array(stds)
 
-    (right, _), (found, alone), (_, doubled) = (
-        identified(*case) for case in ((evidence, []), (wrong, []), (wrong, [replace(null, share=2.0)]))
+    (right, _), (found, alone), (_, twice) = (
+        identified(*case) for case in ((evidence, []), (wrong, []), (wrong, [null, null]))
     )
     std = identified(wrong, [null])[1]
     assert abs(found - right)[0] > 5.0
     np.testing.assert_allclose(np.sqrt(std**2 - alone**2), np.abs(found - right), rtol=0.25)
-    np.testing.assert_allclose(doubled**2 - alone**2, 4.0 * (std**2 - alone**2), rtol=1e-6)
+    np.testing.assert_allclose(twice, std, rtol=1e-6)  # two logs without stand for one with it
 
 
 def test_blocks_are_long_against_the_memory_of_the_errors_and_never_span_two_logs(
     biped, suit, make_evidence, stoop, wander
 ):
     evidences = [make_evidence(suit, course, noise=0.3, seed=k) for k, course in enumerate([stoop(1), wander(2)])]
-    samples = band_samples(evidences, "A")
-    plan = layout(suit.bands)
-    blocks = samples.blocks(fit_bands(plan, Reduced(samples.weighted(SIGMA))))
-    assert np.all(np.diff(blocks) >= 0)
-    assert len(np.unique(blocks)) == blocks.max() + 1
-    assert not set(blocks[samples.log == 0]) & set(blocks[samples.log == 1])
-    lengths = np.bincount(blocks)[:5] / 50.0
+    setting, found = fitted(biped, suit, evidences)
+    number, log = blocks(setting.logs, found.e), setting.logs.log
+    assert np.all(np.diff(number) >= 0)
+    assert len(np.unique(number)) == number.max() + 1
+    assert not set(number[log == 0]) & set(number[log == 1])
+    lengths = np.bincount(number)[:5] / 50.0
     assert lengths.min() > 0.45
     assert len(lengths) >= 5
 
@@ -141,7 +148,7 @@ def test_samples_that_do_not_count_are_left_out_by_approach(biped, suit, make_ev
     evidence = replace(evidence, steady=steady, compared=compared, a=a)
     time = evidence.time[evidence.kept]
     for approach, chosen in (("A", (time >= 1.0) & (time < 7.0)), ("B", time >= 6.0), ("prior", time >= 6.0)):
-        samples = band_samples([evidence], approach)
+        samples = rows_with([evidence], approach, np.array([2, 3]), NAMES, 20.0)
         np.testing.assert_array_equal(samples.used.all(axis=1), chosen)
         assert np.isfinite(samples.torque).all()
 
@@ -157,23 +164,22 @@ def test_autocovariance_is_that_of_errors_with_a_memory_gaps_or_not():
     assert len(autocovariance(rng.normal(size=400), np.ones(400, dtype=bool))) < 20
 
 
-def test_the_doubt_of_the_score_is_no_less_than_either_of_its_two_estimates_says(suit, make_evidence, stoop):
-    samples = band_samples([make_evidence(suit, stoop(1), noise=0.5)], "A")
-    fit = fit_bands(layout(suit.bands), Reduced(samples.weighted(SIGMA)))
-    scores = fit.scores(samples.blocks(fit))
-    found, size = score_covariance(fit, samples, SIGMA), np.sqrt(np.sum(scores**2, axis=0))
-    more = (found - scores.T @ scores) / np.outer(size, size)
+def test_the_doubt_of_the_score_is_no_less_than_either_of_its_two_estimates_says(biped, suit, make_evidence, stoop):
+    setting, found = fitted(biped, suit, [make_evidence(suit, stoop(1), noise=0.5)])
+    rows, number = np.einsum("ndp,nd->np", found.A, setting.weight * found.e), blocks(setting.logs, found.e)
+    scores = np.stack([rows[number == each].sum(axis=0) for each in range(number.max() + 1)])
+    whole, size = score_covariance(setting, found), np.sqrt(np.sum(scores**2, axis=0))
+    more = (whole - scores.T @ scores) / np.outer(size, size)
     assert np.linalg.eigvalsh(more).min() > -1e-9
     # errors of one joint, alike at all times: Σ g^T C g, with C written out
-    pull = tension_and_pull(fit.layout, samples.length, fit.theta)[1]
     expected = np.zeros((3, 3))
     for joint in range(2):
-        e = samples.residual(fit)[:, joint]
+        e = found.e[:, joint]
         c = autocovariance(e, np.ones(len(e), dtype=bool))
         C = toeplitz(np.r_[c, np.zeros(len(e) - len(c))])
-        g = -np.einsum("nwp,nw->np", pull, samples.jacobian[:, :, joint]) / SIGMA[joint] ** 2
+        g = found.A[:, joint] / SIGMA[joint] ** 2
         expected += g.T @ C @ g
-    assert np.linalg.eigvalsh((found - expected) / np.outer(size, size)).min() > -1e-9
+    assert np.linalg.eigvalsh((whole - expected) / np.outer(size, size)).min() > -1e-9
 
 
 @pytest.mark.slow

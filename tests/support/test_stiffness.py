@@ -29,13 +29,13 @@ def identified(biped, suit, stoop, make_evidence):
     """The result for a device worn in courses, from torques that it gives, with coloured noise on top."""
     model = biped.known()
 
-    def identify(device=suit, courses=None, noise=0.0, approach="A", gain=1.0, seed=0, known=None, null_logs=()):
+    def identify(device=suit, courses=None, noise=0.0, approach="A", gain=1.0, seed=0, known=None):
         evidences = [
             make_evidence(device, course, noise=noise, gain=gain, seed=seed + 100 * k)
             for k, course in enumerate([stoop(1)] if courses is None else courses)
         ]
         known = told_nothing(device) if known is None else known
-        return identify_bands(model, known, approach, evidences, SIGMA, null_logs, NAMES)
+        return identify_bands(model, known, approach, evidences, SIGMA, [], NAMES)
 
     return identify
 
@@ -45,12 +45,12 @@ def test_stiffness_and_lengths_come_back_with_what_is_left(identified, suit):
     assert found.parameters == ("stiffness[back]", "natural_length[left]", "natural_length[right]")
     for estimate, band in zip(found.bands, suit.bands, strict=True):
         assert (estimate.band, estimate.group) == (band.name, "back")
-        assert estimate.stiffness.value == pytest.approx(band.stiffness, rel=1e-6)
+        assert estimate.stiffness.value == pytest.approx(band.stiffness, rel=1e-5)
         assert estimate.natural_length.value == pytest.approx(band.natural_length, rel=1e-6)
         assert estimate.identifiable
         assert estimate.length_identifiable
         assert not estimate.note
-    assert max(found.rms.values()) < 1e-4
+    assert max(found.rms.values()) < 1e-3
     assert not found.notes
 
 
@@ -117,15 +117,6 @@ def test_a_twist_unties_them(identified, suit):
     )
 
 
-def test_a_band_that_is_stated_to_be_no_straight_spring_was_fitted_as_one_and_that_is_said(identified, suit):
-    hardening = replace(suit.bands[0], law="hardening", law_values={"hardening": 400.0})
-    known = told_nothing(replace(suit, bands=(hardening, *suit.bands[1:])))
-    (note,) = identified(known=known).notes
-    assert f"{hardening.name} (hardening)" in note
-    assert suit.bands[1].name not in note
-    assert "straight spring" in note
-
-
 def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, suit):
     worn = replace(suit, bands=(*suit.bands, belly(natural_length=2.0)))
     found = identified(device=worn)
@@ -136,7 +127,9 @@ def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, 
     assert np.isinf(estimate.natural_length.std)
     assert estimate.stiffness_interval == (0.0, np.inf)
     assert "slack" in estimate.note
-    assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=1e-6)
+    assert np.isnan(estimate.stiffness.value), "no number where any would do"
+    assert np.isnan(estimate.natural_length.value)
+    assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=1e-5)
     assert found.bands[0].identifiable
 
 
@@ -159,6 +152,10 @@ def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_an
     assert right.stiffness.value == left.stiffness.value == pytest.approx(1500.0, rel=1e-4)
     assert right.identifiable
     assert np.isinf(right.natural_length.std)
+    assert np.isnan(right.natural_length.value)
+    low, high = right.natural_length_interval
+    assert right.longest - 0.03 < low < right.longest, "as stiff as its twin, it would be seen if it began to pull"
+    assert np.isinf(high)
     assert not right.length_identifiable
     assert "right" in right.note
     assert not left.note

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, final
@@ -16,7 +17,8 @@ Approach = Literal["A", "B", "prior"]
 @final
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its standard deviation and unit; std inf where the data say nothing."""
+    """A number with its standard deviation and unit. Where the data say nothing std is inf, and value NaN if any value
+    would do."""
 
     value: float
     std: float
@@ -30,7 +32,8 @@ class BandEstimate:
 
     stiffness_interval, natural_length_interval: (low, high), 95 %.
     true_stiffness, error_percent: None where no truth is known. identifiable, length_identifiable: the data decide it;
-    note: in words, why not, or "". with_effects: with what was named of the bands in the model, not as springs alone.
+    note: in words, why not, or "". with_effects: with what was named of the bands in the model, not as device.yaml
+    states them alone. longest: [m] in these motions.
     """
 
     band: str
@@ -45,6 +48,7 @@ class BandEstimate:
     length_identifiable: bool
     note: str
     with_effects: bool = False
+    longest: float = math.nan
 
 
 @final

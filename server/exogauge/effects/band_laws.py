@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.band import Array, BandEffect, BandSignals, Stated, WireMotion
+from exogauge.effects.band import Array, BandEffect, Stated, WireMotion
 from exogauge.effects.catalogue import band_effects
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
@@ -53,6 +53,15 @@ class BandLaw:
                 found.setdefault(each.name, LawValue(each.name, each.unit, each.words, effect.stated[each.name]))
         return tuple(found.values())
 
+    def parts(self, values: Mapping[str, float]) -> list[tuple[BandEffect, tuple[float, ...], tuple[float, ...]]]:
+        """Each effect with its shape and its coefficients. values: by name; what is left out has its default."""
+        given = {each.name: each.stated.default for each in self.values} | dict(values)
+
+        def of(names: Sequence[Quantity | Shape]) -> tuple[float, ...]:
+            return tuple(float(given[each.name] or 0.0) for each in names)
+
+        return [(effect, of(effect.shapes), of(effect.coefficients)) for effect in self.effects]
+
     @property
     def per_segment(self) -> bool:
         """The tension differs along the band."""
@@ -62,21 +71,20 @@ class BandLaw:
         self, motion: WireMotion, stiffness: float, natural_length: float, values: Mapping[str, float]
     ) -> Array:
         """(T,), or (T, S) per segment, [N], not negative. stiffness [N/m], natural_length [m]. values: by name."""
-        given = {each.name: each.stated.default for each in self.values} | dict(values)
-        signals = motion.with_spring(stiffness, natural_length)
+        signals, parts = motion.with_spring(stiffness, natural_length), self.parts(values)
         whole = signals.tension
-        for effect in self.effects:
+        for effect, shape, coefficients in parts:
             if not effect.per_segment:
-                whole = whole + _added(effect, signals, given)
+                whole = whole + effect.added_tension(signals, shape) @ np.array(coefficients)
         whole = np.maximum(whole, 0.0)
         if not self.per_segment:
             return whole
         if motion.segment_length is None or motion.wrap is None:
             raise ValueError(f"the law {self.name!r} needs segment lengths and wrap angles")
         along = np.repeat(whole[:, None], motion.segment_length.shape[1], axis=1)
-        for effect in self.effects:
+        for effect, shape, coefficients in parts:
             if effect.per_segment:
-                along += _added(effect, signals, given)
+                along += effect.added_tension(signals, shape) @ np.array(coefficients)
         return np.maximum(along, 0.0)
 
 
@@ -143,11 +151,3 @@ def _name_faults(law: str, key: str) -> Iterator[Fault]:
 
 def _parts(law: str) -> list[str]:
     return [part.strip() for part in law.split(AND)]
-
-
-def _added(effect: BandEffect, signals: BandSignals, given: Mapping[str, float | None]) -> Array:
-    """(T,) or (T, S) [N]"""
-    shape, coefficients = (
-        np.array([given[each.name] for each in own], dtype=np.float64) for own in (effect.shapes, effect.coefficients)
-    )
-    return np.asarray(effect.added_tension(signals, tuple(shape.tolist())) @ coefficients)

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
-from exogauge.findings.band_numbers import BandNumbers
 from exogauge.findings.basis import Basis
 from exogauge.findings.objection import Objection
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, Verdict, decide
+from exogauge.support.band_fit import NamedBands
 
 Array = NDArray[np.float64]
 
@@ -239,8 +239,8 @@ class Consequence:
 class Discrepancy:
     """before_after: of supporting torque and stiffness. wear_chain: as chain, of the supporting torque and the model of
     the wear; empty where nothing was added to it. seen: every channel that was looked at, with all that was named.
-    cannot: why something was not judged. judging: what decides its verdict. bands: their numbers beside the effects
-    that were named of them."""
+    cannot: why something was not judged. judging: what decides its verdict. bands: devices of whose bands something was
+    named, fitted with it."""
 
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
@@ -255,7 +255,7 @@ class Discrepancy:
     seen: tuple[Seen, ...] = ()
     cannot: tuple[Caveat, ...] = ()
     judging: Judging = field(default_factory=Judging)
-    bands: tuple[BandNumbers, ...] = ()
+    bands: tuple[NamedBands, ...] = ()
 
     @property
     def verdict(self) -> Verdict:

@@ -19,7 +19,6 @@ from exogauge.devices.result import StiffnessResult
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
 from exogauge.findings.as_told import by_importance
-from exogauge.findings.band_numbers import with_effects
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
@@ -41,7 +40,7 @@ from exogauge.studies.results.study_record import study_record
 from exogauge.studies.results.support_results import support_table
 from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
 from exogauge.studies.series.write import Moved, write_series
-from exogauge.support.evaluate import Gathered, conclude_support, estimate_support, gather_support
+from exogauge.support.evaluate import Gathered, beside_named, conclude_support, estimate_support, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -124,7 +123,7 @@ def _evaluate(
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
-                        stiffness = with_effects(stiffness, discrepancy.bands)
+                        stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
         progress(0.87, "writing the results")
         evaluation = Evaluation(
             name=study.name,

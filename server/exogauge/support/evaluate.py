@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach, StiffnessResult
+from exogauge.devices.result import Approach, BandEstimate, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
 from exogauge.identification.settings import Progress
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, balance
-from exogauge.support.band_doubt import NullLog
-from exogauge.support.evidence import Background, Evidence, gather, on_joints
+from exogauge.support.band_fit import NamedBands
+from exogauge.support.band_weights import LEAST_SIGMA
+from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_logs
 from exogauge.support.phases import phase_names
@@ -35,21 +36,6 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
 DEFAULTS = SupportSettings()
-LEAST_SIGMA = 1e-3  # [N·m] of a joint on which nothing was found where there is nothing
-
-
-@final
-@dataclass(frozen=True)
-class Nothing:
-    """A log without the device, at its kept samples: (n,) time [s], (n, J) posture, (n, D) torques that ought to be
-    zero."""
-
-    motion: str
-    time: Array
-    posture: Array
-    b: Array
-    a_priori: Array
-    steady: BoolArray
 
 
 @final
@@ -128,6 +114,21 @@ def conclude_support(
     return replace(support, warnings=(*gathered.notes, *support.warnings)), tuple(stiffness)
 
 
+def beside_named(
+    model: RobotModel, gathered: Gathered, stiffness: Sequence[StiffnessResult], named: Sequence[NamedBands]
+) -> tuple[StiffnessResult, ...]:
+    """Bands of which something was named, fitted again with it by every approach; the others as they were."""
+    fits = [
+        fit
+        for one in named
+        for fit in _bands(
+            model, one.device, gathered.evidences, gathered.backgrounds, gathered.nothings, gathered.names, one
+        )
+    ]
+    again = {(each.device, each.approach): each for each in side_by_side(lambda fit: fit(), fits)}
+    return tuple(again.get((each.device, each.approach), each) for each in stiffness)
+
+
 def _used(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> list[PlainLog]:
     """Logs without the device that the comparison looks at: of its motions, and those that tell of friction at rest."""
     compared = [each for motion in dict.fromkeys(each.motion for each in worn) for each in _of_motion(plain, motion)]
@@ -195,6 +196,7 @@ def _bands(
     backgrounds: Mapping[str, Background],
     nothings: Sequence[Nothing],
     names: Sequence[str],
+    named: NamedBands | None = None,
 ) -> Iterator[Callable[[], StiffnessResult]]:
     """What fits them: by A where there is a log to compare with, by B, and by B with the maker's values."""
     own = [each for each in evidences if each.worn.device.name == device.name]
@@ -207,27 +209,7 @@ def _bands(
         runs = [each.between_runs_steady for each in repeats if each.between_runs_steady is not None]
         found = runs if approach == "A" and runs else [each.by_model_steady for each in repeats]
         sigma = np.maximum(np.sqrt(np.mean(np.square(found), axis=0)), LEAST_SIGMA)
-        null_logs = [] if approach == "A" else _null_logs(model, device, used, backgrounds, nothings)
-        yield partial(identify_bands, model, device, approach, used, sigma, null_logs, names)
-
-
-def _null_logs(
-    model: RobotModel,
-    device: Device,
-    evidences: Sequence[Evidence],
-    backgrounds: Mapping[str, Background],
-    nothings: Sequence[Nothing],
-) -> list[NullLog]:
-    """The device's bands where they would be in the logs without it."""
-    routing = Routing(model.robot.tree, device.bands)
-    result = []
-    for each in nothings:
-        geometry = routing.geometry(each.posture)
-        worn = sum(one.worn.motion == each.motion for one in evidences)
-        without = sum(other.motion == each.motion for other in nothings)
-        jacobian = on_joints(geometry.jacobian, routing, backgrounds[each.motion].joints)
-        result.append(NullLog(geometry.length, jacobian, each.b, each.a_priori, each.steady, worn / without))
-    return result
+        yield partial(identify_bands, model, device, approach, used, sigma, nothings, names, named)
 
 
 def _result(
@@ -307,17 +289,19 @@ def with_values(device: Device, stiffness: Sequence[StiffnessResult]) -> tuple[D
     if not results:
         return None, "none: the device file gives no stiffness or natural length"
     found = {each.band: each for each in results[0].bands}
-    bands = [
-        _filled(band, found[band.name].stiffness.value, found[band.name].natural_length.value) for band in device.bands
-    ]
+    bands = [_filled(band, found[band.name]) for band in device.bands]
     return replace(device, bands=tuple(bands)), (
         f"the device file, and what it does not say as identified by approach {results[0].approach}"
     )
 
 
-def _filled(band: Band, stiffness: float, natural_length: float) -> Band:
+def _filled(band: Band, found: BandEstimate) -> Band:
+    """A band that pulls nowhere is as long as it was ever seen, of whatever stiffness."""
+    k, l_0 = found.stiffness.value, found.natural_length.value
     return replace(
         band,
-        stiffness=stiffness if band.stiffness is None else band.stiffness,
-        natural_length=natural_length if band.natural_length is None else band.natural_length,
+        stiffness=(k if np.isfinite(k) else 1.0) if band.stiffness is None else band.stiffness,
+        natural_length=(l_0 if np.isfinite(l_0) else found.longest)
+        if band.natural_length is None
+        else band.natural_length,
     )

@@ -38,7 +38,7 @@ class Evidence:
     q: (T, D), posture: (T, J) [rad] low-passed. main: place among the D joints of the one that moves most.
     a, b, a_priori: (T, D) [N·m] supporting torque by each approach; a is None without a reference and NaN where the
     reference has no such moment or leaves it out. std_a, std_b: (T, D). half_a, half_b: (T, D) half of the interval
-    that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m], jacobian: (T, W, D) [m/rad].
+    that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
     kept: samples for a fit. sloped: (n,) samples of slope_b, slope_a: (n, D, P) ∂torque/∂x.
     """
 
@@ -62,12 +62,25 @@ class Evidence:
     steady: BoolArray
     rest: BoolArray
     length: Array
-    jacobian: Array
     kept: IntArray
     sloped: IntArray
     slope_b: NDArray[np.float32]
     slope_a: NDArray[np.float32] | None
     prediction: Prediction
+
+
+@final
+@dataclass(frozen=True)
+class Nothing:
+    """A log without the device, at its kept samples: (n,) time [s], (n, J) posture, (n, D) torques that ought to be
+    zero."""
+
+    motion: str
+    time: Array
+    posture: Array
+    b: Array
+    a_priori: Array
+    steady: BoolArray
 
 
 @final
@@ -136,7 +149,6 @@ def gather(
         steady=own.steady & own.prepared.settled[:, None],
         rest=own.at_rest,
         length=geometry.length,
-        jacobian=jacobian,
         kept=prepared.kept,
         sloped=sloped,
         slope_b=slope_b,

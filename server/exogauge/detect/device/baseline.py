@@ -9,22 +9,21 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.detect.device.logs import Approach, Course, WearLog, WearLogs
-from exogauge.detect.device.model import Fitted, Setting, Wear, believed, fit
 from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.devices.device import Device
-from exogauge.devices.result import StiffnessResult
+from exogauge.devices.result import Approach, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
-from exogauge.logs.filtering import LowPass
-from exogauge.support.band_doubt import autocovariance
-from exogauge.support.evaluate import LEAST_SIGMA, Gathered
+from exogauge.support.band_fit import USUAL_STIFFNESS, BandFit
+from exogauge.support.band_model import Fitted, Setting, Wear, believed, declared_laws, each_its_own, fit
+from exogauge.support.band_rows import WearLogs, band_wires, rows_with, rows_without
+from exogauge.support.band_weights import LEAST_SIGMA, memories, spread, weights
+from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Evidence
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-DENSE = 12.0  # samples in a period of the cut-off: what rubs is followed from sample to sample
 WEIGHINGS = 2  # of fitting and weighing the joints by what is left
 
 
@@ -49,6 +48,14 @@ class Ground:
     def joints(self) -> tuple[str, ...]:
         return self.setting.logs.names
 
+    @property
+    def fit(self) -> BandFit:
+        return BandFit(self.model.covariance, self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))
+
+    def deviations(self, fitted: Fitted) -> Array:
+        """(P,) standard deviations."""
+        return np.sqrt(np.maximum(np.diag(self.fit.covariance(fitted)), 0.0))
+
 
 def lay_ground(
     model: RobotModel,
@@ -63,11 +70,11 @@ def lay_ground(
     joints, names = gathered.joints, list(gathered.names)
     if beyond is not None:
         joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
-    logs = WearLogs([_log(each, approach, beyond, model.cutoff_hz) for each in own], joints, names)
+    beside = None if beyond is None else beyond.a if approach == "A" else beyond.b
+    logs = rows_with(own, approach, joints, names, model.cutoff_hz, beside)
     if not logs.used.any():
         return None
-    routing = Routing(model.robot.tree, device.bands)
-    wires = tuple(logs.wire(Course("band", band.name, routing, b)) for b, band in enumerate(device.bands))
+    wires = band_wires(logs, Routing(model.robot.tree, device.bands))
     start = _start(device, stiffness, approach)
     floor = _floor(gathered, own, approach)
     if beyond is not None:
@@ -78,10 +85,11 @@ def lay_ground(
     sigma, memory = np.maximum(floor, LEAST_SIGMA), np.ones(len(names))
     for _ in range(WEIGHINGS):
         weight, independent = weights(logs, sigma, memory)
-        setting = Setting(logs, device.bands, wires, weight, independent, belief)
+        setting = Setting(logs, wires, weight, independent, belief)
         fitted = fit(setting, start)
         sigma, memory = spread(logs, fitted.e, floor), memories(logs, fitted.e)
-    null = _null_logs(gathered, own, beyond) if approach == "B" else None
+    without = None if beyond is None else beyond.null
+    null = rows_without(gathered.nothings, own, "B", joints, names, without) if approach == "B" else None
     ground = Ground(device, approach, model, setting, fitted, floor, sigma, memory, null)
     return weighed(ground, fitted)
 
@@ -101,88 +109,6 @@ def weighed(ground: Ground, fitted: Fitted) -> Ground:
     weight, independent = weights(logs, sigma, memory)
     setting = replace(ground.setting, weight=weight, independent=independent)
     return replace(ground, setting=setting, fitted=fit(setting, fitted.wear), sigma=sigma, memory=memory)
-
-
-def weights(logs: WearLogs, sigma: Array, memory: Array) -> tuple[Array, float]:
-    """(N, D) 1/(σ² memory) of the samples that count, and how many independent errors they are."""
-    return logs.used / (sigma**2 * memory), float(np.sum(logs.used / memory))
-
-
-def memories(logs: WearLogs, e: Array) -> Array:
-    """(D,) samples of a joint's residual that count as one: their integral correlation time, mean over the logs."""
-    result = np.ones(e.shape[1])
-    for joint in range(e.shape[1]):
-        found = []
-        for log in range(len(logs.logs)):
-            own = (logs.log == log) & logs.used[:, joint]
-            if own.sum() > 10:
-                whole = logs.log == log
-                c = autocovariance(np.where(own, e[:, joint], 0.0)[whole], own[whole])
-                found.append((1.0 + 2.0 * float(np.sum(c[1:])) / max(float(c[0]), 1e-300), int(own.sum())))
-        if found:
-            value, count = np.array(found).T
-            result[joint] = max(1.0, float(np.average(value, weights=count)))
-    return result
-
-
-def spread(logs: WearLogs, e: Array, floor: Array) -> Array:
-    """(D,) [N·m] RMS of residuals e (N, D) where they count, at least the floor."""
-    square = np.sum(np.where(logs.used, e, 0.0) ** 2, axis=0) / np.maximum(logs.used.sum(axis=0), 1)
-    return np.asarray(np.maximum(np.sqrt(square), np.maximum(floor, LEAST_SIGMA)))
-
-
-def _log(evidence: Evidence, approach: Approach, beyond: Beyond | None, cutoff_hz: float) -> WearLog:
-    log, kept = evidence.worn.log, evidence.kept
-    dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
-    torque, used = evidence.b, evidence.steady
-    if approach == "A":
-        assert evidence.a is not None
-        torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
-    pair = np.where(used, torque, 0.0)[kept], used[kept]
-    if beyond is not None:
-        pair = _beside(pair, (beyond.a if approach == "A" else beyond.b)[evidence.worn.log.name])
-    return WearLog(
-        name=log.name,
-        motion=evidence.worn.motion,
-        time=evidence.time[dense] - evidence.time[0],
-        posture=evidence.posture[dense],
-        kept=np.searchsorted(dense, kept),
-        torque=pair[0],
-        used=pair[1],
-        sloped=np.searchsorted(kept, evidence.sloped),
-        slope=evidence.slope_a if approach == "A" else evidence.slope_b,
-        low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
-    )
-
-
-def _dense(kept: NDArray[np.intp], samples: int, most: float) -> tuple[NDArray[np.intp], int]:
-    """Every n-th sample, the kept ones among them; and n, at most `most`."""
-    apart = int(np.gcd.reduce(np.diff(kept))) if len(kept) > 1 else 1
-    step = max(n for n in range(1, apart + 1) if apart % n == 0 and n <= max(most, 1.0))
-    first = int(kept[0]) % step if len(kept) else 0
-    return np.arange(first, samples, step), step
-
-
-def _beside(own: tuple[Array, BoolArray], more: tuple[Array, BoolArray]) -> tuple[Array, BoolArray]:
-    return np.hstack([own[0], more[0]]), np.hstack([own[1], more[1]])
-
-
-def _null_logs(gathered: Gathered, own: Sequence[Evidence], beyond: Beyond | None) -> WearLogs:
-    motions = {each.worn.motion for each in own}
-    logs, places = list[WearLog](), dict[str, int]()
-    for each in gathered.nothings:
-        place = places[each.motion] = places.get(each.motion, -1) + 1
-        if each.motion in motions:
-            pair = np.where(each.steady, each.b, 0.0), each.steady
-            if beyond is not None:
-                pair = _beside(pair, beyond.null[each.motion][place])
-            nothing = np.zeros(0, dtype=np.intp)
-            time, kept = each.time - each.time[0], np.arange(len(each.time))
-            logs.append(WearLog("", each.motion, time, each.posture, kept, pair[0], pair[1], nothing, None))
-    joints, names = gathered.joints, list(gathered.names)
-    if beyond is not None:
-        joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
-    return WearLogs(logs, joints, names, share=len(own) / max(len(logs), 1))
 
 
 def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> Array:
@@ -220,10 +146,15 @@ def _of_the_robot(model: RobotModel, logs: WearLogs) -> Array:
 def _start(device: Device, stiffness: Sequence[StiffnessResult], approach: Approach) -> Wear:
     """As identified by the approach; as stated where the data did not decide."""
     result = next(each for each in stiffness if each.device == device.name and each.approach == approach)
-    k, l_0 = [], []
+    k, l_0 = list[float](), list[float]()
     for band, found in zip(device.bands, result.bands, strict=True):
-        use_stated = band.stiffness is not None and not found.identifiable
-        k.append(band.stiffness if use_stated and band.stiffness else max(found.stiffness.value, 1.0))
-        use_stated = band.natural_length is not None and not found.length_identifiable
-        l_0.append(band.natural_length if use_stated and band.natural_length else found.natural_length.value)
-    return Wear(np.array(k), np.array(l_0))
+        k.append(_believable(found.stiffness.value, found.identifiable, band.stiffness, USUAL_STIFFNESS))
+        length = found.natural_length.value
+        l_0.append(_believable(length, found.length_identifiable, band.natural_length, found.longest))
+    return Wear(each_its_own(device.bands), np.array(k + l_0), declared_laws(device.bands))
+
+
+def _believable(value: float, decided: bool, stated: float | None, otherwise: float) -> float:
+    if stated and not decided:
+        return stated
+    return max(value, 1e-3) if np.isfinite(value) else otherwise

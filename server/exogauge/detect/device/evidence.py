@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground
-from exogauge.detect.device.logs import Wire
 from exogauge.findings.result import Evidence
+from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 

@@ -15,15 +15,16 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.detect.device.baseline import Ground, spread, weights, whitened
+from exogauge.detect.device.baseline import Ground, whitened
 from exogauge.detect.device.judge import BandJudgement
-from exogauge.detect.device.logs import Course
-from exogauge.detect.device.model import fit
 from exogauge.detect.device.score import BandScore, Scorer
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band import BandEffect
 from exogauge.robots.tree import RigidTree
+from exogauge.support.band_model import fit
+from exogauge.support.band_rows import Course
+from exogauge.support.band_weights import spread, weights
 
 Array = NDArray[np.float64]
 

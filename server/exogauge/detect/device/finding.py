@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.evidence import band_evidence
 from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
-from exogauge.detect.device.logs import Wire
-from exogauge.detect.device.model import fit
 from exogauge.detect.device.nominal import Contradicted
 from exogauge.detect.device.score import BandScore, Scorer
 from exogauge.devices.result import Estimate
@@ -21,6 +19,8 @@ from exogauge.effects.catalogue import band_effects
 from exogauge.findings.basis import Moment, OfBand
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Finding, HeldOut, Place
+from exogauge.support.band_model import fit
+from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground, weighed
-from exogauge.detect.device.doubt import deviations
-from exogauge.detect.device.logs import BLOCK_S, WearLogs
-from exogauge.detect.device.model import Added, Fitted, Setting, Wear, fit, residual
 from exogauge.detect.device.score import BandScore, evidence
 from exogauge.findings.basis import LeftOut
 from exogauge.findings.objection import Objection, Why
 from exogauge.search.block_gains import summed, sureness
+from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, residual
+from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -109,7 +108,7 @@ def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
         own = fit(replace(setting, weight=weight), wear, held).wear
-        e[left_out] = residual(setting.logs, setting.bands, setting.wires, own)[left_out]
+        e[left_out] = residual(setting.logs, setting.wires, own)[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
 
 
@@ -139,7 +138,7 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
         evidence=evidence(setting, gain, base.cost, chosen),
         left=scored.left,
         z=sureness(fitted_blocks if added.effect.once else blocks),
-        std=deviations(after_all, fitted)[-len(added.coefficients) :],
+        std=after_all.deviations(fitted)[-len(added.coefficients) :],
         before=before,
         after=after,
         blocks=blocks,

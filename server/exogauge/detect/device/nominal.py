@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground
-from exogauge.detect.device.doubt import covariance
 from exogauge.detect.device.judge import SURE, Folds, left_out_residual, rmse
-from exogauge.detect.device.model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Wear, believed, fit
 from exogauge.search.block_gains import summed, sureness
+from exogauge.support.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Setting, Wear, believed, fit
 
 Array = NDArray[np.float64]
 
@@ -29,7 +28,8 @@ BEYOND = 1.3  # stated doubts within which a value is no news: a maker's catalog
 class Contradicted:
     """One value that the data contradict. band: place; of: `stiffness` or `natural_length`. stated, value, std [N/m or
     m]. gain: what holding it at the stated value costs, in independent errors. z: standard errors by which the error on
-    what was left out falls once it is let go; before, after: (N, D) [N·m] there. joint: the one that shows it most."""
+    what was left out falls once it is let go; before, after: (N, D) [N·m] there. joint: the one that shows it most.
+    setting, fitted: with the value let go."""
 
     band: int
     of: str
@@ -42,7 +42,7 @@ class Contradicted:
     after: Array
     joint: int
     fitted: Fitted
-    as_stated: Fitted
+    setting: Setting
 
     @property
     def effect(self) -> str:
@@ -83,7 +83,7 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     travel = np.array([wire.travel for wire in ground.setting.wires[:W]])
     setting = replace(ground.setting, belief=believed(bands, wear, travel, free | {place}))
     let_go = fit(setting, wear)
-    value, doubtful = float(let_go.wear.theta[place]), covariance(replace(ground, setting=setting), let_go)
+    value, doubtful = float(let_go.wear.theta[place]), replace(ground, setting=setting).fit.covariance(let_go)
     std = float(np.sqrt(max(doubtful[place, place], 0.0)))
     off = abs(value - stated)
     surely = off - BEYOND * doubt > SURE * std
@@ -110,7 +110,7 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
         after=after,
         joint=joint,
         fitted=let_go,
-        as_stated=as_stated,
+        setting=setting,
     )
 
 

@@ -10,11 +10,11 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.detect.device.logs import Wire
-from exogauge.detect.device.model import Added, Fitted, Setting
 from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
-from exogauge.search.bounded import bounded_least_squares
+from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.support.band_model import Added, Fitted, Setting
+from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,9 @@ from scipy.optimize import minimize
 
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.judge import BandJudgement, Folds, judge
-from exogauge.detect.device.model import Added, fit
 from exogauge.detect.device.score import BandScore
 from exogauge.effects.shaped import Shape
+from exogauge.support.band_model import Added, fit
 
 Array = NDArray[np.float64]
 

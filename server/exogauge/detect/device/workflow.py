@@ -16,12 +16,9 @@ from numpy.typing import NDArray
 from exogauge.criteria.judging import Judging
 from exogauge.detect.chain import descendant
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
-from exogauge.detect.device.doubt import deviations
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
 from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
-from exogauge.detect.device.logs import BLOCK_S
-from exogauge.detect.device.model import Wear, fit
 from exogauge.detect.device.nominal import contradicted
 from exogauge.detect.device.score import BandScore, Scorer, candidates
 from exogauge.detect.device.shape import with_best_shape
@@ -30,7 +27,6 @@ from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
-from exogauge.findings.band_numbers import BandNumbers
 from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Excess, Finding, Link
 from exogauge.findings.verdict import Caveat, Seen
@@ -39,6 +35,9 @@ from exogauge.identification.settings import Progress
 from exogauge.search.block_gains import summed, sureness
 from exogauge.search.may_be_named import not_named, refused, told
 from exogauge.side_by_side import each as side_by_side
+from exogauge.support.band_fit import NamedBands
+from exogauge.support.band_model import Wear, fit
+from exogauge.support.band_rows import BLOCK_S
 from exogauge.support.evaluate import Gathered
 
 Array = NDArray[np.float64]
@@ -66,7 +65,7 @@ class WearFindings:
     notes: tuple[Caveat, ...]
     seen: tuple[Seen, ...] = ()
     cannot: tuple[Caveat, ...] = ()
-    bands: tuple[BandNumbers, ...] = ()
+    bands: tuple[NamedBands, ...] = ()
 
 
 def find_band_effects(
@@ -135,13 +134,15 @@ def search_wear(
         )
         if unclear:
             break
-    scorer = Scorer(ground.setting, ground.fitted)
+    scorer, ended = Scorer(ground.setting, ground.fitted), ground
     for each in [] if unclear else contradicted(ground, ground.fitted.wear, folds):
         if effects.get(each.effect) is not None:
             finding = name_contradicted(named + len(findings) + 1, ground, each, scorer, folds, of)
             named_now, doubtful = told([finding], model.criteria.judging)
             findings += named_now
             rejected += doubtful
+            if named_now:
+                ended = replace(ground, setting=each.setting, fitted=each.fitted)
     return WearFindings(
         findings=tuple(findings),
         chain=_chain(ground, findings, wears, folds, of),
@@ -149,7 +150,7 @@ def search_wear(
         unexplained=_unexplained(ground, folds, model.criteria.judging),
         seen=_seen(ground, folds),
         before_after=_before_after(first, ground, of) if len(wears) > 1 else (),
-        bands=_numbers(ground) if len(wears) > 1 else (),
+        bands=(NamedBands(device, ended.approach, ended.fit),) if len(wears) > 1 or ended is not ground else (),
         tried=tried,
         notes=(Caveat("unclear_course", device.name),) if unclear else (),
     )
@@ -299,25 +300,10 @@ def _seen(ground: Ground, folds: Folds) -> tuple[Seen, ...]:
     return tuple(found)
 
 
-def _numbers(ground: Ground) -> tuple[BandNumbers, ...]:
-    """Of every band, with what was named."""
-    theta, std, W = ground.fitted.wear.theta, deviations(ground, ground.fitted), len(ground.device.bands)
-    return tuple(
-        BandNumbers(
-            ground.device.name,
-            ground.approach,
-            band.name,
-            Estimate(float(theta[b]), float(std[b]), "N/m"),
-            Estimate(float(theta[W + b]), float(std[W + b]), "m"),
-        )
-        for b, band in enumerate(ground.device.bands)
-    )
-
-
 def _before_after(first: Ground, last: Ground, of: str) -> tuple[Consequence, ...]:
     """Stiffness and natural length of every band, as springs alone and with what was named."""
     told: list[Consequence] = []
-    W, was, now = len(first.device.bands), deviations(first, first.fitted), deviations(last, last.fitted)
+    W, was, now = len(first.device.bands), first.deviations(first.fitted), last.deviations(last.fitted)
 
     def estimates(place: int, unit: str) -> tuple[Estimate, Estimate]:
         pair = [(first.fitted.wear.theta, was), (last.fitted.wear.theta, now)]

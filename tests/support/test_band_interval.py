@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
 
-from exogauge.devices.band_fit import Belief, Reduced, TorqueSamples, fit_bands, layout
-from exogauge.devices.band_intervals import QUANTILE, interval
 from exogauge.devices.device import Band, ViaPoint
+from exogauge.support.band_interval import QUANTILE, interval
+from exogauge.support.band_model import shared
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
-PLAN = layout((Band("back", "back", NOWHERE),))
+PLAN = shared((Band("back", "back", NOWHERE),))
 STIFFNESS, LENGTH = 0, 1
 
 
@@ -19,15 +20,19 @@ def bending(samples=400, noise=0.5, taut_from=0.62, k=250.0, seed=0) -> TorqueSa
     """One band over one joint. noise: [N·m] white, and the torque is weighted by it."""
     t = np.linspace(0.0, 20.0, samples)
     b = 0.5 - 0.5 * np.cos(0.7 * t) + 0.05 * np.sin(3.1 * t)
-    length, slope = 0.6 + 0.1 * b + 0.02 * b**2, 0.1 + 0.04 * b
-    torque = -slope * k * np.maximum(length - taut_from, 0.0)
-    torque = torque + noise * np.random.default_rng(seed).normal(size=samples)
-    return TorqueSamples(torque[:, None], np.full((samples, 1), noise**-2), length[:, None], slope[:, None, None])
+    motion = Motion(np.column_stack([b, 0.0 * t, 0.0 * t]), bands=1, joints=1)
+    torque = -motion.jacobian[:, 0] * k * np.maximum(motion.length - taut_from, 0.0)
+    torque = torque + noise * np.random.default_rng(seed).normal(size=(samples, 1))
+    return TorqueSamples(motion, torque, np.full((samples, 1), noise**-2))
 
 
 def residual(samples: TorqueSamples, k, l_0) -> np.ndarray:
     T = k * np.maximum(samples.length[:, 0] - l_0, 0.0)
     return np.asarray(np.sqrt(samples.weight[:, 0]) * (samples.torque[:, 0] + samples.jacobian[:, 0, 0] * T))
+
+
+def found_in(samples: TorqueSamples, beliefs=()):
+    return setting(PLAN, samples, beliefs), fit_bands(PLAN, samples, beliefs)
 
 
 def curved(fit) -> np.ndarray:
@@ -38,21 +43,21 @@ def curved(fit) -> np.ndarray:
 @pytest.mark.parametrize("coloured", [1.0, 6.0])
 def test_both_kinds_agree_where_the_cost_is_a_parabola(samples, coloured):
     """With the natural length known, torque is linear in stiffness. coloured: the variance over the curvature's."""
-    beliefs = [Belief(LENGTH, 0.62, 1e-6)]
-    fit = fit_bands(PLAN, Reduced(bending(samples)), beliefs)
+    beliefs = [(LENGTH, 0.62, 1e-6)]
+    given, fit = found_in(bending(samples), beliefs)
     covariance = coloured * curved(fit)
-    std, value = np.sqrt(covariance[STIFFNESS, STIFFNESS]), fit.theta[STIFFNESS]
-    by_profile = interval(fit, covariance, STIFFNESS, 0.0, beliefs)
+    std, value = np.sqrt(covariance[STIFFNESS, STIFFNESS]), fit.wear.theta[STIFFNESS]
+    by_profile = interval(given, fit, covariance, STIFFNESS, 0.0)
     np.testing.assert_allclose(by_profile, [value - QUANTILE * std, value + QUANTILE * std], atol=0.01 * std)
-    assert interval(fit, covariance, STIFFNESS, 1e9, beliefs) == (value - QUANTILE * std, value + QUANTILE * std)
+    assert interval(given, fit, covariance, STIFFNESS, 1e9) == (value - QUANTILE * std, value + QUANTILE * std)
 
 
 @pytest.mark.parametrize("index", [STIFFNESS, LENGTH])
 def test_ends_of_a_profile_are_where_the_best_of_the_rest_costs_the_quantile_squared_more(index):
     samples = bending(noise=3.0)
-    fit = fit_bands(PLAN, Reduced(samples))
-    ends = interval(fit, curved(fit), index, 0.0)
-    other, start = 1 - index, fit.theta
+    given, fit = found_in(samples)
+    ends = interval(given, fit, curved(fit), index, 0.0)
+    other, start = 1 - index, fit.wear.theta
 
     def best(value):
         def left(x):
@@ -63,45 +68,45 @@ def test_ends_of_a_profile_are_where_the_best_of_the_rest_costs_the_quantile_squ
         return min(2.0 * each.cost for each in found)
 
     lowest = float(np.sum(residual(samples, *start) ** 2))
-    assert ends[0] < fit.theta[index] < ends[1]
+    assert ends[0] < fit.wear.theta[index] < ends[1]
     for end in ends:
         assert best(end) - lowest == pytest.approx(QUANTILE**2, rel=0.03)
     half = QUANTILE * np.sqrt(curved(fit)[index, index])
-    symmetric = fit.theta[index] + np.array([-half, half])
+    symmetric = fit.wear.theta[index] + np.array([-half, half])
     assert np.abs(ends - symmetric).max() > 0.05 * half  # here the two kinds do differ
 
 
 def test_little_doubt_against_the_value_is_stated_symmetrically():
-    fit = fit_bands(PLAN, Reduced(bending(noise=0.02)))
+    given, fit = found_in(bending(noise=0.02))
     covariance = curved(fit)
     std = np.sqrt(np.diag(covariance))
-    for index, size in ((STIFFNESS, fit.theta[STIFFNESS]), (LENGTH, 0.1)):
+    for index, size in ((STIFFNESS, fit.wear.theta[STIFFNESS]), (LENGTH, 0.1)):
         assert std[index] < 0.05 * size
-        low, high = interval(fit, covariance, index, size)
-        assert (low + high) / 2 == pytest.approx(fit.theta[index], rel=1e-12)
+        low, high = interval(given, fit, covariance, index, size)
+        assert (low + high) / 2 == pytest.approx(fit.wear.theta[index], rel=1e-12)
         assert high - low == pytest.approx(2 * QUANTILE * std[index])
 
 
 def test_what_the_data_do_not_hold_may_be_anything():
-    fit = fit_bands(PLAN, Reduced(bending()))
-    assert interval(fit, np.diag([np.inf, 1e-6]), STIFFNESS, fit.theta[STIFFNESS]) == (0.0, np.inf)
+    given, fit = found_in(bending())
+    assert interval(given, fit, np.diag([np.inf, 1e-6]), STIFFNESS, fit.wear.theta[STIFFNESS]) == (0.0, np.inf)
 
 
 def test_an_end_that_no_data_hold_is_open():
     """Noise as large as the pull: any stiffness, if only the band comes taut late enough; and none at all."""
-    fit = fit_bands(PLAN, Reduced(bending(noise=12.0, samples=200)))
-    low, high = interval(fit, curved(fit), STIFFNESS, fit.theta[STIFFNESS])
+    given, fit = found_in(bending(noise=12.0, samples=200))
+    low, high = interval(given, fit, curved(fit), STIFFNESS, fit.wear.theta[STIFFNESS])
     assert low == 0.0
     assert np.isinf(high)
-    assert interval(fit, curved(fit), LENGTH, 0.1)[0] == 0.0
+    assert interval(given, fit, curved(fit), LENGTH, 0.1)[0] == 0.0
 
 
 def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
     samples = bending(noise=2.0)
     for std in (5.0, 50.0):
-        beliefs = [Belief(STIFFNESS, 260.0, std), Belief(LENGTH, 0.62, 1e-6)]
-        fit = fit_bands(PLAN, Reduced(samples), beliefs)
+        beliefs = [(STIFFNESS, 260.0, std), (LENGTH, 0.62, 1e-6)]
+        given, fit = found_in(samples, beliefs)
         g = samples.jacobian[:, 0, 0] * np.maximum(samples.length[:, 0] - 0.62, 0.0)
         own = 1.0 / np.sqrt(np.sum(samples.weight[:, 0] * g**2) + std**-2)
-        low, high = interval(fit, curved(fit), STIFFNESS, 0.0, beliefs)
+        low, high = interval(given, fit, curved(fit), STIFFNESS, 0.0)
         assert high - low == pytest.approx(2 * QUANTILE * own, rel=0.01)

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.devices.result import Approach
 from exogauge.devices.routing import Routing
 from exogauge.effects.band import BandEffect, BandSignals
 from exogauge.logs.filtering import LowPass
 from exogauge.robots.tree import IntArray
-from exogauge.support.evidence import on_joints
+from exogauge.support.evidence import Evidence, Nothing, on_joints
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-Approach = Literal["A", "B"]
+Beside = tuple[Array, BoolArray]  # further columns: torque, and where it counts
 
 BLOCK_S = 1.0  # length of the parts that count as independent
+DENSE = 12.0  # samples in a period of the cut-off: what rubs is followed from sample to sample
 
 
 @final
@@ -31,6 +33,7 @@ class WearLog:
     time: (T,) [s] from its start. posture: (T, J) [rad]. low_pass: at the rate of these samples, what the torque has
     passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
     it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known.
+    share: how many logs with the wear it stands for.
     """
 
     name: str
@@ -43,6 +46,7 @@ class WearLog:
     sloped: IntArray
     slope: NDArray[np.float32] | None
     low_pass: LowPass | None = None
+    share: float = 1.0
 
     def as_torque(self, pull: Array) -> Array:
         """(n, …) at the kept samples, low-passed as the torque. pull: (T, …) [N]: what flips within a moment, such as
@@ -55,14 +59,15 @@ class WearLogs:
     """Several logs with one wear on (or as if it were); N kept samples of all of them.
 
     joints: (D,) columns of q. torque: (N, D) [N·m]. used: (N, D). log: (N,) place of each sample's log. time: (N,) [s]
-    in its log. share: how many logs with the wear each log stands for (1, but for logs without it).
+    in its log. share: (N,) how many logs with the wear its log stands for (1, but for logs without it).
     """
 
-    def __init__(self, logs: Sequence[WearLog], joints: IntArray, names: Sequence[str], share: float = 1.0) -> None:
-        self.logs, self.joints, self.names, self.share = tuple(logs), joints, tuple(names), share
+    def __init__(self, logs: Sequence[WearLog], joints: IntArray, names: Sequence[str]) -> None:
+        self.logs, self.joints, self.names = tuple(logs), joints, tuple(names)
         self.torque = np.concatenate([each.torque for each in logs])
         self.used = np.concatenate([each.used for each in logs])
         self.log = np.repeat(np.arange(len(logs)), [len(each.kept) for each in logs])
+        self.share = np.repeat([each.share for each in logs], [len(each.kept) for each in logs])
         self.time = np.concatenate([each.time[each.kept] for each in logs])
         ends = np.cumsum([each.time[-1] + float(np.median(np.diff(each.time))) for each in logs])
         self.starts, self.span = np.concatenate([[0.0], ends[:-1]]), float(ends[-1])
@@ -82,17 +87,11 @@ class WearLogs:
         """One log of every motion, kept samples alone: for a first look at many wires. Not for what has a memory."""
         motions = [each.motion for each in self.logs]
         chosen = [each for k, each in enumerate(self.logs) if motions.index(each.motion) == k]
-        thin = [
-            replace(
-                each,
-                time=each.time[each.kept],
-                posture=each.posture[each.kept],
-                kept=np.arange(len(each.kept)),
-                low_pass=None,
-            )
-            for each in chosen
-        ]
-        return WearLogs(thin, self.joints, self.names)
+        return WearLogs([_kept(each, 1) for each in chosen], self.joints, self.names)
+
+    def every(self, step: int) -> WearLogs:
+        """All logs, of the kept samples every n-th alone. Not for what has a memory."""
+        return WearLogs([_kept(each, step) for each in self.logs], self.joints, self.names)
 
     def wire(self, course: Course) -> Wire:
         """A course in these logs."""
@@ -100,6 +99,95 @@ class WearLogs:
             Run(each, float(start), course, self.joints) for each, start in zip(self.logs, self.starts, strict=True)
         ]
         return Wire(course, tuple(runs), self.span)
+
+
+def _kept(log: WearLog, step: int) -> WearLog:
+    kept = log.kept[::step]
+    return replace(
+        log,
+        time=log.time[kept],
+        posture=log.posture[kept],
+        kept=np.arange(len(kept)),
+        torque=log.torque[::step],
+        used=log.used[::step],
+        sloped=np.zeros(0, dtype=np.intp),
+        slope=None,
+        low_pass=None,
+    )
+
+
+def rows_with(
+    evidences: Sequence[Evidence],
+    approach: Approach,
+    joints: IntArray,
+    names: Sequence[str],
+    cutoff_hz: float,
+    beside: Mapping[str, Beside] | None = None,
+) -> WearLogs:
+    """Logs with the wear on. A counts where both runs move with the same friction, B and the prior where this run moves
+    steadily. beside: further joints, by log."""
+    return WearLogs([_with(each, approach, cutoff_hz, beside) for each in evidences], joints, names)
+
+
+def rows_without(
+    nothings: Sequence[Nothing],
+    evidences: Sequence[Evidence],
+    approach: Approach,
+    joints: IntArray,
+    names: Sequence[str],
+    beside: Mapping[str, Sequence[Beside]] | None = None,
+) -> WearLogs | None:
+    """Logs without the wear as if it were on, of the motions of those with it; None where there are none. Each stands
+    for its share of them. beside: further joints, by motion in the order of its logs."""
+    worn = [each.worn.motion for each in evidences]
+    logs, places = list[WearLog](), dict[str, int]()
+    for each in nothings:
+        place = places[each.motion] = places.get(each.motion, -1) + 1
+        if each.motion not in worn:
+            continue
+        pair = np.where(each.steady, each.a_priori if approach == "prior" else each.b, 0.0), each.steady
+        if beside is not None:
+            pair = _joined(pair, beside[each.motion][place])
+        share = worn.count(each.motion) / sum(other.motion == each.motion for other in nothings)
+        unknown, time, kept = np.zeros(0, dtype=np.intp), each.time - each.time[0], np.arange(len(each.time))
+        logs.append(WearLog("", each.motion, time, each.posture, kept, *pair, unknown, None, share=share))
+    return WearLogs(logs, joints, names) if logs else None
+
+
+def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapping[str, Beside] | None) -> WearLog:
+    log, kept = evidence.worn.log, evidence.kept
+    dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
+    torque, used = evidence.a_priori if approach == "prior" else evidence.b, evidence.steady
+    if approach == "A":
+        assert evidence.a is not None
+        torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
+    pair = np.where(used, torque, 0.0)[kept], used[kept]
+    if beside is not None:
+        pair = _joined(pair, beside[log.name])
+    return WearLog(
+        name=log.name,
+        motion=evidence.worn.motion,
+        time=evidence.time[dense] - evidence.time[0],
+        posture=evidence.posture[dense],
+        kept=np.searchsorted(dense, kept),
+        torque=pair[0],
+        used=pair[1],
+        sloped=np.searchsorted(kept, evidence.sloped),
+        slope=evidence.slope_a if approach == "A" else evidence.slope_b,
+        low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
+    )
+
+
+def _dense(kept: IntArray, samples: int, most: float) -> tuple[IntArray, int]:
+    """Every n-th sample, the kept ones among them; and n, at most `most`."""
+    apart = int(np.gcd.reduce(np.diff(kept))) if len(kept) > 1 else 1
+    step = max(n for n in range(1, apart + 1) if apart % n == 0 and n <= max(most, 1.0))
+    first = int(kept[0]) % step if len(kept) else 0
+    return np.arange(first, samples, step), step
+
+
+def _joined(own: Beside, more: Beside) -> Beside:
+    return np.hstack([own[0], more[0]]), np.hstack([own[1], more[1]])
 
 
 @final
@@ -156,10 +244,15 @@ class Run:
         return on_joints(found.jacobian, course.routing, self._joints)
 
 
+def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
+    """Of the declared bands."""
+    return tuple(logs.wire(Course("band", band.name, routing, b)) for b, band in enumerate(routing.bands))
+
+
 @final
 class Wire:
-    """A band, or what pulls like one, in all logs. jacobian: (N, D). length [m], rate [m/s]: (N,). shortest, travel:
-    [m]."""
+    """A band, or what pulls like one, in all logs. jacobian: (N, D). length [m], rate [m/s]: (N,). shortest,
+    longest, travel: [m]."""
 
     def __init__(self, course: Course, runs: Sequence[Run], span: float) -> None:
         self.course, self.runs, self.span = course, tuple(runs), span
@@ -167,7 +260,8 @@ class Wire:
         self.length = np.concatenate([run.length[run.log.kept] for run in runs])
         self.rate = np.concatenate([run.rate[run.log.kept] for run in runs])
         self.shortest = min(float(run.length.min()) for run in runs)
-        self.travel = max(float(run.length.max()) for run in runs) - self.shortest
+        self.longest = max(float(run.length.max()) for run in runs)
+        self.travel = self.longest - self.shortest
 
     def signals(self, run: Run, k: float, l_0: float, per_segment: bool) -> BandSignals:
         segments = run.segments if per_segment else None

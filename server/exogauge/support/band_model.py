@@ -1,0 +1,345 @@
+"""The bands of a device as a model: every spring, its declared law, and what was added to it; fitted to all samples.
+
+    τ_td = -Σ_b J_tbd max(k_b x_tb + Σ_e c_e T_e,tb, 0),    x = max(l - l_0, 0)
+
+over the effects e of the declared law and those that were added; what differs along a band pulls segment by segment.
+Implements [Evaluator] (25), (26). Differs from print: the squared norm of the sum over all bands, not the sum of
+unsquared norms of each (equations.md). Gauss-Newton steps, damped where they lead uphill. There is one such fit: the
+table of stiffness and the search for effects of bands differ in what they believe and in which bands share a value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.device import Band
+from exogauge.effects.band import BandEffect
+from exogauge.effects.band_laws import law_named
+from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.support.band_rows import WearLogs, Wire
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+STIFFNESS_DOUBT = 0.2  # of a stated stiffness, one standard deviation
+LENGTH_DOUBT = 0.02  # of a stated natural length
+ALIKE = 0.1  # of a group's stiffness: how much its bands may differ, one standard deviation
+UNSTATED = 1.0  # of a value that nobody states: hardly believed at all
+STEPS = 40
+DAMPINGS = (0.0, *10.0 ** np.arange(-4.0, 5.0))  # of the curvature along each value
+NEAR = 1e-5  # of a value: a step that shows a slope
+SMALL = 1e-8  # relative change of the cost at which a search ends
+SOFTEST, SHORTEST = 1e-3, 1e-3  # [N/m], [m]
+SCALE = {"stiffness": 100.0, "natural_length": 0.05}  # sizes that matter [N/m, m]: what makes values comparable
+NULL = 1e-9  # share of the largest curvature below which the samples hold nothing of a direction
+SEARCHED = 2000  # samples that a search from several starts uses, or a walk along a profile
+
+
+@final
+@dataclass(frozen=True)
+class Added:
+    """An effect on wire `wire` (place among the wires) at one shape. coefficients: (C,)."""
+
+    effect: BandEffect
+    wire: int
+    shape: tuple[float, ...]
+    coefficients: Array
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return self.effect.name, self.wire
+
+
+@final
+@dataclass(frozen=True)
+class Layout:
+    """Which band has which value. names: (S,) of the values; stiffness, natural_length: (W,) places of each band's."""
+
+    names: tuple[str, ...]
+    stiffness: IntArray
+    natural_length: IntArray
+
+    @property
+    def scale(self) -> Array:
+        """(S,)"""
+        return np.array([SCALE[name.split("[")[0]] for name in self.names])
+
+
+def shared(bands: Sequence[Band], tied: frozenset[str] = frozenset()) -> Layout:
+    """One stiffness per group; one natural length per band, or per group where it is tied."""
+    return _layout([band.group for band in bands], [band.group if band.group in tied else band.name for band in bands])
+
+
+def each_its_own(bands: Sequence[Band]) -> Layout:
+    return _layout([band.name for band in bands], [band.name for band in bands])
+
+
+def _layout(stiffness: Sequence[str], length: Sequence[str]) -> Layout:
+    k, l_0 = (list(dict.fromkeys(each)) for each in (stiffness, length))
+    names = [f"stiffness[{name}]" for name in k] + [f"natural_length[{name}]" for name in l_0]
+    return Layout(
+        tuple(names),
+        np.array([k.index(name) for name in stiffness], dtype=np.intp),
+        np.array([len(k) + l_0.index(name) for name in length], dtype=np.intp),
+    )
+
+
+@final
+@dataclass(frozen=True)
+class Wear:
+    """springs: (S,) as `layout` says, of the declared bands, which are the first W wires. declared: what device.yaml
+    states of their laws, which stays; added: what is fitted beside the springs."""
+
+    layout: Layout
+    springs: Array
+    declared: tuple[Added, ...] = ()
+    added: tuple[Added, ...] = ()
+
+    @property
+    def k(self) -> Array:
+        """(W,) [N/m]"""
+        return np.asarray(self.springs[self.layout.stiffness])
+
+    @property
+    def l_0(self) -> Array:
+        """(W,) [m]"""
+        return np.asarray(self.springs[self.layout.natural_length])
+
+    @property
+    def theta(self) -> Array:
+        """(P,) springs, then the coefficients of what was added, in order."""
+        return np.concatenate([self.springs, *(each.coefficients for each in self.added)])
+
+    @property
+    def effects(self) -> tuple[Added, ...]:
+        return (*self.added, *self.declared)
+
+    def at(self, theta: Array) -> Wear:
+        added, start = list[Added](), len(self.springs)
+        for each in self.added:
+            added.append(replace(each, coefficients=theta[start : start + len(each.coefficients)]))
+            start += len(each.coefficients)
+        return replace(self, springs=theta[: len(self.springs)], added=tuple(added))
+
+    def with_added(self, one: Added) -> Wear:
+        return replace(self, added=(*self.added, one))
+
+    def spring(self, wire: int) -> tuple[float, float]:
+        """(k, l_0) of a declared band; of a further wire nothing is known."""
+        return (float(self.k[wire]), float(self.l_0[wire])) if wire < len(self.k) else (0.0, 0.0)
+
+
+def declared_laws(bands: Sequence[Band]) -> tuple[Added, ...]:
+    """What device.yaml states beside the springs."""
+    return tuple(
+        Added(effect, wire, shape, np.array(coefficients))
+        for wire, band in enumerate(bands)
+        for effect, shape, coefficients in law_named(band.law).parts(band.law_values)
+    )
+
+
+@final
+@dataclass(frozen=True)
+class Belief:
+    """What is believed of the springs: mean (S,), and precision (S, S), of the sums of squares that they cost."""
+
+    mean: Array
+    precision: Array
+
+
+def believed(bands: Sequence[Band], start: Wear, travel: Array, free: frozenset[int] = frozenset()) -> Belief:
+    """free: places among (k, l_0) of which nothing shall be believed, however stated. travel: (W,) [m]."""
+    W = len(bands)
+    mean = np.concatenate([
+        [band.stiffness or k for band, k in zip(bands, start.k, strict=True)],
+        [band.natural_length or l_0 for band, l_0 in zip(bands, start.l_0, strict=True)],
+    ])  # fmt: skip
+    doubt = np.concatenate([
+        [STIFFNESS_DOUBT * band.stiffness if band.stiffness else UNSTATED * max(k, 1.0)
+         for band, k in zip(bands, start.k, strict=True)],
+        [LENGTH_DOUBT * band.natural_length if band.natural_length else UNSTATED * max(t, 0.01)
+         for band, t in zip(bands, travel, strict=True)],
+    ])  # fmt: skip
+    wide = np.concatenate([UNSTATED * np.maximum(mean[:W], 1.0), UNSTATED * np.maximum(travel, 0.01)])
+    let_go = np.isin(np.arange(2 * W), list(free))
+    precision = np.diag(np.where(let_go, wide, doubt) ** -2.0)
+    for group in dict.fromkeys(band.group for band in bands):
+        own = [b for b, band in enumerate(bands) if band.group == group and b not in free]
+        if len(own) > 1:
+            apart = np.eye(len(own)) - 1.0 / len(own)
+            precision[np.ix_(own, own)] += apart / (ALIKE * float(np.mean(mean[own]))) ** 2
+    return Belief(mean, precision)
+
+
+@final
+@dataclass(frozen=True)
+class Setting:
+    """What a fit is made in. weight: (N, D) 1/(σ² memory) where a sample counts, so that square sums count in units of
+    independent errors; independent: how many those are. wires: the declared bands first."""
+
+    logs: WearLogs
+    wires: tuple[Wire, ...]
+    weight: Array
+    independent: float
+    belief: Belief
+
+
+def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
+    """On every n-th sample, as if nothing had been low-passed: to search on."""
+    step = max(1, len(setting.weight) // most)
+    logs = setting.logs.every(step)
+    chosen = np.concatenate([np.flatnonzero(setting.logs.log == k)[::step] for k in range(len(setting.logs.logs))])
+    wires = tuple(logs.wire(wire.course) for wire in setting.wires)
+    return replace(setting, logs=logs, wires=wires, weight=step * setting.weight[chosen])
+
+
+@final
+@dataclass(frozen=True)
+class Fitted:
+    """e: (N, D) [N·m] what the wear leaves unexplained. A: (N, D, P) its columns. hessian: (P, P) with beliefs. cost:
+    weighted square sum with what is paid for leaving beliefs."""
+
+    wear: Wear
+    e: Array
+    A: Array
+    hessian: Array
+    cost: float
+
+    @property
+    def null_directions(self) -> Array:
+        """(n, S) unit directions, in values of comparable size, of which the springs' samples hold nothing."""
+        scale = self.wear.layout.scale
+        H = self.hessian[: len(scale), : len(scale)] * np.outer(scale, scale)
+        curvature, vectors = np.linalg.eigh(H)
+        return np.asarray(vectors[:, curvature <= NULL * max(float(curvature[-1]), 1e-300)].T)
+
+
+def fit(setting: Setting, wear: Wear, held: Mapping[int, float] | None = None) -> Fitted:
+    """From `wear` downhill. held: place in theta -> value at which it is kept."""
+    held = held or {}
+    theta = wear.theta.copy()
+    for place, value in held.items():
+        theta[place] = value
+    low, high = _bounds(wear)
+    free = np.array([p for p in range(len(theta)) if p not in held], dtype=np.intp)
+    now = at(setting, wear.at(theta))
+    for _ in range(STEPS):
+        g = np.einsum("ndp,nd,nd->p", now.A, setting.weight, now.e) - _pulled(setting.belief, now.wear.theta)
+        was = now.wear.theta
+        for damping in DAMPINGS:
+            step = _step(now.hessian, g, free, low - was, high - was, damping)
+            tried = wear.at(np.clip(was + step, low, high))
+            e = residual(setting.logs, setting.wires, tried)
+            if (cost := _cost(setting, tried, e)) <= now.cost:
+                break
+        else:
+            break
+        gained, now = now.cost - cost, _from(setting, tried, e, cost)
+        if gained <= SMALL * max(now.cost, SMALL):
+            break
+    return now
+
+
+def at(setting: Setting, wear: Wear) -> Fitted:
+    """Everything about one choice of the values."""
+    e = residual(setting.logs, setting.wires, wear)
+    return _from(setting, wear, e, _cost(setting, wear, e))
+
+
+def _from(setting: Setting, wear: Wear, e: Array, cost: float) -> Fitted:
+    A = columns(setting.logs, setting.wires, wear)
+    flat = (A * np.sqrt(setting.weight)[:, :, None]).reshape(-1, A.shape[2])
+    hessian, S = flat.T @ flat, len(wear.springs)
+    hessian[:S, :S] += setting.belief.precision
+    return Fitted(wear, e, A, hessian, cost)
+
+
+def _cost(setting: Setting, wear: Wear, e: Array) -> float:
+    off = wear.springs - setting.belief.mean
+    return float(np.sum(setting.weight * e**2) + off @ setting.belief.precision @ off)
+
+
+def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
+    """(N, D) [N·m]"""
+    e = logs.torque.copy()
+    for b in range(len(wear.k)):
+        k, l_0 = wear.spring(b)
+        e += wires[b].jacobian * (k * wires[b].stretch(l_0))[:, None]
+    whole = tensions(wires, wear)
+    for place, tension in whole.items():
+        e -= wires[place].beyond_spring(tension, *wear.spring(place))
+    for each in wear.effects:
+        if each.effect.per_segment or each.wire not in whole:
+            k, l_0 = wear.spring(each.wire)
+            e -= wires[each.wire].columns(each.effect, each.shape, k, l_0) @ each.coefficients
+    return np.asarray(e)
+
+
+def tensions(wires: Sequence[Wire], wear: Wear) -> Mapping[int, list[Array]]:
+    """Declared band that has another law -> its tension by log, as the laws have it."""
+    laws = [each for each in wear.effects if not each.effect.per_segment and each.wire < len(wear.k)]
+    return {
+        wire: wires[wire].tension(
+            [(each.effect, each.shape, each.coefficients) for each in laws if each.wire == wire], *wear.spring(wire)
+        )
+        for wire in dict.fromkeys(each.wire for each in laws)
+    }
+
+
+def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
+    """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts too."""
+    W, layout = len(wear.k), wear.layout
+    springs = np.zeros((*logs.torque.shape, len(wear.springs)))
+    for b in range(W):
+        wire, (k, l_0) = wires[b], wear.spring(b)
+        springs[:, :, layout.stiffness[b]] -= wire.jacobian * wire.stretch(l_0)[:, None]
+        springs[:, :, layout.natural_length[b]] += wire.jacobian * (k * wire.taut(l_0))[:, None]
+    more = []
+    pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
+    for number, each in enumerate(wear.effects):
+        (k, l_0), wire, pulls = wear.spring(each.wire), wires[each.wire], pulling.get(each.wire)
+        own = wire.columns(each.effect, each.shape, k, l_0, pulls)
+        if each.wire < W:
+            stiffer, longer = (
+                wire.columns(each.effect, each.shape, k + dk, l_0 + dl, pulls)
+                for dk, dl in ((NEAR * k, 0.0), (0.0, NEAR * l_0))
+            )
+            springs[:, :, layout.stiffness[each.wire]] += (stiffer - own) @ each.coefficients / (NEAR * k)
+            springs[:, :, layout.natural_length[each.wire]] += (longer - own) @ each.coefficients / (NEAR * l_0)
+        if number < len(wear.added):
+            more.append(own)
+    return np.concatenate([springs, *more], axis=2)
+
+
+def _pulled(belief: Belief, theta: Array) -> Array:
+    """(P,) half the slope of what beliefs cost."""
+    pulled, S = np.zeros(len(theta)), len(belief.mean)
+    pulled[:S] = belief.precision @ (theta[:S] - belief.mean)
+    return pulled
+
+
+def _step(hessian: Array, g: Array, free: IntArray, low: Array, high: Array, damping: float) -> Array:
+    """(P,) the least-squares step within bounds, 0 where held or where nothing pulls."""
+    step = np.zeros(len(g))
+    free = free[np.diag(hessian)[free] > 0.0]
+    if not len(free):
+        return step
+    H = hessian[np.ix_(free, free)]
+    size = np.sqrt(np.diag(H))
+    H = H / np.outer(size, size) + max(damping, 1e-12) * np.eye(len(H))
+    target, lower, upper = g[free] / size, low[free] * size, high[free] * size
+    step[free] = bounded_least_squares(H, target, np.minimum(lower, 0.0), np.maximum(upper, 1e-300)) / size
+    return step
+
+
+def _bounds(wear: Wear) -> tuple[Array, Array]:
+    quantities = [q for each in wear.added for q in each.effect.coefficients]
+    softest = np.zeros(len(wear.springs))
+    softest[wear.layout.stiffness], softest[wear.layout.natural_length] = SOFTEST, SHORTEST
+    low = np.concatenate([softest, [q.low for q in quantities]])
+    return low, np.concatenate([np.full(len(softest), np.inf), [q.high for q in quantities]])
