@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tests.discrepancy.conftest import FRICTION, JOINTS, RATE, SETTINGS, inverse_dynamics
 
+from exogauge.criteria.planning import Planning
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
@@ -18,7 +19,6 @@ from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import carrying, room
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.objection import Objection, Why
-from exogauge.findings.planned_motion import SURE
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.identification.identify import identify
 from exogauge.identification.per_log import PerLog
@@ -34,6 +34,8 @@ from exogauge.search.refine import closest
 from exogauge.search.score import Score, score
 from exogauge.search.site_rows import collect_rows, sums_of
 from exogauge.studies.words.finding_sentences import motion_words, not_told, planned_sentence
+
+ENOUGH = Planning().enough
 
 SWEPT = AxisSite(1)
 FASTER_THAN = 0.8  # [rad/s] whatever the logs hold
@@ -127,8 +129,8 @@ def doubt(fast_only, pair):
 
 def test_fast_logs_cannot_tell_stribeck_friction_from_a_progressive_one(pair):
     stribeck, progressive = pair
-    assert min(stribeck.evidence, progressive.evidence) > SURE  # either explains what is there
-    assert stribeck.evidence - progressive.evidence < SURE
+    assert min(stribeck.evidence, progressive.evidence) > ENOUGH  # either explains what is there
+    assert stribeck.evidence - progressive.evidence < ENOUGH
 
 
 def test_slow_motion_is_planned_and_its_recording_decides(robot, fast_only, doubt):
@@ -139,15 +141,15 @@ def test_slow_motion_is_planned_and_its_recording_decides(robot, fast_only, doub
     slow = (speed > 0.01) & (speed < 0.25 * FASTER_THAN)
     assert slow.mean() > 0.2  # of its time
     assert promised.seconds is not None
-    assert promised.evidence > SURE
-    assert promised.evidence_now < SURE
+    assert promised.evidence > ENOUGH
+    assert promised.evidence_now < ENOUGH
 
     t = np.arange(0.0, motion.time[-1], 1.0 / RATE)
     recorded = driven("planned", CubicSpline(motion.time, motion.q)(t), seed=5)
     more = [*fast_only.recordings, Recording(recorded, False)]
     again = identify(robot, more, SETTINGS)
     stribeck, progressive = (best(again, more, name) for name in ("stribeck", "nonlinear_viscous"))
-    assert stribeck.evidence - progressive.evidence > SURE
+    assert stribeck.evidence - progressive.evidence > ENOUGH
 
 
 def test_a_finding_gets_its_motion_in_words_and_as_a_path(fast_only, doubt):

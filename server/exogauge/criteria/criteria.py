@@ -6,9 +6,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.criteria.contact import Touching
+from exogauge.criteria.examining import Examining
 from exogauge.criteria.judging import Judging
 from exogauge.criteria.nominal import Contradicting
+from exogauge.criteria.planning import Planning
 from exogauge.criteria.searching import Searching
 from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.criteria.telling import Telling
@@ -25,3 +28,6 @@ class Criteria:
     contact: Touching = field(default_factory=Touching)
     nominal: Contradicting = field(default_factory=Contradicting)
     telling: Telling = field(default_factory=Telling)
+    planning: Planning = field(default_factory=Planning)
+    doctor: Examining = field(default_factory=Examining)
+    comparison: Comparing = field(default_factory=Comparing)

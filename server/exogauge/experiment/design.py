@@ -18,7 +18,7 @@ from exogauge.effects.order import LOG
 from exogauge.experiment.motion_choices import Choice, choices
 from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import Room, room
-from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
+from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Finding, Place
 from exogauge.logs.model import Log
 from exogauge.search.ambiguity import Undecided
@@ -26,11 +26,8 @@ from exogauge.search.ambiguity import Undecided
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-AMPLY = 3.0  # times what is enough: what is found is never quite as was expected
-SHORTEST = 20.0  # [s] that a recording lasts
 SWALLOWED = 1e-9  # share of a column that counts as none
 NOTHING = 1e-12  # of the largest information
-MUCH_SMALLER = 0.1  # square sum of a rival over that of the finding, below which it is none of the two that may be true
 OVER_TIME = ("time", "temperature")  # coordinates of effects that need minutes
 SEARCHED = 6  # halvings of that time
 CSV_RATE = 50.0  # [Hz] of the motion that is handed out
@@ -61,14 +58,14 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:
             tried.append(_Tried.of(known, choice, rows))
     if not tried:
         return None
-    everyone = range(1, len(doubt.contenders))
+    everyone, criteria = range(1, len(doubt.contenders)), doubt.model.criteria.planning
     left = {k for k in everyone if any(each.repeats[k] is not None for each in tried)}
     apart = {k: known.pair(k, _closest(tried, k), 1) for k in everyone if k not in left}
     motions: list[PlannedMotion] = []
     while left:
-        best = min(tried, key=lambda each: each.cost(left))
+        best = min(tried, key=lambda each: each.cost(left, criteria.amply))
         told = {k for k in left if best.repeats[k] is not None}
-        repeats = int(np.ceil(max(SHORTEST / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
+        repeats = int(np.ceil(max(criteria.shortest_s / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
         apart |= {k: known.pair(k, best, repeats) for k in told}
         motions.append(_motion(doubt, here, best, repeats, [apart[k] for k in sorted(told)]))
         left -= told
@@ -123,7 +120,8 @@ class _Known:
 
     def _truths(self, k: int) -> list[tuple[int, int]]:
         """(true, instead); a rival that is fitted much smaller than the finding is not what there is."""
-        as_large = self._apart(k, 0, self.now)[1] > MUCH_SMALLER * self._apart(0, k, self.now)[1]
+        least = self.doubt.model.criteria.planning.much_smaller
+        as_large = self._apart(k, 0, self.now)[1] > least * self._apart(0, k, self.now)[1]
         return [(0, k), (k, 0)] if as_large else [(0, k)]
 
     def _apart(self, true: int, instead: int, L: Array) -> tuple[float, float]:
@@ -148,6 +146,7 @@ class _Known:
         true, instead = min(self._truths(k), key=lambda both: self._apart(both[0], both[1], then)[0])
         (left_now, whole_now), (left_then, whole_then) = (self._apart(true, instead, L) for L in (self.now, then))
         now, needed = self.evidence(k, self.now), tried.repeats[k]
+        criteria = self.doubt.model.criteria.planning
         return Apart(
             rival=rival.effect.name,
             place=".".join(each for each in rival.site.label(self.doubt.model.equations)[1:] if each),
@@ -157,6 +156,8 @@ class _Known:
             evidence=self.evidence(k, then) - now,
             rate=10.0 * tried.gain[k] / tried.seconds,
             seconds=None if needed is None else needed * tried.seconds,
+            enough=criteria.enough,
+            longest=criteria.longest_s,
         )
 
 
@@ -199,25 +200,26 @@ class _Tried:
         repeats = {k: _needed(known, after, rows.seconds, k, gain[k]) for k in everyone}
         return _Tried(choice, rows.seconds, after, gain, repeats)
 
-    def cost(self, rivals: set[int]) -> tuple[int, float, float]:
+    def cost(self, rivals: set[int], amply: float) -> tuple[int, float, float]:
         """How many it does not tell apart; [s] until it does the others amply, with what is awkward of it; and, of what
         takes as long, first what says more. A motion is moved as a whole: what is ample anyway need not be fast."""
         told = [k for k in rivals if self.repeats[k] is not None]
-        needed = max((AMPLY * (self.repeats[k] or 0.0) for k in told), default=0.0)
+        needed = max((amply * (self.repeats[k] or 0.0) for k in told), default=0.0)
         worth = min((self.gain[k] for k in told), default=0.0) / self.seconds
         return len(rivals) - len(told), max(needed, 1.0) * self.seconds * self.choice.price, -worth
 
 
 def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -> float | None:
-    """Repeats until the evidence has grown by `SURE`; None where that takes more than `LONGEST`."""
-    if once >= SURE:
-        return SURE / once
+    """Repeats until the evidence has grown by `enough`; None where that takes more than `longest_s`."""
+    criteria = known.doubt.model.criteria.planning
+    if once >= criteria.enough:
+        return criteria.enough / once
     now = known.evidence(k, known.now)
 
     def enough(n: float) -> bool:
-        return known.evidence(k, after.left(n)) - now >= SURE
+        return known.evidence(k, after.left(n)) - now >= criteria.enough
 
-    low, high = 1.0, max(LONGEST / seconds, 1.0)
+    low, high = 1.0, max(criteria.longest_s / seconds, 1.0)
     if not enough(high):
         return None
     for _ in range(SEARCHED):

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.planning import Planning
 from exogauge.experiment.workspace_limits import Room
 from exogauge.findings.planned_motion import Sweep
 from exogauge.identification.model import RobotModel, Site
@@ -18,14 +19,7 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 
-SLOW = 4.0  # thresholds of rest: slower motion is none that a log shows
-SLOW_SHARE = 0.02  # of the top speed
-LEAST = 0.02  # [rad or m] amplitude worth a motion
 SINE_S, LONG_S = 20.0, 300.0  # [s] of one repeat
-SHORTEST_PERIOD = 1.0  # [s]
-FAR = 1.1  # times the range or speed of the logs, from which on a motion counts as another
-WIDER, FASTER, BESIDE = 1.5, 2.5, 1.3  # prices of leaving the range or speed of the logs, and of moving two joints
-LEADS, COMPANIONS = 3, 2  # joints that are swept where no joint is in question; that are moved beside
 
 
 @final
@@ -57,50 +51,61 @@ class Choice:
 
 def choices(model: RobotModel, room: Room, sites: Sequence[Site], slow_change: bool) -> list[Choice]:
     """sites: of the effects in question. slow_change: whether one of them needs minutes."""
+    criteria = model.criteria.planning
     kinds = sorted({kind for site in sites for kind in site.kinds(model.equations)})
     swept = [site.axis for site in sites if isinstance(site, AxisSite)]
     felt = _felt(model, room, kinds)
     by_weight = [int(joint) for joint in np.argsort(-felt) if felt[joint] > 0.0]
-    leads = list(dict.fromkeys(swept)) or by_weight[:LEADS]
+    leads = list(dict.fromkeys(swept)) or by_weight[: criteria.leads]
     found: list[Choice] = []
     for lead in leads:
         if room.free[lead]:
-            beside = [joint for joint in by_weight if joint != lead][:COMPANIONS]
+            beside = [joint for joint in by_weight if joint != lead][: criteria.companions]
             found += _of(model, room, lead, beside, slow_change)
     return found
 
 
 def _of(model: RobotModel, room: Room, lead: int, beside: Sequence[int], slow_change: bool) -> Iterator[Choice]:
+    criteria = model.criteria.planning
     usual, top = float(room.seen_speed[lead]), float(room.top_speed[lead])
-    slowest = max(SLOW * float(model.at_rest.threshold[lead]), SLOW_SHARE * usual)
+    slowest = max(criteria.slow * float(model.at_rest.threshold[lead]), criteria.slow_share * usual)
     if not slowest < 0.5 * usual:
         return
     seen, wide = _span(room.seen_low[lead], room.seen_high[lead]), _span(room.low[lead], room.high[lead])
-    wider = wide[1] > FAR * seen[1]
-    faster = top > FAR * usual
+    wider = wide[1] > criteria.far * seen[1]
+    faster = top > criteria.far * usual
     alone: list[tuple[Sweep | None, float]] = []
-    for (offset, size), price in ((seen, 1.0), *(((wide, WIDER),) if wider else ())):
+    for (offset, size), price in ((seen, 1.0), *(((wide, criteria.wider),) if wider else ())):
         alone += [
-            (_speeds(offset, size, slowest, usual), price),
-            (_speeds(offset, size, slowest, 0.25 * usual), price),
-            (_sine(offset, size, usual), price),
-            (_small(offset, size, slowest), 1.05 * price),
+            (_speeds(criteria, offset, size, slowest, usual), price),
+            (_speeds(criteria, offset, size, slowest, 0.25 * usual), price),
+            (_sine(criteria, offset, size, usual), price),
+            (_small(criteria, offset, size, slowest), 1.05 * price),
         ]
         if faster:
-            alone += [(_speeds(offset, size, slowest, top), FASTER * price), (_sine(offset, size, top), FASTER * price)]
-    alone += [(_speeds(wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual), WIDER) for side in (-1.0, 1.0)]
+            alone += [
+                (_speeds(criteria, offset, size, slowest, top), criteria.faster * price),
+                (_sine(criteria, offset, size, top), criteria.faster * price),
+            ]
+    alone += [
+        (_speeds(criteria, wide[0] + side * 0.5 * wide[1], 0.5 * wide[1], slowest, usual), criteria.wider)
+        for side in (-1.0, 1.0)
+    ]
     if slow_change:
-        alone += [(_sine(*seen, usual, LONG_S), 1.0), (_speeds(*seen, slowest, usual, LONG_S), 1.0)]
+        alone += [(_sine(criteria, *seen, usual, LONG_S), 1.0), (_speeds(criteria, *seen, slowest, usual, LONG_S), 1.0)]
     for sweep, price in alone:
         if sweep is not None:
             yield Choice(lead, sweep, None, (0.0, 0.0), price)
     for other in beside:
         span = (float(room.seen_low[other]), float(room.seen_high[other]))
-        pairs = [(_speeds(*seen, slowest, usual), BESIDE), (_sine(*seen, usual), BESIDE)]
+        pairs = [
+            (_speeds(criteria, *seen, slowest, usual), criteria.beside),
+            (_sine(criteria, *seen, usual), criteria.beside),
+        ]
         if other == beside[0] and (wider or faster):
-            pairs += [(_speeds(*wide, slowest, top), WIDER * FASTER * BESIDE)]
+            pairs += [(_speeds(criteria, *wide, slowest, top), criteria.wider * criteria.faster * criteria.beside)]
         for sweep, price in pairs:
-            if sweep is not None and span[1] - span[0] > LEAST:
+            if sweep is not None and span[1] - span[0] > criteria.least_way:
                 yield Choice(lead, sweep, other, span, price)
 
 
@@ -109,21 +114,23 @@ def _span(low: float, high: float) -> tuple[float, float]:
     return 0.5 * float(low + high), 0.49 * float(high - low)
 
 
-def _speeds(offset: float, size: float, slowest: float, fastest: float, seconds: float = 1.0) -> Sweep | None:
-    if size < LEAST or fastest < 2.0 * slowest:
+def _speeds(
+    criteria: Planning, offset: float, size: float, slowest: float, fastest: float, seconds: float = 1.0
+) -> Sweep | None:
+    if size < criteria.least_way or fastest < 2.0 * slowest:
         return None
     return Sweep("speeds", size, offset, slowest, fastest, seconds)
 
 
-def _sine(offset: float, size: float, fastest: float, seconds: float = SINE_S) -> Sweep | None:
-    period = max(2.0 * np.pi * size / max(fastest, 1e-9), SHORTEST_PERIOD)
-    if size < LEAST or period > seconds:
+def _sine(criteria: Planning, offset: float, size: float, fastest: float, seconds: float = SINE_S) -> Sweep | None:
+    period = max(2.0 * np.pi * size / max(fastest, 1e-9), criteria.least_period_s)
+    if size < criteria.least_way or period > seconds:
         return None
     return Sweep("sine", size, offset, 0.0, 2.0 * np.pi * size / period, seconds, period)
 
 
-def _small(offset: float, size: float, slowest: float) -> Sweep | None:
-    return Sweep.small(offset, size, slowest) if size >= LEAST else None
+def _small(criteria: Planning, offset: float, size: float, slowest: float) -> Sweep | None:
+    return Sweep.small(offset, size, slowest) if size >= criteria.least_way else None
 
 
 def _felt(model: RobotModel, room: Room, kinds: Sequence[int]) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.experiment.motion_choices import Choice
-from exogauge.experiment.workspace_limits import OF_TOP, Room
+from exogauge.experiment.workspace_limits import Room
 from exogauge.identification.axis_signals import loads
 from exogauge.identification.model import RobotModel
 from exogauge.identification.per_log import PerLog
@@ -126,6 +126,6 @@ def _kept_rate(model: RobotModel, room: Room) -> float:
 
 
 def _too_heavy(model: RobotModel, choice: Choice, load: Array) -> bool:
-    limit = OF_TOP * model.robot.tree.effort_limit
+    limit = model.criteria.planning.of_top * model.robot.tree.effort_limit
     moved: Sequence[int] = [each for each in (choice.lead, choice.companion) if each is not None]
     return any(float(np.abs(load[:, joint]).max()) > limit[joint] for joint in moved)

@@ -16,10 +16,6 @@ from exogauge.robots.kinematics import subtree
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.05  # of the range between a joint's limits, that is kept from either
-OF_TOP = 0.8  # of the speed limit and the largest torque
-TIMES_SEEN = 2.0  # the top speed of the logs
-USUAL = 0.995  # quantile of speeds that counts as the top one
 STEP_S = 0.1  # over which speed is taken
 
 
@@ -47,19 +43,21 @@ class Room:
 
 def room(model: RobotModel, logs: Sequence[Log]) -> Room:
     """logs: that were fitted."""
-    robot, tree = model.robot, model.robot.tree
+    robot, tree, criteria = model.robot, model.robot.tree, model.criteria.planning
     names = [f"q.{joint.name}" for joint in robot.joints]
     positions = [log.stack(names) for log in logs]
     q = np.concatenate(positions)
     seen_low, seen_high = np.quantile(q, [0.005, 0.995], axis=0)
     middle, spread = np.median(q, axis=0), np.maximum(seen_high - seen_low, 1e-3)
     posture = q[int(np.argmin(np.sum(((q - middle) / spread) ** 2, axis=1)))]
-    speed = np.max([_top_speed(each, log.rate_hz) for each, log in zip(positions, logs, strict=True)], axis=0)
+    speed = np.max(
+        [_top_speed(each, log.rate_hz, criteria.top) for each, log in zip(positions, logs, strict=True)], axis=0
+    )
     known = np.isfinite(tree.lower) & np.isfinite(tree.upper)
-    inset = np.where(known, MARGIN * (tree.upper - tree.lower), 0.0)
+    inset = np.where(known, criteria.margin * (tree.upper - tree.lower), 0.0)
     low = np.where(known, tree.lower + inset, seen_low)
     high = np.where(known, tree.upper - inset, seen_high)
-    top = np.minimum(TIMES_SEEN * speed, OF_TOP * tree.velocity_limit)
+    top = np.minimum(criteria.times_seen * speed, criteria.of_top * tree.velocity_limit)
     resting = {name: float(np.median(np.concatenate([log.channels[name] for log in logs])))
                for name in logs[0].channels if all(name in log.channels for log in logs)}  # fmt: skip
     return Room(
@@ -89,9 +87,9 @@ def carrying(robot: Robot) -> NDArray[np.bool_]:
     return legs
 
 
-def _top_speed(q: Array, rate_hz: float) -> Array:
+def _top_speed(q: Array, rate_hz: float, top: float) -> Array:
     """(J,) so fast, or nearly so, as a log ever is."""
     step = max(1, round(STEP_S * rate_hz))
     if len(q) <= step:
         return np.zeros(q.shape[1])
-    return np.asarray(np.quantile(np.abs(q[step:] - q[:-step]), USUAL, axis=0) * rate_hz / step)
+    return np.asarray(np.quantile(np.abs(q[step:] - q[:-step]), top, axis=0) * rate_hz / step)

@@ -82,9 +82,6 @@ def _travelled(legs: Sequence[tuple[float, float]], rate_hz: float) -> Array:
 
 Array = NDArray[np.float64]
 
-SURE = 10.0  # evidence (twice the log likelihood) that tells two effects apart: odds of 150 to one
-LONGEST = 600.0  # [s] of motion that is worth asking for
-
 
 @final
 @dataclass(frozen=True)
@@ -95,8 +92,8 @@ class Apart:
     parameters are fitted again, that the other one does not take as well, 0…1, in these logs; left_then: with the
     planned motion. Of finding and rival, whichever is harder to see beside the other.
     evidence_now, evidence: twice the log likelihood by which the true one of the two stands out, to be expected of
-    these logs, and what the motion adds; rate: the same per 10 s. seconds: of the motion until that is `SURE`, None
-    where no motion that was tried does so within `LONGEST`.
+    these logs, and what the motion adds; rate: the same per 10 s. seconds: of the motion until that is `enough`, None
+    where no motion that was tried does so within `longest` [s].
     """
 
     rival: str
@@ -107,6 +104,8 @@ class Apart:
     evidence: float
     rate: float
     seconds: float | None
+    enough: float
+    longest: float
 
 
 @final

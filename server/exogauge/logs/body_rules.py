@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import g
 
+from exogauge.criteria.examining import Examining
 from exogauge.logs.derivatives import differentiate
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.findings import Expectation, Finding
@@ -19,16 +20,7 @@ Array = NDArray[np.float64]
 
 ACC, GYRO = ("acc.x", "acc.y", "acc.z"), ("gyro.x", "gyro.y", "gyro.z")
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
-RESTING = 0.3  # of the samples: those with the least rotation
-GRAVITY_TOLERANCE = 0.05
 ACC_UNITS = {"g": 1.0, "cm/s²": 100.0 * g, "mm/s²": 1000.0 * g, "milli-g": 1000.0}
-TILT_HZ = 1.0  # below that an accelerometer sees the direction of gravity
-STEADY = 0.2  # relative variation of |acc| below TILT_HZ up to which its direction is that of gravity
-TILT_RATE = 0.02  # [rad/s] rms: slower tilting says nothing about the gyro
-UNLIKE, ALIKE = 0.5, 0.9  # likeness of the gyro with gravity's motion below which its axes are in doubt, above not
-MORE_ALIKE = 0.5  # of what the second best of 48 exchanges of axes misses of full likeness
-WEIGHT_TOLERANCE = 0.1
-SIGN_TOLERANCE = 0.25
 
 
 def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -36,10 +28,10 @@ def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
     acc = _vector(log, ACC)
     if acc is None:
         return
-    size = float(np.median(np.linalg.norm(acc[_at_rest(log, acc)], axis=1)))
-    if abs(size / g - 1.0) <= GRAVITY_TOLERANCE:
+    size = float(np.median(np.linalg.norm(acc[_at_rest(log, acc, expected.criteria.resting)], axis=1)))
+    if abs(size / g - 1.0) <= expected.criteria.gravity:
         return
-    units = [unit for unit, at_rest in ACC_UNITS.items() if abs(size / at_rest - 1.0) <= GRAVITY_TOLERANCE]
+    units = [unit for unit, at_rest in ACC_UNITS.items() if abs(size / at_rest - 1.0) <= expected.criteria.gravity]
     detail = f"|acc| at rest is {size:.4g}, not {g:.2f} m/s²"
     if units:
         advice = f"declare the unit as {units[0]} in the mapping"
@@ -55,21 +47,21 @@ def gravity_at_rest(log: Log, expected: Expectation) -> Iterator[Finding]:
 def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
     """The gyro must explain how gravity's direction n moves in the IMU: n x dn/dt = -(w - n (n.w))."""
     acc, gyro = _vector(log, ACC), _vector(log, GYRO)
-    if acc is None or gyro is None or not is_even(log.time) or log.rate_hz < 10.0 * TILT_HZ:
+    if acc is None or gyro is None or not is_even(log.time) or log.rate_hz < 10.0 * expected.criteria.tilt_hz:
         return
-    low_pass = LowPass(TILT_HZ, log.rate_hz)
+    low_pass = LowPass(expected.criteria.tilt_hz, log.rate_hz)
     if log.samples < 4 * low_pass.settle_samples:
         return
     slow = low_pass.apply(acc)
     size = np.linalg.norm(slow, axis=1)
-    if np.std(size) > STEADY * np.mean(size):
+    if np.std(size) > expected.criteria.steady * np.mean(size):
         return  # no gravity in it, or too much else: another rule's business
     up = slow / size[:, None]
     seen = -np.cross(up, differentiate(up, log.rate_hz))
     inner = slice(low_pass.settle_samples, -low_pass.settle_samples)
     whole, up, seen = low_pass.apply(gyro)[inner], up[inner], seen[inner]
     omega = _across(up, whole)
-    if np.sqrt(np.mean(seen**2)) < TILT_RATE or not omega.any():
+    if np.sqrt(np.mean(seen**2)) < expected.criteria.tilt_rate or not omega.any():
         return
     likeness = _likeness(seen, omega)
     gain = float(np.linalg.norm(omega) / np.linalg.norm(seen)) * float(np.sign(likeness))
@@ -85,13 +77,16 @@ def gyro_against_tilt(log: Log, expected: Expectation) -> Iterator[Finding]:
     elif likeness > 0.8 and not 0.7 < gain < 1.4:
         detail = f"turns {gain:.3g} times as fast as gravity's direction in the accelerometer"
         yield Finding("warning", "gyro", "gyro_scale", detail, "check its unit and scale", value=gain)
-    elif likeness < UNLIKE and (axes := _gyro_axes(up, seen, whole)) is not None:
+    elif (
+        likeness < expected.criteria.gyro_unlike
+        and (axes := _gyro_axes(up, seen, whole, expected.criteria)) is not None
+    ):
         detail = f"does not turn as gravity's direction in the accelerometer does (likeness {likeness:.2f})"
         advice = f"in a mapping, take for gyro {axes}, or exchange those of acc"
         yield Finding("error", "gyro", "gyro_frame", detail, advice, value=likeness)
 
 
-def _gyro_axes(up: Array, seen: Array, gyro: Array) -> str | None:
+def _gyro_axes(up: Array, seen: Array, gyro: Array, criteria: Examining) -> str | None:
     """The exchange of its axes with which the gyro explains what is seen, where one does and no other nearly as well.
 
     All 48 are tried: of three axes one may have its sign reversed. Of a body that stays upright the vertical axis says
@@ -103,11 +98,11 @@ def _gyro_axes(up: Array, seen: Array, gyro: Array) -> str | None:
         for signs in product((1.0, -1.0), repeat=3)
     ]
     best = max(likeness for likeness, *_ in found)
-    near, doubt = [each for each in found if MORE_ALIKE * (1.0 - each[0]) <= 1.0 - best], ""
+    near, doubt = [each for each in found if criteria.more_alike * (1.0 - each[0]) <= 1.0 - best], ""
     if len(near) == 2:
         doubt = " (one sign, which these logs cannot tell, by the right hand)"
         near = [each for each in near if np.linalg.det(np.eye(3)[list(each[1])]) * np.prod(each[2]) > 0.0]
-    if best < ALIKE or len(near) != 1:
+    if best < criteria.gyro_alike or len(near) != 1:
         return None
     _, order, signs = near[0]
     source = [f"{'-' if sign < 0.0 else ''}{'xyz'[k]}" for k, sign in zip(order, signs, strict=True)]
@@ -136,17 +131,17 @@ def feet_carry_the_weight(log: Log, expected: Expectation) -> Iterator[Finding]:
     signs = np.array([expected.contacts[name] for name in sensors])
     lifts = signs * upward.mean(axis=0) / expected.weight_n
     ratio = float(lifts.sum())
-    if abs(ratio - 1.0) <= WEIGHT_TOLERANCE:
+    if abs(ratio - 1.0) <= expected.criteria.weight:
         return
     detail = f"the feet carry {ratio:.3g} of the weight of {expected.weight_n:.4g} N"
     kilograms = ratio * g
-    if abs(ratio + 1.0) <= SIGN_TOLERANCE:
+    if abs(ratio + 1.0) <= expected.criteria.weight_sign:
         advice = "the wrenches are those of the robot on the world: change `sees` in robot.yaml, or the sign"
         yield Finding("error", "ft.*", "wrench_sign", detail, advice, value=ratio)
-    elif abs(float(np.abs(lifts).sum()) - 1.0) <= WEIGHT_TOLERANCE:
+    elif abs(float(np.abs(lifts).sum()) - 1.0) <= expected.criteria.weight:
         turned = ", ".join(name for name, lift in zip(sensors, lifts, strict=True) if lift < 0.0)
         yield Finding("error", "ft.*", "wrench_sign", detail, f"only {turned} has its sign reversed", value=ratio)
-    elif abs(kilograms - 1.0) <= WEIGHT_TOLERANCE:
+    elif abs(kilograms - 1.0) <= expected.criteria.weight:
         yield Finding("error", "ft.*", "force_unit", detail, "declare the unit as kgf in the mapping", value=ratio)
     else:
         yield from _weight_elsewhere(log, expected, sensors, signs, detail, ratio)
@@ -162,7 +157,7 @@ def _weight_elsewhere(
         if axis == "fz" or not log.has(*names) or not np.isfinite(log.stack(names)).all():
             continue
         share = float(signs @ log.stack(names).mean(axis=0)) / expected.weight_n
-        if abs(abs(share) - 1.0) > SIGN_TOLERANCE:
+        if abs(abs(share) - 1.0) > expected.criteria.weight_sign:
             continue
         if axis.startswith("m"):
             advice = f"the weight is in {axis}: the columns hold the couple first, declare that order in the mapping"
@@ -183,8 +178,8 @@ def _vector(log: Log, names: tuple[str, str, str]) -> Array | None:
     return vector if np.isfinite(vector).all() and vector.any() else None
 
 
-def _at_rest(log: Log, acc: Array) -> NDArray[np.bool_]:
+def _at_rest(log: Log, acc: Array, resting: float) -> NDArray[np.bool_]:
     """(T,) the samples with the least rotation; without a gyro, those with the least change of acceleration."""
     gyro = _vector(log, GYRO)
     activity = np.linalg.norm(np.gradient(acc, axis=0) if gyro is None else gyro - np.median(gyro, axis=0), axis=1)
-    return np.asarray(activity <= np.quantile(activity, RESTING))
+    return np.asarray(activity <= np.quantile(activity, resting))

@@ -9,12 +9,6 @@ import numpy as np
 from exogauge.logs.findings import Expectation, Finding
 from exogauge.logs.model import Log
 
-RATE_TOLERANCE = 0.02
-RATE_WRONG = 0.5  # beyond that the declaration or the unit of time is wrong, not the clock
-JITTER = 0.2  # spread of the periods (1 % to 99 %), of their median
-LATE = 0.5  # a single period this far from the median, of the median
-GAP = 5.0  # median periods
-
 
 def unusable_clock(log: Log, expected: Expectation) -> Iterator[Finding]:
     """Nothing else can be examined if time does not run."""
@@ -33,25 +27,33 @@ def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
     if expected.rate_hz is None:
         return
     ratio = log.rate_hz / expected.rate_hz
-    if abs(ratio - 1.0) > RATE_TOLERANCE:
+    if abs(ratio - 1.0) > expected.criteria.rate:
         detail = f"sampled at {log.rate_hz:.4g} Hz, declared {expected.rate_hz:.4g} Hz"
         advice = "is t in seconds? Otherwise correct the declared rate"
-        severe = abs(ratio - 1.0) > RATE_WRONG
+        severe = abs(ratio - 1.0) > expected.criteria.rate_wrong
         yield Finding("error" if severe else "warning", "t", "rate_differs", detail, advice, value=log.rate_hz)
 
 
 def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
     periods = np.diff(log.time)
     median = float(np.median(periods))
-    whole = periods[periods <= GAP * median]
+    whole = periods[periods <= expected.criteria.gap * median]
     low, high = np.quantile(whole, [0.01, 0.99])
-    late = np.abs(whole / median - 1.0) > LATE
+    late = np.abs(whole / median - 1.0) > expected.criteria.late
     advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
-    if high - low > JITTER * median:
+    if high - low > expected.criteria.jitter * median:
         detail = f"sample periods vary from {1e3 * low:.3g} to {1e3 * high:.3g} ms (median {1e3 * median:.3g} ms)"
         yield Finding("warning", "t", "clock_jitters", detail, advice, value=float(high - low) / median)
     elif late.any():
-        row = int(np.argmax((np.abs(periods / median - 1.0) > LATE) & (periods <= GAP * median))) + 1
+        row = (
+            int(
+                np.argmax(
+                    (np.abs(periods / median - 1.0) > expected.criteria.late)
+                    & (periods <= expected.criteria.gap * median)
+                )
+            )
+            + 1
+        )
         detail = (
             f"{int(late.sum())} sample periods are more than half off the median of {1e3 * median:.3g} ms, "
             f"the longest {1e3 * float(whole.max()):.3g} ms"
@@ -61,7 +63,7 @@ def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
 
 def clock_has_gaps(log: Log, expected: Expectation) -> Iterator[Finding]:
     periods = np.diff(log.time)
-    gaps = periods > GAP * np.median(periods)
+    gaps = periods > expected.criteria.gap * np.median(periods)
     if gaps.any():
         row = int(np.argmax(periods)) + 1
         detail = (

@@ -9,6 +9,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.examining import Examining
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ class Expectation:
 
     rate_hz: as declared. joints: by name. weight_n: total mass x g [N]. contacts: sign of each contact sensor that
     carries the standing robot (+1: world on robot). actuation: `current`, `torque` or `none` by joint. noise: std
-    by channel kind, as in robot.yaml.
+    by channel kind, as in robot.yaml. criteria: by which it is examined.
     """
 
     rate_hz: float | None = None
@@ -59,6 +60,7 @@ class Expectation:
     contacts: Mapping[str, float] = field(default_factory=dict)
     actuation: Mapping[str, str] = field(default_factory=dict)
     noise: Mapping[str, float] = field(default_factory=dict)
+    criteria: Examining = field(default_factory=Examining)
 
 
 Rule = Callable[[Log, Expectation], Iterator[Finding]]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags
 
+from exogauge.criteria.examining import Examining
 from exogauge.logs.bandwidth import FASTEST, suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass
@@ -19,15 +20,6 @@ from exogauge.logs.noise import white_noise_std
 from exogauge.logs.resampling import is_even
 
 Array = NDArray[np.float64]
-
-MOST_AMPERES = 200.0  # no joint of a robot that a person can stand beside takes more
-LONGEST_LAG_S = 0.25
-UNLIKE = 0.9  # correlation below which dq is not the derivative of q
-LAG_SAMPLES = 1.0  # a backward difference lags by half a sample: that is noted, not warned of
-NOTED_LAG = 0.3
-SCALE = 0.1
-ATTENUATION = 0.8  # of the upper half of the motion's band, against the lower
-MOVES = 5.0  # times the noise of its derivative: only then is there a velocity to compare with
 
 
 def joint_missing(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -81,7 +73,7 @@ def beyond_speed(log: Log, expected: Expectation) -> Iterator[Finding]:
 def current_in_milliamperes(log: Log, expected: Expectation) -> Iterator[Finding]:
     for joint, values in joint_channels(log, "i").items():
         largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
-        if largest > MOST_AMPERES:
+        if largest > expected.criteria.most_amperes:
             advice = "declare the unit as mA in the mapping, if that is what the driver logs"
             detail = f"reaches {largest:.4g} A"
             yield Finding("warning", f"i.{joint}", "current_in_milliamperes", detail, advice, value=largest)
@@ -92,9 +84,9 @@ def velocity_is_another(log: Log, expected: Expectation) -> Iterator[Finding]:
     velocities = joint_channels(log, "dq")
     for joint, position in joint_channels(log, "q").items():
         if joint in velocities and varies(position) and varies(velocities[joint]):
-            likeness = _likeness(log.time, position, velocities[joint])
+            likeness = _likeness(log.time, position, velocities[joint], expected.criteria)
             if likeness is not None:
-                yield from _judge(f"dq.{joint}", likeness, log.rate_hz)
+                yield from _judge(f"dq.{joint}", likeness, log.rate_hz, expected.criteria)
 
 
 @final
@@ -112,33 +104,33 @@ class Likeness:
     treble: float | None
 
 
-def _judge(channel: str, like: Likeness, rate_hz: float) -> Iterator[Finding]:
+def _judge(channel: str, like: Likeness, rate_hz: float, criteria: Examining) -> Iterator[Finding]:
     use_position = "leave it out: velocities are then taken from the position"
-    if abs(like.correlation) < UNLIKE:
+    if abs(like.correlation) < criteria.unlike:
         detail = f"correlates only {like.correlation:.2f} with the derivative of the position"
         yield Finding("warning", channel, "velocity_unlike", detail, use_position, value=like.correlation)
-    elif abs(like.gain - 1.0) > SCALE and (like.treble is None or like.treble > ATTENUATION):
+    elif abs(like.gain - 1.0) > criteria.scale and (like.treble is None or like.treble > criteria.attenuation):
         detail = f"is {like.gain:.3g} times the derivative of the position"
-        degrees = abs(like.gain * np.pi / 180.0 - 1.0) < SCALE
+        degrees = abs(like.gain * np.pi / 180.0 - 1.0) < criteria.scale
         advice = "declare the unit as deg/s in the mapping" if degrees else "check its unit, sign and side of the gear"
         severe = not 0.5 < like.gain < 2.0
         yield Finding("error" if severe else "warning", channel, "velocity_scaled", detail, advice, value=like.gain)
-    elif abs(like.lag) > LAG_SAMPLES:
+    elif abs(like.lag) > criteria.lag_samples:
         late = "late" if like.lag > 0.0 else "early"
         detail = f"is {1e3 * abs(like.lag) / rate_hz:.3g} ms ({abs(like.lag):.1f} samples) {late} against the position"
         yield Finding(
             "warning", channel, "velocity_lags", detail, f"a filtered velocity; {use_position}", None, like.lag
         )
-    elif like.treble is not None and like.treble < ATTENUATION:
+    elif like.treble is not None and like.treble < criteria.attenuation:
         detail = f"has only {100 * like.treble:.0f} % of the derivative's amplitude where the motion is fast"
         advice = f"low-passed before it was logged; {use_position}"
         yield Finding("warning", channel, "velocity_filtered", detail, advice, value=like.treble)
-    elif abs(like.lag) > NOTED_LAG:
+    elif abs(like.lag) > criteria.noted_lag:
         detail = f"is {abs(like.lag):.1f} samples {'late' if like.lag > 0 else 'early'} against the position"
         yield Finding("note", channel, "velocity_lags_a_little", detail, "as one-sided differences do", None, like.lag)
 
 
-def _likeness(time: Array, position: Array, velocity: Array) -> Likeness | None:
+def _likeness(time: Array, position: Array, velocity: Array, criteria: Examining) -> Likeness | None:
     """None where the joint moves too little, or the log is too short, to tell."""
     q, dq, rate = _evenly(time, position, velocity)
     if q.size < 64:
@@ -148,11 +140,11 @@ def _likeness(time: Array, position: Array, velocity: Array) -> Likeness | None:
     inner = slice(low_pass.settle_samples // 2, -(low_pass.settle_samples // 2) or None)
     derived, logged = low_pass.apply(differentiate(q, rate))[inner], low_pass.apply(dq)[inner]
     noise = white_noise_std(q, rate, FASTEST * rate) * derivative_noise_gain(low_pass, 1)
-    if derived.size < 64 or np.std(derived) < MOVES * noise or not varies(logged):
+    if derived.size < 64 or np.std(derived) < criteria.moves * noise or not varies(logged):
         return None
     derived, logged = derived - derived.mean(), logged - logged.mean()
-    correlation, lag = _lag(derived, logged, round(LONGEST_LAG_S * rate))
-    treble = _treble(derived, logged, noise, LowPass(0.5 * cutoff, rate)) if is_even(time) else None
+    correlation, lag = _lag(derived, logged, round(criteria.longest_lag_s * rate), criteria.unlike)
+    treble = _treble(derived, logged, criteria.moves * noise, LowPass(0.5 * cutoff, rate)) if is_even(time) else None
     gain = float(np.sign(correlation) * np.std(logged) / np.std(derived))
     return Likeness(correlation, lag, gain, treble)
 
@@ -165,14 +157,14 @@ def _evenly(time: Array, *signals: Array) -> tuple[Array, Array, float]:
     return bridged[0], bridged[1], rate
 
 
-def _lag(reference: Array, signal: Array, longest: int) -> tuple[float, float]:
+def _lag(reference: Array, signal: Array, longest: int, unlike: float) -> tuple[float, float]:
     """Correlation at the best lag, and that lag in samples (positive: signal is late), to a fraction of one."""
     lags = correlation_lags(signal.size, reference.size)
     near = np.abs(lags) <= longest
     scale = float(np.linalg.norm(reference) * np.linalg.norm(signal))
     correlation, lags = (correlate(signal, reference, method="fft") / scale)[near], lags[near]
     at_zero = float(correlation[lags == 0][0])
-    best = int(np.argmax(-correlation if at_zero < -UNLIKE else correlation))
+    best = int(np.argmax(-correlation if at_zero < -unlike else correlation))
     shift = 0.0
     if 0 < best < correlation.size - 1:
         before, peak, after = correlation[best - 1 : best + 2]
@@ -181,10 +173,10 @@ def _lag(reference: Array, signal: Array, longest: int) -> tuple[float, float]:
     return float(correlation[best]), float(lags[best]) + shift
 
 
-def _treble(derived: Array, logged: Array, noise: float, low_pass: LowPass) -> float | None:
+def _treble(derived: Array, logged: Array, least: float, low_pass: LowPass) -> float | None:
     bass_derived, bass_logged = low_pass.apply(derived), low_pass.apply(logged)
     treble_derived, treble_logged = derived - bass_derived, logged - bass_logged
-    if np.std(treble_derived) < MOVES * noise:
+    if np.std(treble_derived) < least:
         return None
     bass = float(np.std(bass_logged) / np.std(bass_derived))
     return float(np.std(treble_logged) / np.std(treble_derived)) / bass

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.examining import Examining
 from exogauge.logs.findings import Expectation, Finding, first_row, kind_of, longest_run, runs, varies
 from exogauge.logs.model import Log
 from exogauge.logs.noise import quantisation_step, white_noise_std
@@ -15,18 +16,6 @@ from exogauge.logs.noise import quantisation_step, white_noise_std
 Array = NDArray[np.float64]
 
 SENSED = ("i", "tau", "acc", "gyro", "ft")  # channels that never rest on one value while they work
-CLIPPED_RUN = 5  # samples at the extreme
-CLIPPED_COUNT = 10
-APPROACH = 8  # samples before the extreme is reached
-CLIPPED_SPEED = 0.3  # of the channel's rms change: a clipped signal arrives at its limit in full swing
-FROZEN_S = 0.25
-ALIVE = 0.2  # of the samples may repeat in a channel that is expected to change all the time
-COARSE_BITS = 6.0
-NOTED_BITS = 10.0
-NOISE_SAMPLES = 400
-NOISE_ABOVE = 0.25  # of the rate: no motion there
-NOISY = 3.0  # times the declared std
-STILL_STEPS = 8.0  # a joint that moves less than that does not move
 
 
 def not_finite(log: Log, expected: Expectation) -> Iterator[Finding]:
@@ -57,11 +46,17 @@ def frozen(log: Log, expected: Expectation) -> Iterator[Finding]:
     for channel, values in log.channels.items():
         repeats = np.diff(values) == 0.0
         start, length = longest_run(repeats)
-        if kind_of(channel) not in SENSED or length < max(CLIPPED_RUN, FROZEN_S * log.rate_hz):
+        if kind_of(channel) not in SENSED or length < max(
+            expected.criteria.clipped_run, expected.criteria.frozen_s * log.rate_hz
+        ):
             continue
         elsewhere = repeats.sum() - length
         at_extreme = values[start] in (np.nanmin(values), np.nanmax(values))
-        if length < values.size - 10 and elsewhere < ALIVE * (repeats.size - length) and not at_extreme:
+        if (
+            length < values.size - 10
+            and elsewhere < expected.criteria.alive * (repeats.size - length)
+            and not at_extreme
+        ):
             detail = f"stands at {values[start]:g} for {length / log.rate_hz:.3g} s from t = {log.time[start]:.6g} s"
             advice = "the sensor or its bus stopped for a while: cut the log there"
             yield Finding("warning", channel, "frozen", detail, advice, start + 1, float(values[start]))
@@ -72,7 +67,7 @@ def saturated(log: Log, expected: Expectation) -> Iterator[Finding]:
         if kind_of(channel) not in SENSED or not np.isfinite(values).all() or not varies(values):
             continue
         for extreme, neighbours in ((values.max(), values.max() - values), (values.min(), values - values.min())):
-            if _clipped(values, neighbours):
+            if _clipped(values, neighbours, expected.criteria):
                 at = neighbours == 0.0
                 detail = f"stops at {extreme:g} for {int(at.sum())} samples, as if clipped"
                 advice = "a limit of the converter or the controller: those samples say nothing, use a wider range"
@@ -86,11 +81,13 @@ def coarse(log: Log, expected: Expectation) -> Iterator[Finding]:
             continue
         steps = float(np.nanmax(values) - np.nanmin(values)) / step
         bits = math.log2(max(1.0, steps))
-        if (kind_of(channel) in ("q", "dq") and steps < STILL_STEPS) or _dithered(log, values, step):
+        if (kind_of(channel) in ("q", "dq") and steps < expected.criteria.still_steps) or _dithered(
+            log, values, step, expected.criteria
+        ):
             continue
-        if bits < NOTED_BITS:
+        if bits < expected.criteria.noted_bits:
             detail = f"changes in steps of {step:.3g}: {bits:.1f} effective bits over its range"
-            severe = bits < COARSE_BITS and kind_of(channel) in (*SENSED, "q")
+            severe = bits < expected.criteria.coarse_bits and kind_of(channel) in (*SENSED, "q")
             advice = "was the column rounded on export? Its rounding is part of the noise" if severe else ""
             yield Finding("warning" if severe else "note", channel, "coarse", detail, advice, value=step)
 
@@ -101,35 +98,44 @@ def noisier_than_declared(log: Log, expected: Expectation) -> Iterator[Finding]:
         if kind == "ft":
             kind = "force" if channel.rpartition(".")[2].startswith("f") else "moment"
         declared = expected.noise.get(kind)
-        if not declared or values.size < NOISE_SAMPLES or not np.isfinite(values).all() or not varies(values):
+        if (
+            not declared
+            or values.size < expected.criteria.noise_samples
+            or not np.isfinite(values).all()
+            or not varies(values)
+        ):
             continue
-        seen = white_noise_std(values, log.rate_hz, NOISE_ABOVE * log.rate_hz)
-        if seen > NOISY * declared:
+        seen = white_noise_std(values, log.rate_hz, expected.criteria.noise_above * log.rate_hz)
+        if seen > expected.criteria.noisy * declared:
             detail = f"its noise is {seen:.3g}, {seen / declared:.1f} times the declared {declared:.3g}"
             advice = "correct `noise` in robot.yaml, or leave it out to have it estimated; look for interference"
             yield Finding("warning", channel, "noisier_than_declared", detail, advice, value=seen)
 
 
-def _dithered(log: Log, values: Array, step: float) -> bool:
+def _dithered(log: Log, values: Array, step: float, criteria: Examining) -> bool:
     """Whether the channel's own noise is larger than its steps, so that rounding loses nothing."""
-    if values.size < NOISE_SAMPLES or not np.isfinite(values).all():
+    if values.size < criteria.noise_samples or not np.isfinite(values).all():
         return False
-    return bool(white_noise_std(values, log.rate_hz, NOISE_ABOVE * log.rate_hz) > step)
+    return bool(white_noise_std(values, log.rate_hz, criteria.noise_above * log.rate_hz) > step)
 
 
-def _clipped(values: Array, distance: Array) -> bool:
+def _clipped(values: Array, distance: Array, criteria: Examining) -> bool:
     """distance: (T,) from the extreme, 0 at it."""
     at = distance == 0.0
     count = int(at.sum())
-    if count < CLIPPED_COUNT or count == values.size or longest_run(at)[1] < CLIPPED_RUN:
+    if count < criteria.clipped_count or count == values.size or longest_run(at)[1] < criteria.clipped_run:
         return False
     nearest = float(distance[~at].min())
     window = max(0.01 * float(np.ptp(values)), 1.5 * nearest)
     if count < 3 * int(np.sum(~at & (distance <= window))):
         return False
     starts, lengths = runs(at)
-    starts = starts[(lengths >= CLIPPED_RUN) & (starts >= APPROACH)]
-    approach = distance[starts[:, None] - 1 - np.arange(APPROACH)].mean(axis=1)  # of a ramp: (APPROACH + 1) / 2 steps
+    starts = starts[(lengths >= criteria.clipped_run) & (starts >= criteria.approach)]
+    approach = distance[starts[:, None] - 1 - np.arange(criteria.approach)].mean(
+        axis=1
+    )  # of a ramp: (criteria.approach + 1) / 2 steps
     usual = float(np.sqrt(np.mean(np.diff(values) ** 2)))
-    slow = max(CLIPPED_SPEED * usual * (APPROACH + 1) / 2, 1.5 * nearest)  # or step by step, as a coarse channel does
+    slow = max(
+        criteria.clipped_speed * usual * (criteria.approach + 1) / 2, 1.5 * nearest
+    )  # or step by step, as a coarse channel does
     return bool(starts.size and np.median(approach) > slow)

@@ -10,6 +10,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.comparing import Comparing
+
 Array = NDArray[np.float64]
 
 PLAUSIBLE = 2.5  # a description's masses and k_T together: beyond this factor something else is wrong
@@ -25,10 +27,7 @@ OFFSET = 0.3  # of an effort's rms: std of what is constant in it
 GAINS = 10.0 ** (np.arange(-DECADES * PER_DECADE, DECADES * PER_DECADE + 1) / PER_DECADE)
 ALL_GAINS = np.ones(len(GAINS), dtype=bool)
 AS_DESCRIBED = (GAINS >= 1.0 / PLAUSIBLE) & (GAINS <= PLAUSIBLE)
-FEWEST = 20  # moments in motion: at rest friction holds a joint, and its effort says nothing of the load
 INDEPENDENT = 0.25  # of these: what is left unmodelled is alike at neighbours
-MOVING = 0.1  # of an axis' usual speed
-MOVING_LEAST = 0.002  # [rad/s or m/s]
 
 
 @final
@@ -56,10 +55,10 @@ class Likelihood:
         return float(GAINS[int(np.argmax(self.logs))])
 
 
-def in_motion(velocity: Array) -> NDArray[np.bool_]:
+def in_motion(velocity: Array, criteria: Comparing) -> NDArray[np.bool_]:
     """(N, A) -> (N, A)"""
     usual = np.sqrt(np.mean(velocity**2, axis=0))
-    return np.asarray(np.abs(velocity) > np.maximum(MOVING * usual, MOVING_LEAST))
+    return np.asarray(np.abs(velocity) > np.maximum(criteria.moving * usual, criteria.moving_least))
 
 
 @final
@@ -82,11 +81,6 @@ class AxisFit:
         size = np.sqrt(np.mean(Z**2, axis=0)) if m.any() else np.ones(4)
         self._Z = U.T @ (Z / np.where(size > 1e-9, size, np.inf))
         self._L, self._U = U.T @ load[m], U
-
-    @property
-    def tells(self) -> bool:
-        """Whether the axis moves in enough of the moments."""
-        return len(self._L) >= FEWEST
 
     def likelihood(self, effort: Array, backwards: bool = False, among: NDArray[np.bool_] = ALL_GAINS) -> Likelihood:
         """effort: (N,) [N·m]. backwards: as if the axis moved the other way, as far as friction can tell.

@@ -9,17 +9,12 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.plausibility.axis_fit import AS_DESCRIBED
 from exogauge.plausibility.expectation import Expected, on_axes
 from exogauge.plausibility.search import together
 
 Array = NDArray[np.float64]
-
-SURELY = 20.0  # log likelihood over no delay; of recordings without one a joint gained 11 at most (UR10, wrist_2)
-AGREES = 3.0  # of a joint that is alike late; chance gives 2
-FALLS = 0.9  # of what is left unexplained, once the delay is undone
-SAMPLES = 3.0  # of the log: a drive, a bus and a filter are late by as many, and nobody minds
-LEAST_S = 0.015
 
 
 @final
@@ -44,11 +39,12 @@ def find_delays(expected: Sequence[Expected]) -> Iterator[Delay]:
     lags, rate_hz = expected[0].seen.lags, expected[0].seen.rate_hz
     efforts = [on_axes(each.robot, each.seen.late) for each in expected]
     profiles = [_Profile(expected, efforts, a) for a in axes]
-    shared = _sure(lags, profiles, rate_hz)
+    criteria = expected[0].seen.criteria
+    shared = _sure(lags, profiles, rate_hz, criteria)
     if shared is not None:
         yield shared
     for each in profiles:
-        alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz)
+        alone = None if shared is not None and each.axis in shared.axes else _sure(lags, [each], rate_hz, criteria)
         if alone is not None:
             yield alone
 
@@ -68,25 +64,33 @@ class _Profile:
             (each.fit(axis), late[:, :, axis]) for each, late in zip(expected, efforts, strict=True) if each.tells(axis)
         ]
         at_once = int(np.argmin(np.abs(lags)))
+        as_good_as = expected[0].seen.criteria.as_good_as
         tried = [k for k in (at_once - 1, at_once, at_once + 1) if 0 <= k < len(lags)]
-        found = {k: together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling]) for k in tried}
+        found = {
+            k: together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling], as_good_as)
+            for k in tried
+        }
         if max(each.described for each in found.values()) > found[at_once].described:
             for k in set(range(len(lags))) - set(tried):
-                found[k] = together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling])
+                found[k] = together([fit.likelihood(late[k], among=AS_DESCRIBED) for fit, late in telling], as_good_as)
         each = [found[int(np.clip(k, min(found), max(found)))] for k in range(len(lags))]
         self.gain = np.array([one.described for one in each]) - found[at_once].described
         self.misfit = np.array([one.misfit for one in each])
 
 
-def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float) -> Delay | None:
+def _sure(lags: Array, profiles: Sequence[_Profile], rate_hz: float, criteria: Comparing) -> Delay | None:
     total = np.sum([each.gain for each in profiles], axis=0)
     k, at_once = int(np.argmax(total)), int(np.argmin(np.abs(lags)))
-    if total[k] < SURELY or k in (0, len(lags) - 1):
+    if total[k] < criteria.delay or k in (0, len(lags) - 1):
         return None
-    alike = sorted((each for each in profiles if each.gain[k] > AGREES), key=lambda each: -each.gain[k])
+    alike = sorted((each for each in profiles if each.gain[k] > criteria.delay_agrees), key=lambda each: -each.gain[k])
     left = [each.misfit[k] / each.misfit[at_once] for each in alike]
     seconds = _summit(lags[k - 1 : k + 2], total[k - 1 : k + 2])
-    if not alike or np.median(left) > FALLS or abs(seconds) < max(LEAST_S, SAMPLES / rate_hz):
+    if (
+        not alike
+        or np.median(left) > criteria.delay_falls
+        or abs(seconds) < max(criteria.delay_least_s, criteria.delay_samples / rate_hz)
+    ):
         return None
     worst = alike[0]
     return Delay(seconds, tuple(each.axis for each in alike), float(worst.misfit[at_once]), float(worst.misfit[k]))

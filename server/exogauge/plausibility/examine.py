@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.identification.preparation import DRIVE
 from exogauge.logs.findings import Finding
 from exogauge.logs.model import Log
@@ -18,8 +19,6 @@ from exogauge.plausibility.search import Slip, find_slips
 from exogauge.plausibility.snapshot import Snapshot, take
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
-
-MOST_LOGS = 6  # a slip of a mapping is in all of them
 
 SAID = {
     "effort_reversed": ("runs against what gravity, inertia and friction ask for", "turn its sign in a mapping"),
@@ -40,14 +39,17 @@ SAID = {
 }
 
 
-def examine_against_robot(robot: Robot, logs: Sequence[Log]) -> Iterator[tuple[str, Finding]]:
+def examine_against_robot(
+    robot: Robot, logs: Sequence[Log], criteria: Comparing | None = None
+) -> Iterator[tuple[str, Finding]]:
     """(name of the log, finding). Logs in which nothing is worn: what a wear bears, no description knows.
 
     A statement is made only where the one reading explains so much more than the other that no doubt of masses, k_T
-    or friction makes up for it (`search.DECISIVE`); of a joint that stands still, or bears nothing, none is.
+    or friction makes up for it (`decisive`); of a joint that stands still, or bears nothing, none is.
     """
-    chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, MOST_LOGS).astype(int))] if logs else []
-    seen = [each for each in side_by_side(partial(take, robot), chosen) if each is not None]
+    criteria = criteria or Comparing()
+    chosen = [logs[k] for k in np.unique(np.linspace(0, len(logs) - 1, criteria.most_logs).astype(int))] if logs else []
+    seen = [each for each in side_by_side(partial(take, robot, criteria=criteria), chosen) if each is not None]
     turned = imu_findings(robot, seen)
     for name in [log.name for log in logs] if turned and len(turned) == len(seen) else turned:
         yield name, turned.get(name) or next(iter(turned.values()))

@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.prior import inertial_std
-from exogauge.plausibility.axis_fit import FEWEST, AxisFit, Likelihood, in_motion
+from exogauge.plausibility.axis_fit import AxisFit, Likelihood, in_motion
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 from exogauge.robots.regressor import regressor
 
 Array = NDArray[np.float64]
-
-ROUGH = 1.5  # times the stated doubt of inertial parameters: stock descriptions are rougher than that
 
 
 @final
@@ -34,9 +32,9 @@ class Expected:
         Y = np.einsum("aj,njp->nap", np.linalg.inv(C).T, Y, optimize=True)
         outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, axes] if robot.contacts else 0.0
         self.load = Y @ robot.phi_in(seen.recording).ravel() - outside
-        self._spread = Y * (ROUGH * inertial_std(robot).ravel())
+        self._spread = Y * (seen.criteria.rough * inertial_std(robot).ravel())
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
-        self.moving = in_motion(self._velocity) if moving is None else moving
+        self.moving = in_motion(self._velocity, seen.criteria) if moving is None else moving
         self.effort = on_axes(robot, seen.effort)
         self._fits: dict[int, AxisFit] = {}
         self._known: dict[tuple[int, float, bool], Likelihood] = {}
@@ -51,7 +49,7 @@ class Expected:
 
     def tells(self, axis: int) -> bool:
         """Its effort is logged, and it moves in enough of the moments."""
-        return bool(self.seen.alive[axis]) and int(self.moving[:, axis].sum()) >= FEWEST
+        return bool(self.seen.alive[axis]) and int(self.moving[:, axis].sum()) >= self.seen.criteria.fewest
 
     def likelihood(self, axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
         """sign: of the effort. backwards: see `AxisFit.likelihood`."""

@@ -11,20 +11,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.findings import Finding
 from exogauge.plausibility.axis_fit import INDEPENDENT
-from exogauge.plausibility.search import DECISIVE
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
 LEAST = np.radians(10.0)  # a mounting is not stated better than that by everybody, nor does a walking body obey it
-WEIGHS = 0.2  # by which the contacts' force may miss m |a|: beyond, something else bears the robot
-MOST_MOMENTS = 0.5  # of the log must be so
 CERTAIN = np.radians(1.0)  # std that no direction falls below: what bodies do relative to the base is left out
-HALVED = 0.5  # of the angle that is left: else it may be lean, sway or a foot's frame
 REVERSED = np.radians(150.0)
 
 
@@ -35,6 +32,7 @@ class Directions:
 
     up: Array
     seen: Array
+    criteria: Comparing
 
     def left(self, Q: Array) -> float:
         """[rad] rms angle between up and Q seen."""
@@ -54,11 +52,11 @@ def directions(robot: Robot, seen: Snapshot) -> Directions | None:
         return None
     force = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, :3]
     bears, needs = np.linalg.norm(force, axis=1), robot.tree.mass * np.linalg.norm(seen.acc, axis=1)
-    alone = np.abs(bears - needs) < WEIGHS * needs
-    if np.mean(alone) < MOST_MOMENTS:
+    alone = np.abs(bears - needs) < seen.criteria.weighs * needs
+    if np.mean(alone) < seen.criteria.most_moments:
         return None
     up, acc = force[alone], seen.acc[alone]
-    return Directions(up / bears[alone, None], acc / np.linalg.norm(acc, axis=1)[:, None])
+    return Directions(up / bears[alone, None], acc / np.linalg.norm(acc, axis=1)[:, None], seen.criteria)
 
 
 def imu_rules(robot: Robot, found: Directions) -> Iterator[Finding]:
@@ -68,17 +66,19 @@ def imu_rules(robot: Robot, found: Directions) -> Iterator[Finding]:
     assert robot.T_base_imu is not None
     as_stated, R = np.eye(3), robot.T_base_imu.rotation
     tilt, full = _tilt(found), _procrustes(found)
-    turn_told = found.gain(tilt, full) > DECISIVE
+    turn_told = found.gain(tilt, full) > found.criteria.decisive
     Q = full if turn_told else tilt
     angle, before, after = _angle(Q), found.left(as_stated), min(found.left(Q), found.left(-as_stated))
     if (
         angle < LEAST
-        or after > HALVED * before
-        or 2.0 * INDEPENDENT * len(found.up) * np.log(before / after) < DECISIVE
+        or after > found.criteria.halved * before
+        or 2.0 * INDEPENDENT * len(found.up) * np.log(before / after) < found.criteria.decisive
     ):
         return
     lies = f"lies {np.degrees(before):.0f}° from the direction in which the contacts bear the robot"
-    if found.left(-as_stated) < HALVED * before and (not turn_told or found.left(-as_stated) < 1.2 * found.left(Q)):
+    if found.left(-as_stated) < found.criteria.halved * before and (
+        not turn_told or found.left(-as_stated) < 1.2 * found.left(Q)
+    ):
         detail = f"{lies}: an accelerometer at rest measures +9.81 upwards"
         yield Finding("error", "acc", "acceleration_sign", detail, "reverse its sign in a mapping", value=-1.0)
         return

@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.plausibility.axis_fit import GAINS, Likelihood
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.remedies import Remedy, exchanged, misread_positions, reversals, scaled_effort
@@ -19,15 +20,6 @@ from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import subtree
 
 Array = NDArray[np.float64]
-
-DECISIVE = 12.0  # log likelihood over the description as it stands; hundreds of slips are tried on rough descriptions
-DOUBTED = 5.0
-UNDECIDED = 4.0
-AS_GOOD_AS = 2.0
-LARGE_MISFIT = 0.2  # of an axis' effort left; on recorded robots with stock descriptions 0.03 to 0.17 are
-MOST = 6  # slips in one study; who has more has one that was not thought of
-MOST_DOUBTED = 6  # joints that are tried
-FAR = 3.0  # times a limit of the description: no joint was driven there
 
 
 @final
@@ -52,6 +44,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     And what is expected of each log as it was handed in.
     """
     as_read = [Expected(robot, each) for each in seen]
+    criteria = seen[0].criteria if seen else Comparing()
     slips = _beyond_limits(robot, seen)
     undone = list(seen)
     for slip in slips:
@@ -59,7 +52,7 @@ def find_slips(robot: Robot, seen: Sequence[Snapshot]) -> tuple[list[Slip], list
     state = _State(robot, [Expected(robot, each) for each in undone] if slips else as_read)
     every = tuple(range(len(seen)))
     for logs in [every, *((k,) for k in every if len(seen) > 1)]:
-        while len(slips) < MOST:
+        while len(slips) < criteria.most_slips:
             part = _State(robot, [state.expected[k] for k in logs])
             best = part.best_remedy()
             if best is None:
@@ -91,8 +84,8 @@ def _beyond_limits(robot: Robot, seen: Sequence[Snapshot]) -> list[Slip]:
 def _impossible(robot: Robot, seen: Snapshot, joint: int) -> bool:
     tree = robot.tree
     span, fastest = tree.upper[joint] - tree.lower[joint], tree.velocity_limit[joint]
-    too_wide = 0.0 < span < np.inf and float(np.ptp(seen.q[:, joint])) > FAR * span
-    too_fast = 0.05 < fastest < np.inf and float(np.abs(seen.dq[:, joint]).max()) > FAR * fastest
+    too_wide = 0.0 < span < np.inf and float(np.ptp(seen.q[:, joint])) > seen.criteria.far * span
+    too_fast = 0.05 < fastest < np.inf and float(np.abs(seen.dq[:, joint]).max()) > seen.criteria.far * fastest
     return bool(too_wide or too_fast)
 
 
@@ -103,6 +96,7 @@ class _State:
     def __init__(self, robot: Robot, expected: Sequence[Expected]) -> None:
         self.robot, self.expected = robot, expected
         self.seen = [each.seen for each in expected]
+        self.criteria = self.seen[0].criteria if self.seen else Comparing()
         self._related, self._coupled = _related(robot), _coupled(robot)
 
     def best_remedy(self) -> Slip | None:
@@ -113,14 +107,18 @@ class _State:
         for remedies in (self.plain_remedies(doubted), self.rare_remedies(doubted)):
             tried += [(remedy, self.gain(remedy)) for remedy in remedies]
             tried.sort(key=lambda each: -each[1])
-            if tried and tried[0][1] > DECISIVE and self.settles(tried[0][0]):
+            if tried and tried[0][1] > self.criteria.decisive and self.settles(tried[0][0]):
                 break  # nothing else need be tried
-        if not tried or tried[0][1] < DECISIVE:
+        if not tried or tried[0][1] < self.criteria.decisive:
             return None
         remedy, evidence = tried[0]
         axis = remedy.joints[0]
         then = [Expected(self.robot, remedy.undo(seen)) for seen in self.seen]
-        as_good = [other for other, its in tried[1:] if its > evidence - UNDECIDED and other.joints == remedy.joints]
+        as_good = [
+            other
+            for other, its in tried[1:]
+            if its > evidence - self.criteria.undecided and other.joints == remedy.joints
+        ]
         left = pooled(self.expected, axis).misfit, pooled(then, axis).misfit
         return Slip(remedy, evidence, *left, as_good[0] if as_good else None)
 
@@ -138,11 +136,11 @@ class _State:
         for axis in self.axes():
             if self.in_doubt(axis):
                 found[axis] = pooled(self.expected, axis).misfit
-        return sorted(found, key=lambda axis: -found[axis])[:MOST_DOUBTED]
+        return sorted(found, key=lambda axis: -found[axis])[: self.criteria.most_doubted]
 
     def in_doubt(self, axis: int) -> bool:
         now = pooled(self.expected, axis)
-        return now.any - now.described > DOUBTED or now.misfit > LARGE_MISFIT
+        return now.any - now.described > self.criteria.doubted or now.misfit > self.criteria.misfit
 
     def plain_remedies(self, doubted: Sequence[int]) -> list[Remedy]:
         """Signs, factors of efforts, exchanged efforts: what most often is wrong, and soon tried."""
@@ -191,13 +189,14 @@ class _State:
 
 def pooled(expected: Sequence[Expected], axis: int, sign: float = 1.0, backwards: bool = False) -> Likelihood:
     """Of one axis over all logs in which it moves, with one factor for all. sign: of the effort."""
-    return together([one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)])
+    telling = [one.likelihood(axis, sign, backwards) for one in expected if one.tells(axis)]
+    return together(telling, expected[0].seen.criteria.as_good_as)
 
 
-def together(each: Sequence[Likelihood]) -> Likelihood:
-    """One factor for all logs. What a description lacks it lacks in every log: ten of them count as `AS_GOOD_AS`."""
+def together(each: Sequence[Likelihood], as_good_as: float) -> Likelihood:
+    """One factor for all logs. What a description lacks it lacks in every log: ten of them count as `as_good_as`."""
     logs = reduce(np.add, (one.logs for one in each), np.zeros(len(GAINS)))
-    share = min(1.0, AS_GOOD_AS / max(1, len(each)))
+    share = min(1.0, as_good_as / max(1, len(each)))
     return Likelihood(share * logs, max((one.misfit for one in each), default=0.0))
 
 

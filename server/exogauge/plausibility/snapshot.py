@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.comparing import Comparing
 from exogauge.identification.preparation import DRIVE, base_motion, needed_channels, wrench_channels
 from exogauge.identification.prior import joint_prior
 from exogauge.logs.bandwidth import suggest_cutoff
@@ -38,7 +39,7 @@ class Snapshot:
     wrenches: (N, S, 6) world on robot, in sensor frames.
     alive: (J,) bool, an effort is logged and is not one number throughout.
     zeros: (J,) share of exact zeros among a logged effort's samples in motion. still: (J,) bool, the position is one
-    number throughout. recording: that the log is, or is a stretch of.
+    number throughout. recording: that the log is, or is a stretch of. criteria: by which it is compared.
     """
 
     log: str
@@ -57,13 +58,14 @@ class Snapshot:
     still: NDArray[np.bool_]
     rate_hz: float
     recording: str
+    criteria: Comparing
 
     @property
     def motion(self) -> Motion:
         return Motion(self.q, self.dq, self.ddq, self.acc, self.gyro, self.gyro_dot)
 
 
-def take(robot: Robot, log: Log) -> Snapshot | None:
+def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     """None where channels are missing or hold no number, or the log is too short to be low-passed."""
     names = needed_channels(robot)
     if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
@@ -82,7 +84,7 @@ def take(robot: Robot, log: Log) -> Snapshot | None:
     still, q = np.ptp(q, axis=0) == 0.0, low_pass.apply(q)
     dq, ddq = differentiate(q, rate), differentiate_twice(q, rate)
     effort, alive, zeros = np.zeros_like(q), np.zeros(len(joints), dtype=bool), np.zeros(len(joints))
-    moving = in_motion(dq)
+    moving = in_motion(dq, criteria)
     for k, joint in enumerate(joints):
         if joint.actuation != "none":
             raw = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
@@ -109,4 +111,5 @@ def take(robot: Robot, log: Log) -> Snapshot | None:
         still=still,
         rate_hz=rate,
         recording=recording,
+        criteria=criteria,
     )

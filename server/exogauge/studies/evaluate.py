@@ -88,7 +88,7 @@ def _evaluate(
         logs = admit(study, worn="support" in doing, progress=progress)
         recordings, worn, plain = logs.recordings, logs.worn, logs.plain
         progress(0.10, "examining the logs")
-        findings = examine_logs(study.robot, recordings, worn)
+        findings = examine_logs(study.robot, recordings, worn, study.settings.criteria)
         spans = _spans(bool(worn), "discrepancy" in doing)
         try:
             found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))

@@ -17,7 +17,7 @@ from exogauge.studies.results.document import finite
 from exogauge.studies.results.planned_motions import motion_table, planned_files
 from exogauge.studies.words.finding_sentences import planned_sentence
 
-TOLD = Apart("presliding", "torso_pitch", 0.12, 0.64, 1.5, 52.0, 13.0, 7.7)
+TOLD = Apart("presliding", "torso_pitch", 0.12, 0.64, 1.5, 52.0, 13.0, 7.7, 10.0, 600.0)
 
 
 def plan(joint: str) -> PlannedMotion:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.identification.settings import Recording
 from exogauge.logs.doctor import Expectation, Finding, JointLimits, examine
 from exogauge.plausibility.examine import examine_against_robot
@@ -18,17 +20,22 @@ STANDARD_GRAVITY = 9.80665
 OF_THE_BASE = ("acc", "gyro", "ft.*", "t")  # where these are wrong, so is what every joint should bear
 
 
-def examine_logs(robot: Robot, recordings: Sequence[Recording], worn: Sequence[WornLog] = ()) -> list[dict[str, Any]]:
+def examine_logs(
+    robot: Robot, recordings: Sequence[Recording], worn: Sequence[WornLog] = (), criteria: Criteria | None = None
+) -> list[dict[str, Any]]:
     """{log, severity, channel, rule, detail, advice, row, value}: first what the robot's description contradicts, then
     log by log what its signals show, worst first. worn: with a device, whose share no description of the robot knows.
     """
-    expected = expectation(robot)
+    criteria = criteria or Criteria()
+    expected = replace(expectation(robot), criteria=criteria.doctor)
     logs = [*(each.log for each in recordings), *(each.log for each in worn)]
     examined = side_by_side(partial(examine, expectation=expected), logs)
     alone = [(log.name, finding) for log, findings in zip(logs, examined, strict=True) for finding in findings]
     doubtful = {log for log, finding in alone if finding.severity == "error" and finding.channel in OF_THE_BASE}
     trusted = [each.log for each in recordings if each.log.name not in doubtful]
-    return [_entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted), *alone)]
+    return [
+        _entry(log, finding) for log, finding in (*examine_against_robot(robot, trusted, criteria.comparison), *alone)
+    ]
 
 
 def _entry(log: str, finding: Finding) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from exogauge.devices.result import BandEstimate
 from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated, Continued, FloorOf, LeftOut, LowPassed, OfBand, OfRobot, Touched
 from exogauge.findings.objection import Objection, Why
-from exogauge.findings.planned_motion import LONGEST, SURE, Apart, PlannedMotion
+from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Concentration, Consequence, Excess, Finding, HeldOut, Place
 from exogauge.findings.verdict import Caveat
 from exogauge.studies.words.names import (
@@ -418,7 +418,7 @@ def _shares(pair: Apart) -> str:
 def _evidence(pair: Apart) -> str:
     holds = told(pair.evidence_now, ".1f" if pair.evidence_now < 9.95 else ".0f")
     these = f"Between it and {effect_words(pair.rival)} these logs hold evidence of {holds}"
-    return f"{these}; this adds {told(pair.evidence, '.0f')}, where {SURE:.0f} is enough."
+    return f"{these}; this adds {told(pair.evidence, '.0f')}, where {pair.enough:.0f} is enough."
 
 
 def not_told(pair: Apart) -> str:
@@ -427,7 +427,7 @@ def not_told(pair: Apart) -> str:
     if pair.left_then < ALIKE:
         return f"{never}: on each of them both look the same."
     left = f"{_percent(pair.left_then)} of what tells them apart would be left, which is small beside the noise"
-    return f"{never} within {LONGEST / 60.0:.0f} minutes: {left}."
+    return f"{never} within {pair.longest / 60.0:.0f} minutes: {left}."
 
 
 def _percent(share: float) -> str:

@@ -1,0 +1,109 @@
+"""When the doctor doubts a log, from its signals alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.criterion import criterion, derived, judgement
+
+RULES = "docs/doctor.md"
+
+
+@final
+@dataclass(frozen=True)
+class Examining:
+    """rms change: of a channel from one sample to the next."""
+
+    rate: float = criterion(0.02, "1", "by which a log's rate may differ from the declared one", judgement(RULES))
+    rate_wrong: float = criterion(
+        0.5, "1", "beyond that the declaration or the unit of time is wrong, not the clock", judgement(RULES)
+    )
+    jitter: float = criterion(
+        0.2, "1", "spread of the sample periods (1 % to 99 %), of their median, that is told", judgement(RULES)
+    )
+    late: float = criterion(
+        0.5, "1", "of the median period, by which a single one is off before it is told", judgement(RULES)
+    )
+    gap: float = criterion(
+        5.0, "periods", "without a sample, from which on it is a gap and no jitter", judgement(RULES)
+    )
+    clipped_run: int = criterion(
+        5, "samples", "in a row at an extreme, or at one value, before it is told", judgement(RULES)
+    )
+    clipped_count: int = criterion(
+        10, "samples", "at an extreme in all, before a channel is said to be clipped", judgement(RULES)
+    )
+    clipped_speed: float = criterion(
+        0.3, "rms changes", "a clipped signal arrives at its limit in full swing", judgement(RULES)
+    )
+    approach: int = criterion(8, "samples", "before an extreme, in which its arrival is looked at", judgement(RULES))
+    frozen_s: float = criterion(
+        0.25, "s", "at one value, of a channel that changes all the time, before it is told", judgement(RULES)
+    )
+    alive: float = criterion(
+        0.2, "1", "of the samples may repeat in a channel that is expected to change all the time", judgement(RULES)
+    )
+    coarse_bits: float = criterion(
+        6.0, "bits", "over a channel's range, below which its steps are warned of", judgement(RULES)
+    )
+    noted_bits: float = criterion(
+        10.0, "bits", "over a channel's range, below which its steps are noted", judgement(RULES)
+    )
+    noise_samples: int = criterion(400, "samples", "with fewer nothing is said of a channel's noise", judgement(RULES))
+    noise_above: float = criterion(
+        0.25, "1", "of the sampling rate: above is no motion, so noise is seen there", judgement(RULES)
+    )
+    noisy: float = criterion(3.0, "1", "times the declared noise, before it is told", judgement(RULES))
+    still_steps: float = criterion(
+        8.0, "steps", "of its resolution: a joint that moves less does not move", judgement(RULES)
+    )
+    most_amperes: float = criterion(
+        200.0, "A", "no joint of a robot that a person can stand beside takes more", judgement(RULES)
+    )
+    longest_lag_s: float = criterion(0.25, "s", "by which a velocity is tried to be late or early", judgement(RULES))
+    unlike: float = criterion(0.9, "1", "correlation below which dq is not the derivative of q", judgement(RULES))
+    lag_samples: float = criterion(
+        1.0,
+        "samples",
+        "a backward difference lags by half a sample: up to here that is noted, not warned of",
+        derived("(q_k - q_{k-1}) / T is the velocity of half a sample before"),
+    )
+    noted_lag: float = criterion(0.3, "samples", "by which a velocity is late before it is noted", judgement(RULES))
+    scale: float = criterion(
+        0.1, "1", "by which a velocity may be larger or smaller than the derivative", judgement(RULES)
+    )
+    attenuation: float = criterion(
+        0.8,
+        "1",
+        "of the upper half of the motion's band against the lower: below, a velocity was filtered",
+        judgement(RULES),
+    )
+    moves: float = criterion(
+        5.0, "1", "times the noise of its derivative: only then is there a velocity to compare with", judgement(RULES)
+    )
+    resting: float = criterion(
+        0.3, "1", "of the samples, those with the least rotation, count as rest", judgement(RULES)
+    )
+    gravity: float = criterion(0.05, "1", "by which the acceleration at rest may differ from gravity", judgement(RULES))
+    tilt_hz: float = criterion(1.0, "Hz", "below, an accelerometer sees the direction of gravity", judgement(RULES))
+    steady: float = criterion(
+        0.2, "1", "variation of the slow acceleration up to which its direction is that of gravity", judgement(RULES)
+    )
+    tilt_rate: float = criterion(0.02, "rad/s", "rms: slower tilting says nothing about the gyro", judgement(RULES))
+    gyro_unlike: float = criterion(
+        0.5, "1", "likeness with gravity's motion below which the gyro's axes are in doubt", judgement(RULES)
+    )
+    gyro_alike: float = criterion(
+        0.9, "1", "likeness from which an exchange of its axes explains what is seen", judgement(RULES)
+    )
+    more_alike: float = criterion(
+        0.5, "1", "of what the second best of 48 exchanges of axes misses of full likeness", judgement(RULES)
+    )
+    weight: float = criterion(0.1, "1", "by which the feet may carry more or less than the weight", judgement(RULES))
+    weight_sign: float = criterion(
+        0.25,
+        "1",
+        "the same where the sign, or another axis, is asked for: another error may be there too",
+        judgement(RULES),
+    )

@@ -1,0 +1,57 @@
+"""Which motion is asked for to tell a finding from what else it may be, and when it is enough."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.criterion import criterion, derived, judgement
+
+RULES = "docs/decisions/0011-rules-of-single-effects.md, the motion that would tell"
+
+
+@final
+@dataclass(frozen=True)
+class Planning:
+    """evidence: twice the log likelihood by which the true one of the two is expected to stand out."""
+
+    enough: float = criterion(
+        10.0, "evidence", "tells two effects apart: odds of 150 to one", derived("2 ln 150 = 10.02")
+    )
+    amply: float = criterion(
+        3.0, "1", "times what is enough: what is found is never quite as was expected", judgement(RULES)
+    )
+    longest_s: float = criterion(600.0, "s", "of motion that is worth asking for", judgement(RULES))
+    shortest_s: float = criterion(20.0, "s", "that a recording lasts at least", judgement(RULES))
+    much_smaller: float = criterion(
+        0.1,
+        "1",
+        "square sum of a rival over that of the finding, below which it is none of the two that may be true",
+        judgement(RULES),
+    )
+    margin: float = criterion(
+        0.05, "1", "of the range between a joint's limits, that is kept from either", judgement(RULES)
+    )
+    of_top: float = criterion(
+        0.8, "1", "of the speed limit and the largest torque that a motion may ask for", judgement(RULES)
+    )
+    times_seen: float = criterion(
+        2.0, "1", "times the top speed of the logs that a motion may ask for", judgement(RULES)
+    )
+    top: float = criterion(0.995, "1", "quantile of speeds that counts as the top one", judgement(RULES))
+    slow: float = criterion(
+        4.0, "1", "times the speed below which a joint is at rest: slower motion shows in no log", judgement(RULES)
+    )
+    slow_share: float = criterion(0.02, "1", "of the top speed, below which no motion is asked for", judgement(RULES))
+    least_way: float = criterion(0.02, "rad or m", "amplitude of a motion that is worth making", judgement(RULES))
+    least_period_s: float = criterion(1.0, "s", "of a sine: faster ones shake the robot", judgement(RULES))
+    far: float = criterion(
+        1.1, "1", "times the range or speed of the logs, from which on a motion counts as another", judgement(RULES)
+    )
+    wider: float = criterion(1.5, "1", "price of leaving the range of the logs, in time", judgement(RULES))
+    faster: float = criterion(2.5, "1", "price of leaving the speed of the logs, in time", judgement(RULES))
+    beside: float = criterion(1.3, "1", "price of moving two joints, in time", judgement(RULES))
+    leads: int = criterion(3, "joints", "that are swept where no joint is in question", judgement(RULES))
+    companions: int = criterion(
+        2, "joints", "that are moved beside the one in question, one after the other", judgement(RULES)
+    )
