@@ -273,13 +273,15 @@ def examine_logs(options: argparse.Namespace) -> int:
 def run_payload(options: argparse.Namespace) -> int:
     from exogauge.payload.evaluate import evaluate
     from exogauge.payload.intake import open_payload
+    from exogauge.payload.report import write_report
     from exogauge.payload.results import results, summary, write_results
 
     if options.server:
         return send_payload(options, lambda client, payload: client.identify_payload(payload))
     evaluation = evaluate(open_payload(options.payload))
-    path = write_results(evaluation, options.out)
-    print(summary(results(evaluation)))
+    path, found = write_results(evaluation, options.out), results(evaluation)
+    print(summary(found))
+    print(write_report(found, options.out))
     print(path)
     return 0
 

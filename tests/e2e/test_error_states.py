@@ -91,7 +91,7 @@ def test_a_failed_job_says_why_and_keeps_the_logs_in_reach(
     expect(steps.filter(has_text="Identification")).to_contain_text("failed here")
     expect(steps.filter(has_text="Missing effects")).to_contain_text("not reached")
     expect(steps.filter(has_text="Bands")).to_contain_text("no log with the device worn")
-    expect(page.get_by_text("Correct it, hand the study in again, and run that.")).to_be_visible()
+    expect(page.get_by_text("Correct it, hand it in again, and run that.")).to_be_visible()
     screenshot("review-failed")
     page.get_by_role("link", name="Log and raw data").click()
     with page.expect_download() as download:

@@ -11,7 +11,8 @@ from exogauge.payload.contract import SettingsEntry
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import Payload, open_payload
 from exogauge.payload.planning.plan import open_plan, plan_excitation, plan_postures, write_plan
-from exogauge.payload.results import write_results
+from exogauge.payload.report import write_report
+from exogauge.payload.results import results, write_results
 
 PLAN = "plan.json"
 READ = 0.1  # of a job: by then the logs are in memory
@@ -19,12 +20,13 @@ Progress = Callable[[float, str], None]
 
 
 def identify(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
-    """results.json and its schema. settings: override those of payload.yaml."""
+    """results.json and its schema, report.html and the one-page summary. settings: override those of payload.yaml."""
     progress(0.0, "reading logs")
     payload = with_settings(open_payload(folder), settings)
     evaluation = evaluate(payload, lambda share, doing: progress(READ + (0.95 - READ) * share, doing))
     progress(0.95, "writing results")
     write_results(evaluation, out)
+    write_report(results(evaluation), out)
 
 
 def plan(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:

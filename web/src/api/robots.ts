@@ -97,6 +97,6 @@ export function bundle(files: Map<string, Blob>, fields: Record<string, string> 
   return form;
 }
 
-export function fileAddress(kind: "robots" | "devices" | "studies", id: string, path: string): string {
+export function fileAddress(kind: "robots" | "devices" | "studies" | "payloads", id: string, path: string): string {
   return address(`api/v1/${kind}/${id}/files/${path.split("/").map(encodeURIComponent).join("/")}`);
 }

@@ -8,6 +8,7 @@ const PLACES = [
   ["/studies", "Studies"],
   ["/robots", "Robots"],
   ["/devices", "Devices"],
+  ["/payloads", "Payloads"],
   ["/import", "Import"],
   ["/compare", "Compare"],
 ] as const;

@@ -29,6 +29,8 @@ export function newRouter() {
               { path: "robots/:robotId/*", lazy: () => import("../pages/robot/RobotPage") },
               { path: "devices", lazy: () => import("../pages/device/DevicesPage") },
               { path: "devices/:deviceId/*", lazy: () => import("../pages/device/DevicePage") },
+              { path: "payloads", lazy: () => import("../pages/payload/PayloadsPage") },
+              { path: "payloads/:payloadId/*", lazy: () => import("../pages/payload/PayloadPage") },
               { path: "compare", lazy: () => import("../pages/compare/ComparePage") },
               { path: "*", element: <NotFound /> },
             ],

@@ -15,9 +15,9 @@ _ENVIRONMENT = jinja2.Environment(
 )
 
 
-def render_html(page: Page, scale: float) -> str:
-    """scale: of the letters, 1 for 7.6 pt: that at which the page fits its sheet."""
-    return _ENVIRONMENT.get_template("summary.html.j2").render(page=page, scale=scale, marks=_marks)
+def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:
+    """scale: of the letters, 1 for 7.6 pt: that at which the page fits its sheet. kind: of document, for its title."""
+    return _ENVIRONMENT.get_template("summary.html.j2").render(page=page, scale=scale, marks=_marks, kind=kind)
 
 
 def _marks(drawing: Drawing) -> list[tuple[str, Line | Box | Label]]:

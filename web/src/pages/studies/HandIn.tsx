@@ -2,19 +2,33 @@ import { Alert, Button, Checkbox, FileButton, Group, Text } from "@mantine/core"
 import { Dropzone } from "@mantine/dropzone";
 import { IconFiles, IconFolder } from "@tabler/icons-react";
 
+import type { ReactNode } from "react";
+
 import { limits } from "../../api/limits";
 import { useKept } from "../../app/kept";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { count, limitOf } from "../../parts/size";
+import { STUDY, type HandedIn } from "./handedIn";
 import styles from "./HandIn.module.css";
 import { picked } from "./picked";
 import { SendingFiles } from "./SendingFiles";
 import { useHandIn } from "./useHandIn";
 
-/** Where a study is handed in: by a drop, or by a choice of files or of a folder. */
-export function HandIn() {
+type Props = { of: HandedIn; title: string; atOnce: string; children: ReactNode };
+
+export function HandInStudy() {
+  return (
+    <HandIn of={STUDY} title="Drop a study here" atOnce="Evaluate at once">
+      One zip, a folder, or its files: <code>study.yaml</code>, <code>robot.yaml</code>, the URDF and the logs. Meshes are
+      not needed.
+    </HandIn>
+  );
+}
+
+/** Where files are handed in: by a drop, or by a choice of files or of a folder. atOnce: label of what is done then. */
+export function HandIn({ of, title, atOnce, children }: Props) {
   const [evaluate, setEvaluate] = useKept("evaluate", true);
-  const { state, broken, handIn, stop } = useHandIn(evaluate);
+  const { state, broken, handIn, stop } = useHandIn(of, evaluate);
   const take = (files: File[]) => void handIn(picked(files));
 
   if (state.step === "sending") return <SendingFiles files={state.files} progress={state.progress} stop={stop} />;
@@ -29,12 +43,9 @@ export function HandIn() {
         classNames={{ inner: styles.inner }}
       >
         <Text id="hand-in" component="h2" fw={600} size="lg">
-          Drop a study here
+          {title}
         </Text>
-        <Text size="sm">
-          One zip, a folder, or its files: <code>study.yaml</code>, <code>robot.yaml</code>, the URDF and the logs.
-          Meshes are not needed.
-        </Text>
+        <Text size="sm">{children}</Text>
         <Group gap="sm" mt="sm">
           <FileButton onChange={take} multiple>
             {(props) => (
@@ -51,7 +62,7 @@ export function HandIn() {
             )}
           </FileButton>
           <Checkbox
-            label="Evaluate at once"
+            label={atOnce}
             checked={evaluate}
             onChange={(event) => setEvaluate(event.currentTarget.checked)}
           />

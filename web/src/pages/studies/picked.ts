@@ -30,20 +30,20 @@ export function totalSize(files: readonly Picked[]): number {
 }
 
 /** What would be refused anyway, said before anything is sent. */
-export function refusedBeforehand(files: readonly Picked[], limits: Limits | null): Problem | null {
-  const errors = [...missing(files), ...(limits ? tooMuch(files, limits) : [])];
+export function refusedBeforehand(files: readonly Picked[], limits: Limits | null, main: string): Problem | null {
+  const errors = [...missing(files, main), ...(limits ? tooMuch(files, limits) : [])];
   if (errors.length === 0) return null;
   const detail = `${count(errors.length, "reason")} not to send ${count(files.length, "file")}:`;
   return { type: "about:blank", title: "Nothing was sent", status: 422, detail, errors };
 }
 
-function missing(files: readonly Picked[]): ProblemError[] {
+function missing(files: readonly Picked[], main: string): ProblemError[] {
   if (files.length === 0) {
-    return [rule("no file was found in what was dropped", "empty", "Drop a zip, the study's files, or their folder.")];
+    return [rule("no file was found in what was dropped", "empty", "Drop a zip, the files themselves, or their folder.")];
   }
-  if (isZip(files) || files.some(({ path }) => /(^|\/)study\.yaml$/.test(path))) return [];
-  const advice = "Drop the folder that holds study.yaml, or all of its files at once, or one zip of them.";
-  return [rule("study.yaml is not among these files", "missing_file", advice)];
+  if (isZip(files) || files.some(({ path }) => path === main || path.endsWith(`/${main}`))) return [];
+  const advice = `Drop the folder that holds ${main}, or all of its files at once, or one zip of them.`;
+  return [rule(`${main} is not among these files`, "missing_file", advice)];
 }
 
 function tooMuch(files: readonly Picked[], limits: Limits): ProblemError[] {

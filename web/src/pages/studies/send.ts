@@ -1,9 +1,8 @@
-/** Hand files in: each by a resumable upload, a few at a time; then they become a study. */
+/** Hand files in: each by a resumable upload, a few at a time; then they become a study, or a payload. */
 
-import { answer, api } from "../../api/client";
 import { onceSignedIn } from "../../api/reachable";
-import type { Study } from "../../api/studies";
 import { upload } from "../../api/upload";
+import type { Uploaded } from "./handedIn";
 import type { Picked } from "./picked";
 
 /** sent: confirmed bytes of each file; reading: all have arrived, and the service looks at them. */
@@ -13,7 +12,13 @@ type Telling = (progress: Progress) => void;
 
 const AT_A_TIME = 3;
 
-export async function send(files: readonly Picked[], tell: Telling, signal: AbortSignal): Promise<Study> {
+/** keep: makes of the uploads what they are. */
+export async function send<T>(
+  files: readonly Picked[],
+  tell: Telling,
+  signal: AbortSignal,
+  keep: (uploaded: Uploaded, signal: AbortSignal) => Promise<T>,
+): Promise<T> {
   const stopper = new AbortController(); // one refused file stops the others
   signal.addEventListener("abort", () => stopper.abort());
   const sent = files.map(() => 0);
@@ -40,5 +45,5 @@ export async function send(files: readonly Picked[], tell: Telling, signal: Abor
   }
   tell({ sent, reading: true });
   const body = { upload_ids: ids, paths: files.map(({ path }) => path) };
-  return onceSignedIn(() => answer(api.POST("/api/v1/studies/from-upload", { body, signal })), signal);
+  return onceSignedIn(() => keep(body, signal), signal);
 }

@@ -18,6 +18,7 @@ const ABOUT: Record<string, string> = {
   "validation.csv": "errors per channel and log",
   "support.csv": "supporting torque per device, motion, joint and phase",
   "stiffness.csv": "stiffness and natural length of the bands",
+  "results.schema.json": "the shape of results.json",
   "identified.urdf": "the maker’s URDF with identified inertias",
 };
 

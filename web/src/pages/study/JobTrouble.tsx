@@ -18,7 +18,7 @@ export function JobTrouble({ job, onLog }: { job: Job; onLog: React.ReactNode })
       <div style={{ marginBottom: "var(--mantine-spacing-md)" }}>
         <ProblemBox problem={job.problem} />
         <Text size="sm" mt="xs">
-          What was handed in cannot be evaluated as it is. Correct it, hand the study in again, and run that. {onLog}
+          What was handed in cannot be evaluated as it is. Correct it, hand it in again, and run that. {onLog}
         </Text>
       </div>
     );

@@ -43,7 +43,7 @@ export function useJob(jobId: string) {
       cache.setQueryData<Job>(["job", jobId], (before) => ({ ...now, log: now.log ?? before?.log ?? null }));
       if (isActive(now.state)) return;
       events.close();
-      for (const key of [["job", jobId], ["jobs"], ["studies"]]) void cache.invalidateQueries({ queryKey: key });
+      for (const key of [["job", jobId], ["jobs"], ["studies"], ["payloads"]]) void cache.invalidateQueries({ queryKey: key });
     });
     return () => {
       events.close();
@@ -69,6 +69,7 @@ export function useRetry(jobId: string) {
     onSuccess: async () => {
       await cache.invalidateQueries({ queryKey: ["jobs"] });
       await cache.invalidateQueries({ queryKey: ["studies"] });
+      await cache.invalidateQueries({ queryKey: ["payloads"] });
     },
   });
 }

@@ -12,6 +12,8 @@ export const KINDS: Record<string, string> = {
   support: "up to the supporting torque",
   stiffness: "up to the bands",
   whatif: "another device",
+  payload: "identification",
+  payload_plan: "plan",
 };
 
 export const POOLED: Record<string, string> = {
