@@ -21,6 +21,7 @@ from exogauge.settings import Settings
 from exogauge.storage import migrate
 
 WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
+MOST_OF_A_MESSAGE = 1024 * 1024  # bytes on a websocket; what is too large is told up to this, and ends the line beyond
 PATIENCE_S = 3  # for open requests (event streams among them) when the server stops
 
 
@@ -93,7 +94,11 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
         config = uvicorn.Config(
             create_app(settings),
             http=connection_within(Limits(settings.max_connections, settings.silence_s)),
-            ws="none",  # there are none here, and they would leave these limits
+            ws="websockets-sansio",
+            ws_max_size=MOST_OF_A_MESSAGE,
+            ws_per_message_deflate=False,
+            ws_ping_interval=5.0,  # a line that broke without a word is free for its sender before a stream ends
+            ws_ping_timeout=10.0,
             log_level="warning",
             access_log=False,
             root_path=settings.root_path,

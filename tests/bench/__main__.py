@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.bench import band_fit, bands, candidates, memory, product, speed
+from tests.bench import band_fit, bands, candidates, live, memory, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
@@ -40,6 +40,7 @@ def main() -> int:
             report_product(Path(folder))
             report_memory()
             report_candidates()
+            report_live()
     print(f"\n{time.perf_counter() - began:.0f} s in all; estimates differ by at most {worst:.0e} of the largest")
     if worst > speed.AGREEMENT:
         print(f"THE ANSWERS DISAGREE: more than {speed.AGREEMENT:g}", file=sys.stderr)
@@ -123,6 +124,20 @@ def report_candidates() -> None:
     print(f"  pass with all candidates' columns{found.passed:5.2f} CPU s")
     print(f"  100 candidates, baseline fitted again beside each{1e3 * each:8.1f} ms")
     print(f"  = {found.identified * 100.0 / each:,.0f} x quicker than identifying again with each")
+
+
+def report_live() -> None:
+    found = live.loops(1.0)
+    print("\nA live stream of a payload: six joints at 250 Hz, CPU time per sample")
+    print(f"  six filters and kinematics, with slopes{found.tracked:8.1f} µs")
+    print(f"  six rows, their covariance, recursion{found.updated:10.1f} µs")
+    print(f"  everything, 250 samples at once{found.all:16.1f} µs")
+    print(f"  memory added over {found.hours:g} h{found.grown_mb:22.1f} MB")
+    for streams in (1, 8):
+        line = live.through(streams, 10.0)
+        waited = f"from sample to wrench {line.p50:.2f} ms, 99 % in {line.p99:.1f} ms"
+        used = f"{line.core:.0%} of a core each, {line.unanswered} unanswered"
+        print(f"  {streams} through the service, 10 s: {waited}; {used}")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from exogauge.api import (
     from_uploads,
     health,
     imports,
+    live,
     logs,
     models,
     openapi,
@@ -33,6 +34,7 @@ from exogauge.api import (
 from exogauge.api.body_limit import BodyLimit
 from exogauge.api.guard import Guard
 from exogauge.api.idempotency import Idempotency
+from exogauge.api.live_hub import Hub
 from exogauge.api.uploads_resumable import TusHeaders, sweep
 from exogauge.settings import Settings
 from exogauge.storage.blobs import remove_abandoned
@@ -52,9 +54,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     remove_abandoned(settings.scratch)
     sweep(storage, settings)
 
+    hub = Hub(storage, settings)
+
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        hub.begin()
         yield
+        hub.close()
         storage.close()
 
     app = FastAPI(
@@ -69,6 +75,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.storage = storage
+    app.state.live = hub
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
     app.add_middleware(Idempotency)
@@ -81,6 +88,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         logs.router,
         studies.router,
         payloads.router,
+        live.router,
         what_if.router,
         results.router,
         series.router,

@@ -145,6 +145,13 @@ class Connection(HttpToolsProtocol):
         most = HEAD_S if self.stage is Stage.HEAD else GRACE_S + self._received / SLOWEST
         return self._silent > self.limits.silence_s or self._listened > most
 
+    def handle_websocket_upgrade(self) -> None:
+        """From here on these limits end: `api.live` has its own, and as many streams as the settings allow."""
+        self.stage = Stage.ENDING
+        if self._next_look is not None:
+            self._next_look.cancel()
+        super().handle_websocket_upgrade()
+
     def send_400_response(self, msg: str) -> None:
         self.refuse(400, "Not a request", msg)
 

@@ -17,6 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from exogauge.api.problems import of_http, problem_response
 
+WEBSOCKET = "WEBSOCKET"  # in place of a method: not safe, as its sender reads and writes
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 OWN_PAGES = ("same-origin", "none")
 PAGE_POLICY = (
@@ -34,17 +35,17 @@ class Guard:
         self.local_only = local_only
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http":
+        if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        refusal = self.refusal(scope["method"], headers)
+        refusal = self.refusal(scope.get("method", WEBSOCKET), headers)
         if refusal is not None:
             response = problem_response(403, "foreign-page", "Refused", refusal, instance=scope["path"])
             await response(scope, receive, send)
             return
 
-        await self.app(scope, receive, Guarded(scope, receive, send))
+        await self.app(scope, receive, Guarded(scope, receive, send) if scope["type"] == "http" else send)
 
     def refusal(self, method: str, headers: Headers) -> str | None:
         host = headers.get("host", "")

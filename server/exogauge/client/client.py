@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, TypeVar, final
+from typing import TYPE_CHECKING, Any, Self, TypeVar, final
 from urllib.parse import quote
 
 import httpx
@@ -18,6 +18,9 @@ from exogauge.client.resumable import upload
 from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
 from exogauge.client.transport import Transport
 from exogauge.terminal import bar
+
+if TYPE_CHECKING:
+    from exogauge.client.live import LiveStream
 
 Thing = TypeVar("Thing")
 
@@ -264,6 +267,16 @@ class Client:
         """A log that was uploaded before, read through its mapping."""
         body = {"upload_id": upload, "robot_id": None if robot is None else id_of(robot), "mapping": mapping}
         return thing(Log, self._http.post("logs/from-upload", body))
+
+    def live(self, payload: Payload | str, rate_hz: float = 250.0) -> LiveStream:
+        """A live stream of the payload's sensor (docs/payload.md)."""
+        from exogauge.client.live import LiveStream
+
+        return LiveStream(self.url, id_of(payload), rate_hz)
+
+    def live_log(self, stream: str, target: str | Path) -> Path:
+        """What an ended stream recorded, as Parquet with the columns of payload.yaml."""
+        return self._http.download(f"streams/{stream}/log", Path(target))
 
     def robot_mapping(self, robot: Robot | str) -> dict[str, Any]:
         """The mapping kept for the robot's logs: {robot_id, mapping, yaml, changed_at}."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, final
@@ -35,6 +35,8 @@ class Stream:
         self.columns = Columns(file, start.pose.chain)
         self.live, self.arrivals = Live(start, rate_hz), arrivals or Arrivals()
         self._inside = deque[int]()  # numbers of samples that have not come out
+        self.kept: Callable[[NDArray[np.int64], Array], None] = lambda numbers, rows: None
+        """Called with the samples that are taken, as they came, before anything is made of them."""
 
     def take(self, numbers: NDArray[np.int64], rows: Array, clock: float | None = None) -> Iterator[Mapping[str, Any]]:
         """rows: (n, columns) as payload.yaml names them. Raises BadStudy where they have another width."""
@@ -51,6 +53,7 @@ class Stream:
         keep = self.arrivals.admit(numbers[good], time, clock)
         self._inside.extend(numbers[good][keep].tolist())
         if keep.any():
+            self.kept(numbers[good][keep], rows[good][keep])
             yield from self._told(self.live.push(time[keep], pose[keep], wrench[keep]))
 
     def end(self) -> Iterator[Mapping[str, Any]]:
