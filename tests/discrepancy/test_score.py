@@ -125,11 +125,17 @@ def test_sums_of_two_halves_are_the_sums_of_the_whole():
     halves = KindSums.empty(4, 3)
     for part in (slice(0, 15), slice(15, 40)):
         halves.add(A[part], c[part], e[part])
-    some = halves.part(slice(1, 3))
-    np.testing.assert_allclose(some.cross, -c[:, 1:3].T @ A)
-    np.testing.assert_allclose(some.own, c[:, 1:3].T @ c[:, 1:3])
-    np.testing.assert_allclose(some.with_residual, -c[:, 1:3].T @ e)
-    assert (some.square, some.rows) == (pytest.approx(e @ e), 40)
+    whole = KindSums.empty(4, 3)
+    whole.add(A, c, e)
+    joined = KindSums.empty(4, 3)
+    for _ in range(2):
+        joined.join(whole)
+    for sums, times in ((halves, 1.0), (whole, 1.0), (joined, 2.0)):
+        cross, with_residual, own = sums.of(np.array([1, 3]))
+        np.testing.assert_allclose(cross, -times * c[:, [1, 3]].T @ A)
+        np.testing.assert_allclose(own, times * c[:, [1, 3]].T @ c[:, [1, 3]])
+        np.testing.assert_allclose(with_residual, -times * c[:, [1, 3]].T @ e)
+        assert (sums.square, sums.rows) == (pytest.approx(times * (e @ e)), times * 40)
 
 
 @pytest.mark.parametrize("rho", [0.5, 0.8])

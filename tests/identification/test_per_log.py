@@ -5,6 +5,8 @@ import numpy as np
 from exogauge.identification.per_log import PerLog
 from exogauge.logs.model import Log
 from exogauge.robots.motion import Motion
+from exogauge.side_by_side import CORES
+from exogauge.side_by_side import each as side_by_side
 
 
 def log(name="one", samples=100):
@@ -51,3 +53,41 @@ def test_arrays_count_once_however_deep_they_lie_and_the_log_does_not():
         cache = PerLog(bytes_)
         cache.of(one, "both", lambda: (one, motion, shared))
         assert len(cache) == kept
+
+
+def test_those_who_share_a_room_share_its_bound_and_nothing_else():
+    one, own = log(), PerLog(most_bytes=3 * 800)
+    other = own.beside()
+    own.of(one, "load", lambda: np.zeros(100))
+    assert other.of(one, "load", lambda: np.ones(100)).sum() == 100.0
+    assert (len(own), len(other)) == (1, 1)
+    for what in ("slope", "inertia"):
+        other.of(one, what, lambda: np.ones(100))
+    assert (len(own), len(other)) == (0, 3)
+
+
+def test_who_is_gone_leaves_room():
+    one, own = log(), PerLog(most_bytes=3 * 800)
+    own.of(one, "load", lambda: np.zeros(100))
+    other = own.beside()
+    for what in ("load", "slope"):
+        other.of(one, what, lambda: np.ones(100))
+    del other
+    for what in ("slope", "inertia"):
+        own.of(one, what, lambda: np.zeros(100))
+    assert len(own) == 3
+
+
+def test_one_number_shown_everywhere_takes_no_room():
+    kept = PerLog(most_bytes=100)
+    kept.of(log(), "smeared", lambda: np.broadcast_to(0.0, (1000, 30)))
+    assert len(kept) == 1
+
+
+def test_threads_that_share_it_keep_its_bound(monkeypatch):
+    monkeypatch.setenv(CORES, "4")
+    kept, logs = PerLog(most_bytes=5 * 800), [log(str(k)) for k in range(12)]
+    asked = [logs[k] for k in np.random.default_rng(0).integers(0, 12, 400)]
+    sums = list(side_by_side(lambda one: kept.of(one, "x", lambda: np.full(100, float(one.name))).sum(), asked))
+    assert sums == [100.0 * float(one.name) for one in asked]
+    assert len(kept) == 5

@@ -98,7 +98,7 @@ def identify(
     identified, before = split(equations, standard), split(equations, prior.mean)
     known_floors = extension.noise_floors if extension else {}
     predictions, validation, steady = _validate(
-        equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, progress
+        equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, kept, progress
     )
     condition, rank = solution.solved.condition_and_rank()
     sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
@@ -141,6 +141,7 @@ def identify(
             known_scale=factor.known,
             criteria=settings.criteria,
             prepared=kept,
+            computed=kept.beside(),
         ),
         steady=steady,
         per_stated={} if factor.known else _per_stated(equations, identified, before),
@@ -257,6 +258,7 @@ def _validate(
     at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
     known_floors: Mapping[tuple[str, str], NoiseFloor],
+    kept: PerLog,
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...], tuple[SteadyShare, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked; and their steady motion."""
@@ -269,7 +271,7 @@ def _validate(
 
     def predicted(recording: Recording) -> tuple[Prepared, Prediction, tuple[ChannelFit, ...]]:
         prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
-        prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out)
+        prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out, kept)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
         floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
         return prepared, prediction, fits(prediction, prepared, equations, parameters[0], floors)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import is_dataclass
-from threading import Lock
+from threading import RLock
 from typing import Any, TypeVar, final
+from weakref import finalize
 
 import numpy as np
 
@@ -14,27 +15,27 @@ from exogauge.logs.model import Log
 
 V = TypeVar("V")
 
-MOST_BYTES = 400_000_000  # of one cache: forty logs of 20 s and 34 joints, so that a study prepares each of them once
+MOST_BYTES = 400_000_000  # of all that share a room: what twenty logs of 30 s and 34 joints need in one search
 
 
 @final
 class PerLog:
     """By what it is and by the log itself, never by its name; the longest unused go where there is no room for more.
 
-    A log is kept with what was computed from it, so that no other takes its place.
+    A log is kept with what was computed from it, so that no other takes its place. Threads may share it.
     """
 
-    def __init__(self, most_bytes: int = MOST_BYTES) -> None:
-        self._most_bytes, self._bytes = most_bytes, 0
-        self._kept: OrderedDict[tuple[str, int], tuple[Log, Any, int]] = OrderedDict()
-        self._lock = Lock()  # of the bookkeeping: two that ask for the same at once both compute it
+    def __init__(self, most_bytes: int = MOST_BYTES, room: _Room | None = None) -> None:
+        self._room = room or _Room(most_bytes)
+        finalize(self, self._room.leave, id(self))
+
+    def beside(self) -> PerLog:
+        """Another one in the same room: what is kept here may have to go for what is kept there."""
+        return PerLog(room=self._room)
 
     def of(self, log: Log, what: str, compute: Callable[[], V]) -> V:
         """What is known of this log, else `compute()`, which is kept."""
-        with self._lock:
-            found = self._kept.get((what, id(log)))
-            if found is not None:
-                self._kept.move_to_end((what, id(log)))
+        found = self._room.known((id(self), what, id(log)))
         if found is None:
             return self.put(log, what, compute())
         value: V = found[1]
@@ -42,21 +43,51 @@ class PerLog:
 
     def put(self, log: Log, what: str, value: V) -> V:
         """Keep it in place of what was known."""
-        size = _bytes(value)
-        with self._lock:
-            self._drop((what, id(log)))
-            self._kept[what, id(log)] = (log, value, size)
-            self._bytes += size
-            while self._bytes > self._most_bytes:
-                self._drop(next(iter(self._kept)))
+        self._room.keep((id(self), what, id(log)), (log, value, _bytes(value)))
         return value
 
-    def _drop(self, key: tuple[str, int]) -> None:
+    def __len__(self) -> int:
+        return self._room.count(id(self))
+
+
+Key = tuple[int, str, int]  # whose, what, of which log
+
+
+@final
+class _Room:
+    """Two threads that ask for the same at once both compute it."""
+
+    def __init__(self, most_bytes: int) -> None:
+        self._most_bytes, self._bytes = most_bytes, 0
+        self._kept: OrderedDict[Key, tuple[Log, Any, int]] = OrderedDict()
+        self._lock = RLock()  # who leaves may do so while something is put here
+
+    def known(self, key: Key) -> tuple[Log, Any, int] | None:
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+            return self._kept.get(key)
+
+    def keep(self, key: Key, entry: tuple[Log, Any, int]) -> None:
+        with self._lock:
+            self._drop(key)
+            self._kept[key] = entry
+            self._bytes += entry[2]
+            while self._bytes > self._most_bytes:
+                self._drop(next(iter(self._kept)))
+
+    def leave(self, who: int) -> None:
+        with self._lock:
+            for key in [key for key in self._kept if key[0] == who]:
+                self._drop(key)
+
+    def count(self, who: int) -> int:
+        with self._lock:
+            return sum(key[0] == who for key in self._kept)
+
+    def _drop(self, key: Key) -> None:
         if key in self._kept:
             self._bytes -= self._kept.pop(key)[2]
-
-    def __len__(self) -> int:
-        return len(self._kept)
 
 
 def _bytes(value: object) -> int:
@@ -66,9 +97,11 @@ def _bytes(value: object) -> int:
     while parts:
         part = parts.pop()
         if isinstance(part, np.ndarray):
-            found[id(part)] = part.nbytes
+            found[id(part)] = part.nbytes if any(part.strides) else part.itemsize  # one number, shown everywhere
         elif isinstance(part, tuple):
             parts += part
+        elif isinstance(part, Mapping):
+            parts += part.values()
         elif is_dataclass(part) and not isinstance(part, Log):
             parts += vars(part).values()
     return sum(found.values())

@@ -204,7 +204,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     raw_drive = _drive_on_axes(robot, wide)
     raw_wrenches = _wrenches(robot.contacts, wide)
     raw_carried = -_wrenches(robot.cuts, wide)
-    axis_velocity = dq @ C.T
+    axis_velocity, axis_acceleration = (x if np.array_equal(C, np.eye(len(C))) else x @ C.T for x in (dq, ddq))
     turns = TurnsOf(robot, wide, at_rest).behind(log.stored)
     alike = replace(low_pass, stored=log.stored)
     smooth_direction = low_pass.apply(turns.stored_direction)
@@ -223,7 +223,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
         motion=motion.rows(own),
         drive=low_pass.apply(raw_drive)[own],
         axis_velocity=axis_velocity[own],
-        axis_acceleration=(ddq @ C.T)[own],
+        axis_acceleration=axis_acceleration[own],
         direction=smooth_direction[own],
         rest=low_pass.apply(turns.stored_rest)[own],
         steady=~(turning[own] | left_out[:, None]),

@@ -31,7 +31,7 @@ def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
     None of a log that nothing has low-passed, nor of a floating robot, whose base moves by what an IMU says.
     """
     if log.stored is None or robot.floating:
-        return np.zeros((log.samples, len(robot.rows.told)))
+        return np.broadcast_to(0.0, (log.samples, len(robot.rows.told)))  # takes no memory
     names = [f"q.{joint.name}" for joint in robot.joints]
     q = StoredPositions(log, names, low_pass).before(log.stored)
     rate_hz = log.rate_hz

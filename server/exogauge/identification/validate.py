@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.equations import Equations
 from exogauge.identification.noise_bias import NoiseFloor, draw_noise, with_noise
+from exogauge.identification.per_log import PerLog
 from exogauge.identification.predict import (
     Parameters,
     added_beyond_band,
@@ -25,11 +27,22 @@ Array = NDArray[np.float64]
 
 
 def predict_log(
-    equations: Equations, prepared: Prepared, identified: Parameters, prior: Parameters, k_T: Array, held_out: bool
+    equations: Equations,
+    prepared: Prepared,
+    identified: Parameters,
+    prior: Parameters,
+    k_T: Array,
+    held_out: bool,
+    kept: PerLog,
 ) -> Prediction:
-    """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified."""
+    """One log explained by the identified and by the a-priori parameters. k_T: (A,) identified. kept: by other models
+    that prepare it alike; what is known a priori stays the same whatever is added."""
     measured = measured_channels(equations, prepared, k_T)
-    predicted, predicted_prior = predictions(equations, prepared, [identified, prior])
+    believed = hashlib.blake2b(prior.phi.tobytes() + prior.xi.tobytes() + prior.added.tobytes().rstrip(b"\0"))
+    known = kept.of(
+        prepared.log, f"a priori {believed.hexdigest()}", lambda: predictions(equations, prepared, [prior])[0]
+    )
+    predicted, predicted_prior = predictions(equations, prepared, [identified])[0], known
     return Prediction(
         log=prepared.log.name,
         held_out=held_out,

@@ -69,7 +69,7 @@ def score_all(
         start += candidate.width
         size = np.sqrt(np.maximum(np.diag(squares)[part], 1e-300))
         S = (squares[part, part] - B[:, part].T @ V[:, part]) / np.outer(size, size)
-        left = float(np.min(np.linalg.eigvalsh(S)))
+        left = float(S[0, 0] if len(S) == 1 else np.min(np.linalg.eigvalsh(S)))
         if left < BLIND:
             continue
         theta = _within_range(S, g[part] / size, candidate, size)
@@ -105,6 +105,10 @@ def _evidence(
         return []
     solution, own = model.solution, model.equations.columns()
     steps = np.stack([each.step for each in fitted], axis=1)  # (P, n)
+    theta = np.concatenate([each.coefficients for each in fitted])
+    columns = np.concatenate([np.arange(each.part.start, each.part.stop) for each in fitted])
+    whose = np.repeat(np.arange(len(fitted)), [len(each.coefficients) for each in fitted])
+    starts, together = np.flatnonzero(np.diff(whose, prepend=-1)), whose[:, None] == whose
     total, explained, independent = np.zeros(len(fitted)), np.zeros(len(fitted)), 0.0
     in_own_rows = np.zeros(len(fitted))
     for kind, weight in enumerate(solution.weights):
@@ -115,10 +119,10 @@ def _evidence(
         D = steps[own[kind]]
         change = np.sum(D * (curvature @ D), axis=0) - 2.0 * slope @ D
         if kind in sums:
-            for n, one in enumerate(fitted):
-                theta, part = one.coefficients, sums[kind].part(one.part)
-                with_rows = part.cross @ D[:, n] - part.with_residual
-                change[n] += float(2.0 * theta @ with_rows + theta @ part.own @ theta)
+            cross, right, own_squares = sums[kind].of(columns)
+            with_rows = np.einsum("ck,kc->c", cross, D[:, whose]) - right
+            squares = np.where(together, own_squares, 0.0) @ theta
+            change += np.add.reduceat(theta * (2.0 * with_rows + squares), starts)
             independent += sums[kind].rows / memory[kind]
         left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - NEARLY_ALL, None)
         gained = -rows / memory[kind] * np.log(left)

@@ -18,6 +18,7 @@ from exogauge.identification.preparation import Prepared
 from exogauge.robots.rows import RowType
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 
 @final
@@ -54,9 +55,9 @@ class KindSums:
         self.square += other.square
         self.rows += other.rows
 
-    def part(self, which: slice) -> KindSums:
-        """Of some of the columns."""
-        return KindSums(self.cross[which], self.own[which, which], self.with_residual[which], self.square, self.rows)
+    def of(self, columns: IntArray) -> tuple[Array, Array, Array]:
+        """`cross`, `with_residual` and `own` of some of the columns."""
+        return self.cross[columns], self.with_residual[columns], self.own[np.ix_(columns, columns)]
 
 
 SiteSums = dict[int, KindSums]  # row kind -> sums

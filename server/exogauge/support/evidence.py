@@ -153,7 +153,9 @@ def gather(
         sloped=sloped,
         slope_b=slope_b,
         slope_a=slope_a,
-        prediction=predict_log(model.equations, prepared, model.identified, model.a_priori, model.k_T, True),
+        prediction=predict_log(
+            model.equations, prepared, model.identified, model.a_priori, model.k_T, True, model.prepared
+        ),
     )
 
 
