@@ -149,6 +149,12 @@ def _add_study_commands(commands: Commands) -> None:
     device.add_argument("--place", nargs=4, action="append", metavar=("LINK", "X", "Y", "Z"), default=[], help=place)
     device.set_defaults(command=check_device)
 
+    over = commands.add_parser("take-over", help="write what a result named of a device's bands into its device file")
+    over.add_argument("results", type=Path, help="results.json of a study that wore it, or its folder")
+    over.add_argument("device", type=Path, metavar="DEVICE.yaml", help="the file that the study named")
+    over.add_argument("--out", type=Path, metavar="FILE", help="write it there, and not to the screen")
+    over.set_defaults(command=take_over)
+
     what_if = commands.add_parser(
         "whatif", help="what another device would do over a recorded motion", description=WHAT_IF,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -387,6 +393,29 @@ def draft_mapping(options: argparse.Namespace) -> int:
     else:
         options.out.write_text(text, encoding="utf-8")
         print(options.out)
+    return 0
+
+
+def take_over(options: argparse.Namespace) -> int:
+    import json
+
+    from exogauge.errors import BadInput
+    from exogauge.studies.intake.contract import DeviceFile
+    from exogauge.studies.intake.yaml_file import read_yaml
+    from exogauge.studies.results.taken_over import taken_over_of
+
+    file = options.results / "results.json" if options.results.is_dir() else options.results
+    results = json.loads(file.read_bytes())
+    _, content, faults = read_yaml(options.device.read_bytes(), DeviceFile, file=options.device.name)
+    if faults:
+        raise BadInput(faults)
+    taken = taken_over_of(results, content)
+    text = taken.text(f"{file}, study {results['name']!r}")
+    if options.out is None:
+        print(text, end="")
+    else:
+        options.out.write_text(text, encoding="utf-8")
+        print("\n".join([str(options.out), *taken.said, *(f"Not taken over: {each}" for each in taken.left)]))
     return 0
 
 

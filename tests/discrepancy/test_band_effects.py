@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 from scipy.signal import lfilter
 
 from exogauge.criteria.criteria import Criteria
@@ -31,6 +32,11 @@ from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
+from exogauge.studies.device_pages.device_content import device_content, device_from
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import finite
+from exogauge.studies.results.stiffness_results import stiffness_entries
+from exogauge.studies.results.taken_over import taken_over
 from exogauge.studies.words.finding_sentences import finding_sentence
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Background, Evidence, Nothing, on_joints
@@ -421,3 +427,32 @@ def test_of_a_band_unlike_its_twin_a_stiffness_of_its_own_is_told(trunk):
     for band, true in zip(told.bands, (0.62 * K, K), strict=True):
         assert abs(band.stiffness.value - true) < 3.0 * band.stiffness.std < 0.1 * true
     assert told.bands[0].stiffness.value == finding.parameters["stiffness"].value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", [each for each in HIDDEN if each != "band_slip"])
+def test_what_was_named_and_is_stated_now_is_not_named_again_and_the_stiffness_stays(trunk, effect):
+    """Into device.yaml as text, read again, the same logs with it."""
+    found, seen = search(trunk, ("left", effect)), gathered(trunk, ("left", effect), 1)
+    (beside,) = found.bands or (None,)
+    told = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS, beside)
+    taken = taken_over(
+        device_content(trunk.device), discrepancy_entry(found)["findings"], finite(stiffness_entries([told]))
+    )
+    text = taken.text("a test")
+    assert taken.ranks == (1,)
+    assert not taken.left
+    assert text.startswith("# Taken over from a test")
+    stated = device_from(yaml.safe_load(text))
+    assert stated.bands[1] == replace(trunk.device.bands[1], group="back")
+    assert stated.bands[0].group == "left"
+    known = replace(trunk, device=stated)
+    again = gathered(known, ("left", effect), 1)
+    now = identify_bands(known.model, stated, "A", again.evidences, np.full(3, NOISE), [], JOINTS)
+    left = find_band_effects(known.model, again, [now], NONE_YET)
+    assert named(left) == []
+    assert {each.channel for each in left.unexplained} <= {each.channel for each in found.unexplained}
+    for before, after in zip(told.bands, now.bands, strict=True):
+        for what in ("stiffness", "natural_length"):
+            one, other = getattr(before, what), getattr(after, what)
+            assert abs(one.value - other.value) < np.hypot(one.std, other.std), (effect, before.band, what)

@@ -26,18 +26,21 @@ from exogauge.identification.settings import Progress
 from exogauge.robots.export import export_urdf
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import admit
-from exogauge.studies.intake.contract import STEPS
+from exogauge.studies.intake.contract import STEPS, DeviceFile
 from exogauge.studies.intake.open import Study, open_study
+from exogauge.studies.intake.yaml_file import MAX_BYTES, read_yaml
 from exogauge.studies.report.summary_page import summary_page
 from exogauge.studies.report.write import render_report
 from exogauge.studies.results.before_after import before_after
-from exogauge.studies.results.document import Evaluation, parameter_table, results, to_json, validation_table
+from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import examine_logs
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
 from exogauge.studies.results.planned_motions import PLANNED, file_name, motion_table, planned_files
-from exogauge.studies.results.stiffness_results import stiffness_table
+from exogauge.studies.results.stiffness_results import stiffness_entries, stiffness_table
 from exogauge.studies.results.study_record import study_record
 from exogauge.studies.results.support_results import support_table
+from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
 from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
 from exogauge.studies.series.write import Moved, write_series
 from exogauge.support.evaluate import Gathered, beside_named, conclude_support, estimate_support, gather_support
@@ -204,6 +207,7 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         for name, plan in planned_files(evaluation.discrepancy):
             (temporary / file_name(name)).write_bytes(motion_table(plan))
             files[name] = file_name(name)
+        evaluation = replace(evaluation, taken_over=_write_taken_over(study, evaluation, temporary, files))
         files |= _write_all_series(evaluation, temporary)
         urdf, warnings = identified_urdf(study, found)
         if urdf is not None:
@@ -219,6 +223,21 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         _publish(temporary, out)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _write_taken_over(study: Study, evaluation: Evaluation, folder: Path, files: dict[str, str]) -> dict[int, str]:
+    """Device files with what was named of their bands, one for each device of which anything was; rank -> file."""
+    found, ranks = finite(discrepancy_entry(evaluation.discrepancy) or {}), dict[int, str]()
+    stiffness = finite(stiffness_entries(evaluation.stiffness))
+    for number, written in enumerate(study.devices, 1):
+        content = read_yaml(study.bundle.read(written, limit=MAX_BYTES), DeviceFile, file=written)[1]
+        taken = taken_over(content, found.get("findings", []), stiffness)
+        if taken.ranks:
+            name = f"taken_over_{number}"
+            (folder / f"{name}.yaml").write_text(taken.text(f"the study {evaluation.name!r}"), encoding="utf-8")
+            files[name] = f"{name}.yaml"
+            ranks |= dict.fromkeys(taken.ranks, files[name])
+    return ranks
 
 
 def _write_all_series(evaluation: Evaluation, folder: Path) -> dict[str, str]:
@@ -264,6 +283,7 @@ def withdraw(out: Path) -> None:
     """What an earlier evaluation has left in `out`, its results.json first."""
     for name in (RESULT, REPORT, PAGE_HTML, PAGE_PDF, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
         (out / name).unlink(missing_ok=True)
-    for planned in out.glob(PLANNED):
-        planned.unlink()
+    for own in (PLANNED, TAKEN_OVER):
+        for file in out.glob(own):
+            file.unlink()
     shutil.rmtree(out / SERIES, ignore_errors=True)

@@ -114,6 +114,7 @@ class JointSupport:
     null: approach -> RMS [N·m] of what the approach gives on logs without the device, where the truth is 0.
     masked_share: of A's samples left out because the runs' friction differs; rest_share: of samples at rest.
     rest_half_width: [N·m] half of the interval at rest by B.
+    slides: the joint does, so that what is in N·m is in N, and what is in rad in m.
     """
 
     device: str
@@ -132,6 +133,11 @@ class JointSupport:
     masked_share: float
     rest_share: float
     rest_half_width: float
+    slides: bool = False
+
+    @property
+    def unit(self) -> str:
+        return "N" if self.slides else "N·m"
 
 
 @final

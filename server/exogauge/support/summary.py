@@ -57,6 +57,7 @@ def summarise_joint(
         spread={name: float(np.std(values, ddof=1)) for name, values in means.items() if len(values) > 1},
         phases=tuple(phases),
         null=null,
+        slides=first.joints[joint] in model.robot.tree.sliding,
         equality=tuple(trial.equality[joint] for trial in compared),
         lag_s=tuple(trial.lag_s for trial in compared),
         masked_share=_share([~trial.compared[:, joint] for trial in compared]),
@@ -113,7 +114,8 @@ def _efforts(
             if used.any():
                 each.append(_effort(model, trial, evidence, name, own[name], used, joint))
         if each:
-            units = ("N·m", "N·m", "N·m·s")
+            unit = "N" if trials[0].joints[joint] in model.robot.tree.sliding else "N·m"
+            units = (unit, unit, f"{unit}·s")
             result[name] = Effort(*(_pooled([one[k] for one in each], units[k]) for k in range(3)))
     return result
 

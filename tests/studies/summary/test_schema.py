@@ -16,7 +16,7 @@ from exogauge.identification.settings import Settings
 from exogauge.studies.results.schema import StudyResults
 
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "study.md"
-ONLY_WHERE_THERE_IS_ONE = {"combination", "reason", "A", "B", "prior", "band_model"}
+ONLY_WHERE_THERE_IS_ONE = {"combination", "reason", "A", "B", "prior", "band_model", "device", "taken_over"}
 
 
 def parts(model: type[BaseModel], known: dict[str, type[BaseModel]]) -> dict[str, type[BaseModel]]:

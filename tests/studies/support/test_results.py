@@ -58,6 +58,18 @@ def test_every_number_stands_with_its_std_and_unit(support: SupportResult) -> No
     assert found["null"] == {"a": 0.123, "b": 0.321}
 
 
+def test_what_acts_on_a_joint_that_slides_is_a_force(support: SupportResult) -> None:
+    turning = support_entries(support)
+    sliding = support_entries(
+        dataclasses.replace(support, joints=tuple(dataclasses.replace(each, slides=True) for each in support.joints))
+    )
+    assert {each["unit"] for each in turning} == {"N·m"}
+    assert {each["unit"] for each in sliding} == {"N"}
+    told = [each["motion_equality"]["units"] for each in sliding if each["motion_equality"]]
+    assert told
+    assert all(each == {"q_rms": "m", "dq_rms": "m/s"} for each in told)
+
+
 def test_motion_equality_pools_the_trials_and_takes_the_worst_word(support: SupportResult) -> None:
     doubtful = tuple(
         dataclasses.replace(

@@ -48,6 +48,10 @@ class Ground:
     def joints(self) -> tuple[str, ...]:
         return self.setting.logs.names
 
+    def unit(self, joint: int) -> str:
+        """Of the torque on it."""
+        return "N" if self.joints[joint] in self.model.robot.tree.sliding else "N·m"
+
     @property
     def fit(self) -> BandFit:
         return BandFit(self.model.covariance, self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))

@@ -91,7 +91,7 @@ def name_contradicted(rank: int, ground: Ground, found: Contradicted, scorer: Sc
 
 def held(ground: Ground, joint: int, before: Array, after: Array) -> HeldOut:
     channel = f"{CHANNEL}{ground.joints[joint]}"
-    return HeldOut(channel, "N·m", rmse(before, joint), rmse(after, joint), float(ground.floor[joint]))
+    return HeldOut(channel, ground.unit(joint), rmse(before, joint), rmse(after, joint), float(ground.floor[joint]))
 
 
 def parameters(ground: Ground, winner: BandJudgement) -> Mapping[str, Estimate]:

@@ -284,7 +284,7 @@ def _unexplained(ground: Ground, folds: Folds, judging: Judging) -> tuple[Excess
                 summed(e[used, joint] ** 2, ground.setting.logs.block[used]) / count - (judging.above * floor) ** 2
             )
             if z > judging.sure_above:
-                found.append(Excess(f"{CHANNEL}{name}", "N·m", error, floor, z))
+                found.append(Excess(f"{CHANNEL}{name}", ground.unit(joint), error, floor, z))
     return tuple(found)
 
 

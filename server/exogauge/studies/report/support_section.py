@@ -135,7 +135,7 @@ def rmse_note(joint: JointSupport) -> str:
         for approach in COMPARED
         if math.isfinite(joint.rmse.get(approach, math.nan))
     ]
-    return f"RMSE {' · '.join(parts)} N·m" if parts else ""
+    return f"RMSE {' · '.join(parts)} {joint.unit}" if parts else ""
 
 
 def _error_row(joint: JointSupport, main: bool) -> ErrorRow:
@@ -216,7 +216,7 @@ def support_sentence(joint: JointSupport) -> str:
         return ""
     peak = joint.by[approach].peak
     size = plus_minus(Estimate(abs(peak.value), peak.std, peak.unit))
-    text = f"{joint.device} ({joint.motion}): up to {size} N·m of support at {joint.joint} by approach "
+    text = f"{joint.device} ({joint.motion}): up to {size} {joint.unit} of support at {joint.joint} by approach "
     text += approach.upper()
     if "band_model" in joint.by:
         text += f" (band model {significant(abs(joint.by['band_model'].peak.value))})"

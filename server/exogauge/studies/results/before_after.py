@@ -21,7 +21,7 @@ def before_after(before: Estimated, after: Estimated) -> tuple[Consequence, ...]
         here = [pair for pair in pairs if (pair[0].device, pair[0].motion) == (device, motion)]
         for one, other in sorted(here, key=lambda pair: -_load(pair[0]))[:TOLD]:
             if "b" in one.rmse and "b" in other.rmse and one.rest_share < AT_REST:
-                errors = (Estimate(each.rmse["b"], 0.0, "N·m") for each in (one, other))
+                errors = (Estimate(each.rmse["b"], 0.0, each.unit) for each in (one, other))
                 result.append(Consequence("rmse", (device, motion, one.joint), *errors))
     for was, now in zip(before[1], after[1], strict=True):
         groups = {band.group: (band, later) for band, later in zip(was.bands, now.bands, strict=True)}

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any
 
 from exogauge.devices.result import Estimate
+from exogauge.findings.basis import OfBand
 from exogauge.findings.objection import Objection
 from exogauge.findings.result import Alternative, Discrepancy, Evidence, Excess, Finding, Lineage, Link, Place
 from exogauge.studies.results.planned_motions import planned_entries
@@ -23,9 +25,12 @@ from exogauge.studies.words.finding_sentences import (
 )
 from exogauge.studies.words.names import added_words, capital, channel, parameter_words, step_words, titled
 
+NOTHING: Mapping[int, str] = MappingProxyType({})
 
-def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
-    """`discrepancy`: None where the step was skipped; `steps[]` then says why."""
+
+def discrepancy_entry(found: Discrepancy | None, taken_over: Mapping[int, str] = NOTHING) -> dict[str, Any] | None:
+    """`discrepancy`: None where the step was skipped; `steps[]` then says why. taken_over: rank of a
+    finding -> file."""
     if found is None:
         return None
     return {
@@ -36,6 +41,7 @@ def discrepancy_entry(found: Discrepancy | None) -> dict[str, Any] | None:
         "left_sentence": left_sentence(found),
         "findings": [
             _finding(each, 1 + sum(len(before.plans) for before in found.findings[:number]))
+            | ({"taken_over": taken_over[each.rank]} if each.rank in taken_over else {})
             for number, each in enumerate(found.findings)
         ],
         "chain": [_link(each) for each in found.chain],
@@ -76,7 +82,7 @@ def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:
         "apart": [asdict(each) for each in finding.apart],
         "planned": planned_entries(finding, first_plan),
         "curve": _curve(finding.evidence, finding.held_out.unit),
-    }
+    } | ({"device": finding.basis.device} if isinstance(finding.basis, OfBand) and finding.basis.device else {})
 
 
 def _excess(excess: Excess) -> dict[str, Any]:

@@ -45,7 +45,7 @@ class Evaluation:
     findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
     discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach. logs: those that
-    a series shows the joints' motion of.
+    a series shows the joints' motion of. taken_over: rank of a finding -> file of the device that states it.
     """
 
     name: str
@@ -63,6 +63,7 @@ class Evaluation:
     record: StudyRecord = field(default_factory=StudyRecord)
     support_settings: SupportSettings = field(default_factory=SupportSettings)
     logs: Sequence[Log] = ()
+    taken_over: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def synthetic(self) -> bool:
@@ -148,7 +149,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "support": support_entries(support) if support else [],
         "stiffness": stiffness_entries(evaluation.stiffness),
         "stiffness_details": stiffness_details(evaluation.stiffness),
-        "discrepancy": discrepancy_entry(evaluation.discrepancy),
+        "discrepancy": discrepancy_entry(evaluation.discrepancy, evaluation.taken_over),
         "reading": READING,
         "files": dict(evaluation.files),
     }

@@ -10,7 +10,6 @@ from exogauge.devices.result import Estimate
 from exogauge.studies.csv_table import csv_table
 from exogauge.support.result import Effort, JointEquality, JointSupport, SupportResult, Trial, Verdict
 
-UNIT = "N·m"
 APPROACHES = {"a": "A", "b": "B", "prior": "prior", "band_model": "band_model"}  # in the numerics: in the files
 QUANTITIES = ("peak", "mean", "integral")
 MOST_MAIN_JOINTS = 2
@@ -27,7 +26,7 @@ def support_entries(support: SupportResult) -> list[dict[str, Any]]:
             "device": each.device,
             "motion": each.motion,
             "joint": each.joint,
-            "unit": UNIT,
+            "unit": each.unit,
             "main": each.joint in main[each.motion],
             "logs": list(each.logs),
             "references": list(each.references),
@@ -76,7 +75,7 @@ def equality(trials: Sequence[Trial], joint: JointSupport) -> dict[str, Any] | N
         "q_rms": rms("q_rms"),
         "dq_rms": rms("dq_rms"),
         "dq_share": rms("dq_share"),
-        "units": {"q_rms": "rad", "dq_rms": "rad/s"},
+        "units": {"q_rms": "m", "dq_rms": "m/s"} if joint.slides else {"q_rms": "rad", "dq_rms": "rad/s"},
         "verdict": max((each.verdict for _, each in found), key=_WORST.index),
         "lag_s": max((trial.lag_s for trial, _ in found), key=abs),
         "trials": [

@@ -8,6 +8,7 @@ import { number, WideTable } from "../../parts/WideTable";
 import { CandidateTable } from "./CandidateTable";
 import { EvidencePlot } from "./EvidencePlot";
 import type { Finding, Measured } from "./results";
+import { TakeOver } from "./TakeOver";
 import { titleOf } from "./words";
 
 const GREEK: Record<string, string> = { beta: "β", delta: "δ", mu: "μ", theta: "θ", tau: "τ" };
@@ -52,6 +53,7 @@ export function FindingStory({ finding, jobId }: { finding: Finding; jobId: stri
           ))}
           </WideTable>
         </div>
+        {finding.taken_over && <TakeOver file={finding.taken_over} jobId={jobId} />}
         {finding.also_possible.length > 0 && (
           <Alert icon={<IconBulb aria-hidden />} color="yellow" variant="outline" title="These logs cannot tell it from">
             <CandidateTable name={`What may stand in for ${title}`} rows={finding.also_possible} />

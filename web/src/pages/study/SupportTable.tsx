@@ -55,7 +55,7 @@ export function SupportTable({ motion, rows }: { motion: string; rows: Support[]
   );
 }
 
-function restWords({ rest_share, rest_half_width }: Support): string {
+function restWords({ rest_share, rest_half_width, unit }: Support): string {
   if (!rest_share) return "";
-  return `at rest ${percent(rest_share)} of the time: B within ± ${significant(rest_half_width, 2)} N·m there`;
+  return `at rest ${percent(rest_share)} of the time: B within ± ${significant(rest_half_width, 2)} ${unit} there`;
 }

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, final
 
 from pydantic import Field
 
-from exogauge.studies.results.schema.values import PAIR, Consequence, Measured, Number, Part, later
+from exogauge.studies.results.schema.values import PAIR, Consequence, Measured, Number, Part, later, maybe
 
 Where = dict[str, str | bool]
 WHERE = '`{"joint": "torso_pitch"}`, `{"sensor": "wrist", "axis": "fx"}`, `{"base": true}`; the name `all`: every one'
@@ -132,6 +132,8 @@ class NamedEffect(Part):
     motion: str = Field(description="in words: the motion that would; else empty")
     apart: list[RivalApart] = later("of each that is also possible")
     planned: list[Planned] = later("motions that would tell it from those")
+    device: str = maybe("which, of several, where it is about a band")
+    taken_over: str = maybe("file among the results: the device.yaml that states it")
     curve: EvidenceCurve = Field(description="the evidence drawn")
 
 
