@@ -226,3 +226,20 @@ def test_a_payload_cannot_be_compared_with_studies_or_shown_as_one(client: TestC
     assert compared.json()["errors"][0]["code"] == "no_results"
     assert client.get(f"{V1}/jobs/{job}/scenes").status_code == 404
     assert json.loads(client.get(f"{V1}/jobs/{job}/results").content)["name"] == "Gripper"
+
+
+@on_sqlite
+def test_a_payload_whose_pose_was_logged_has_no_robot_to_draw(client: TestClient, stored: dict[str, Any]) -> None:
+    answer = client.get(f"{V1}/payloads/{stored['id']}/scene")
+    assert answer.status_code == 404
+    assert "names no robot" in answer.json()["detail"]
+
+
+@on_sqlite
+def test_a_payload_with_a_plan_is_drawn_on_its_robot_once(client: TestClient, hand_in: Post) -> None:
+    payload = hand_in({"arm.urdf": generator.arm_urdf().encode(), "payload.yaml": plan_yaml().encode()}).json()
+    scene = client.get(f"{V1}/payloads/{payload['id']}/scene")
+    assert scene.status_code == 200, scene.text
+    assert scene.headers["content-type"] == "application/gzip"
+    again = client.get(f"{V1}/payloads/{payload['id']}/scene", headers={"If-None-Match": scene.headers["etag"]})
+    assert again.status_code == 304

@@ -142,6 +142,19 @@ def test_postures_are_planned_and_told(page: Page, identified: str, screenshot: 
     screenshot("payload-planned")
 
 
+def test_the_payload_is_shown_on_its_robot(page: Page, identified: str, screenshot: Callable[..., None]) -> None:
+    page.goto(identified)
+    page.get_by_role("button", name="Show it on its robot").click()
+    frame = page.frame_locator("iframe")
+    expect(frame.locator("canvas").first).to_be_visible(timeout=120_000)
+    shown = page.get_by_role("group", name="What is shown")
+    for words in ("axes of the sensor (ft)", "where z may point", "centre of mass, 3 std", "solid ellipsoid"):
+        expect(shown).to_contain_text(words)
+    shown.get_by_label("where z may point").uncheck()
+    page.wait_for_timeout(1500)
+    screenshot("payload-3d", without=("iframe",))
+
+
 def test_a_payload_that_only_plans_offers_no_identification(page: Page, service: Service, tmp_path: Path) -> None:
     (tmp_path / "payload.yaml").write_text(plan_yaml())
     (tmp_path / "arm.urdf").write_text(generator.arm_urdf())

@@ -20,13 +20,13 @@ from exogauge.api.shapes import Role
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
-from exogauge.scene.drawing import Shelf, draw_at_rest, draw_log
+from exogauge.scene.drawing import Shelf, draw_at_rest, draw_log, draw_payload
 from exogauge.scene.frames import Frames
 from exogauge.scene.player import POLICY, made_for, player_page
 from exogauge.settings import Settings
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.records import StudyRecord
-from exogauge.storage.store import Storage
+from exogauge.storage.store import Storage, Store
 
 if TYPE_CHECKING:
     from exogauge.studies.series.file import SeriesFile
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 router = APIRouter(tags=["scenes"])
 CREATING = threading.Lock()
 MEDIA_TYPE = "application/gzip"
+MOST_PLANS = 50  # looked through for the newest postures
 RECORDING: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "The packed scene",
@@ -130,6 +131,39 @@ def get_device_scene(device_id: Id, request: Request, storage: StorageDep, setti
             return draw_at_rest(scratch, "robot", "device")
 
     return kept(key, draw, device.name, request, settings)
+
+
+@router.get("/payloads/{payload_id}/scene", operation_id="getPayloadScene", responses=RECORDING)
+def get_payload_scene(payload_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Response:
+    """The payload on its robot at home, with what its latest jobs identified and planned."""
+    with storage.reading() as store:
+        payload = store.payloads.get(str(payload_id))
+        found, planned = latest_of(store, payload.id)
+    if payload.summary["pose"] != "joints":
+        raise NotFound(f"payload {payload.id} names no robot to draw: its pose was logged")
+    key = hashed(payload.content_hash, found or "", planned or "", made_for())
+
+    def draw() -> bytes:
+        with scratch_folder(settings) as scratch, storage.reading() as store:
+            store.payloads.write_to(payload.id, scratch / "payload")
+            laid = [scratch / "results.json" if found else None, scratch / "postures.csv" if planned else None]
+            for sha256, path in zip((found, planned), laid, strict=True):
+                if sha256 is not None and path is not None:
+                    copy_out(storage.blobs, sha256, path)
+            return draw_payload(scratch / "payload", *laid)
+
+    return kept(key, draw, payload.name, request, settings)
+
+
+def latest_of(store: Store, payload_id: str) -> tuple[str | None, str | None]:
+    """SHA-256 of results.json and of postures.csv of the newest jobs that made them."""
+    try:
+        found: str | None = store.results.of_payload(payload_id).sha256
+    except NotFound:
+        found = None
+    plans = store.jobs.page(None, MOST_PLANS, payload_id=payload_id, kind="payload_plan", state="succeeded").items
+    tables = (each.sha256 for job in plans for each in store.results.artifacts(job.id) if each.name == "postures.csv")
+    return found, next(tables, None)
 
 
 @router.get("/scenes/player", operation_id="getScenePlayer", responses=PAGE)

@@ -33,6 +33,12 @@ def draw_at_rest(folder: Path, robot: str, device: str | None) -> bytes:
     return _drawn("still", {"robot_folder": str(folder / robot), "device_folder": worn}, folder, "robot")
 
 
+def draw_payload(folder: Path, results: Path | None, postures: Path | None) -> bytes:
+    """folder: the payload's files; results.json and postures.csv elsewhere. Raises BadInput, Unavailable."""
+    given = {name: None if path is None else str(path) for name, path in (("results", results), ("postures", postures))}
+    return _drawn("payload", {"folder": str(folder), **given}, folder, "payload")
+
+
 def _drawn(task: str, options: dict[str, Any], folder: Path, what: str) -> bytes:
     limits = Limits.for_bytes(sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()))
     with TemporaryDirectory(prefix="exogauge-") as own:

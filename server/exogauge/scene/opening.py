@@ -1,5 +1,5 @@
-"""The child process that draws a log of a stored study, or a robot at rest: it reads what was uploaded, and leaves one
-packed scene.
+"""The child process that draws a log of a stored study, a robot at rest, or a payload on its robot: it reads what was
+uploaded, and leaves one packed scene.
 
 Run by `drawing` as `python -I -m exogauge.scene.opening` in a temporary folder of its own.
 """
@@ -45,5 +45,39 @@ def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
     return {}
 
 
+def payload(folder: str, results: str | None, postures: str | None) -> dict[str, Any]:
+    """folder: the payload's files. results: its results.json, postures: a plan's postures.csv, where there are any."""
+    import csv
+
+    import numpy as np
+
+    from exogauge.payload.contract import PayloadFile
+    from exogauge.payload.exports.body import body_of
+    from exogauge.payload.exports.formats import read_results
+    from exogauge.payload.planning.plan import caps_of
+    from exogauge.robots.description import Joint, Robot
+    from exogauge.robots.urdf import load_tree
+    from exogauge.scene.mesh_files import mesh_opener
+    from exogauge.scene.payload_view import draw_payload
+    from exogauge.studies.intake.yaml_file import load_yaml
+
+    here = Path(folder)
+    file = load_yaml((here / "payload.yaml").read_bytes(), PayloadFile, file="payload.yaml")
+    pose, plan, joints = file.pose, file.plan, list(file.pose.joints or ())
+    urdf = (here / str(pose.urdf)).read_bytes()
+    tree = load_tree(urdf, joints=joints, base_link=str(pose.base_link), floating=False, file=str(pose.urdf))
+    robot = Robot(file.name, tree, tuple(Joint(name, "none") for name in joints), None, (), np.eye(len(joints)))
+    home = np.array([plan.home[name] for name in joints]) if plan else np.zeros(len(joints))
+    caps = caps_of(plan) if plan else ()
+    ghosts = None
+    if postures is not None:
+        with Path(postures).open(encoding="utf-8", newline="") as table:
+            ghosts = np.array([[float(row[f"q.{name}"]) for name in joints] for row in csv.DictReader(table)])
+    body = None if results is None else body_of(read_results(Path(results)))
+    opener = mesh_opener(here)
+    Path(SCENE).write_bytes(draw_payload(robot, urdf, opener, file.sensor.frame or "", home, caps, ghosts, body))
+    return {}
+
+
 if __name__ == "__main__":
-    serve({"recording": recording, "still": still})
+    serve({"recording": recording, "still": still, "payload": payload})

@@ -40,6 +40,18 @@ export function useRobotScene(robotId: string) {
   });
 }
 
+/** A payload on its robot at home. about: what the drawing depends on. */
+export function usePayloadScene(payloadId: string, about: string) {
+  return useQuery({
+    queryKey: ["payloads", payloadId, "scene", about],
+    queryFn: ({ signal }) => {
+      const params = { path: { payload_id: payloadId } };
+      return answer(api.GET("/api/v1/payloads/{payload_id}/scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
+    },
+    ...KEPT,
+  });
+}
+
 /** A device on its robot at rest, whose via points can be dragged. */
 export function useDeviceScene(deviceId: string) {
   return useQuery({

@@ -132,10 +132,7 @@ def open_plan(path: Path) -> Asked:
         urdf.read_bytes(), joints, pose.base_link, frame, np.array(file.gravity), body, plan.joints, home,
         folder=urdf.parent, file=pose.urdf,
     )  # fmt: skip
-    caps = tuple(
-        Cap("xyz".index(cap.axis), *((np.radians(a), np.radians(b)) for a, b in (cap.phi_deg, cap.theta_deg)))
-        for cap in plan.workspace
-    )
+    caps = caps_of(plan)
     outside = [joints[k] for k in range(len(joints)) if not limits.lower[k] <= home[k] <= limits.upper[k]]
     if outside:
         k = joints.index(outside[0])
@@ -150,6 +147,13 @@ def open_plan(path: Path) -> Asked:
         advice = "Correct `home`, `plan.payload`, or the collision shapes of the URDF."
         raise _fault(path, "the robot collides at home", "home_collides", advice, "plan.home")
     return Asked(file, plan, tree, arm, limits, caps)
+
+
+def caps_of(plan: PlanEntry) -> tuple[Cap, ...]:
+    return tuple(
+        Cap("xyz".index(cap.axis), *((np.radians(a), np.radians(b)) for a, b in (cap.phi_deg, cap.theta_deg)))
+        for cap in plan.workspace
+    )
 
 
 def plan_postures(asked: Asked, progress: Progress) -> Plan:

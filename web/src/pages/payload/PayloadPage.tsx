@@ -17,6 +17,7 @@ import { JobTrouble } from "../study/JobTrouble";
 import { useJob, type Job } from "../study/jobs";
 import { Exports } from "./Exports";
 import { factsOf, identifies } from "./facts";
+import { In3D } from "./In3D";
 import { Plans } from "./Plans";
 import { Results } from "./Results";
 
@@ -34,6 +35,7 @@ export function Component() {
       <Stack gap="xl">
         {identifies(found) && (jobs.data.length ? <Identified payload={found} jobs={jobs.data} /> : <NotYet payload={found} refetch={jobs.refetch} />)}
         {found.summary.plan && <Plans payload={found} />}
+        {found.summary.pose === "joints" && <In3D payload={found} />}
         <section aria-labelledby="handed-in">
           <Title order={2} size="h3" id="handed-in" mb="sm">
             Files handed in
