@@ -9,6 +9,7 @@ from typing import final
 from exogauge.criteria.comparing import Comparing
 from exogauge.criteria.contact import Touching
 from exogauge.criteria.examining import Examining
+from exogauge.criteria.identifying import Identifying, Resting
 from exogauge.criteria.judging import Judging
 from exogauge.criteria.nominal import Contradicting
 from exogauge.criteria.planning import Planning
@@ -22,6 +23,8 @@ from exogauge.criteria.telling import Telling
 class Criteria:
     """One part for each subject."""
 
+    resting: Resting = field(default_factory=Resting)
+    identifying: Identifying = field(default_factory=Identifying)
     judging: Judging = field(default_factory=Judging)
     search: Searching = field(default_factory=Searching)
     stored_filter: StoredFilter = field(default_factory=StoredFilter)

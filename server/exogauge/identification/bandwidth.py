@@ -113,7 +113,7 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
     that is held out; of it only the motion is looked at, not what drives it.
     """
     robot = equations.robot
-    at_rest = rest_detection(robot, [log], cutoff_hz)
+    at_rest = rest_detection(robot, [log], cutoff_hz, criteria=equations.criteria.resting)
     prepared = prepare(robot, log, cutoff_hz, at_rest)
     seen = scales(robot, [prepared])
     added = added_std(equations, [prepared], seen)
@@ -135,5 +135,6 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
             error = values[block] - predicted[channel][block]
             residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
     shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
-    keeps_judged = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest))
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared), keeps_judged)
+    criteria = equations.criteria.identifying
+    keeps_judged = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria)
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared, criteria), keeps_judged)

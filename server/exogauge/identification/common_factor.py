@@ -23,8 +23,6 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
-FIXED = 0.5  # a load fixes the factor where it leaves at most this share of the std that the stated values leave
-NEVER_WEIGHED = 10.0  # times its mass: std of a load that tells nothing of any scale
 
 SCALE_UNKNOWN = (
     "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
@@ -38,16 +36,18 @@ SCALE_UNKNOWN = (
 @dataclass(frozen=True)
 class CommonFactor:
     """measured: a force or torque fixes it. std: of its logarithm; unweighed: what it would be if no load were known;
-    both None where it is measured. A doubt of the whole is none that is worth halving."""
+    both None where it is measured. A doubt of the whole is none that is worth halving. fixed: share of it that a load
+    may leave that fixes the factor."""
 
     measured: bool = True
     std: float | None = None
     unweighed: float | None = None
+    fixed: float = 0.0
 
     @property
     def known(self) -> bool:
         return self.measured or (
-            self.std is not None and self.unweighed is not None and self.std <= FIXED * min(self.unweighed, 1.0)
+            self.std is not None and self.unweighed is not None and self.std <= self.fixed * min(self.unweighed, 1.0)
         )
 
 
@@ -61,17 +61,18 @@ def common_factor(equations: Equations, solution: Solution, meat: Array) -> Comm
     """meat: (P, P) covariance of the weighted score (`uncertainty`)."""
     if scale_is_measured(equations.robot) or not len(solution.gains.columns):
         return CommonFactor(measured=scale_is_measured(equations.robot))
+    criteria = equations.criteria.identifying
     std = _std(solution.unbounded.covariance(meat) + solution.gains.doubt, solution)
     masses = [e for e, column in enumerate(equations.added) if column.name == MASS]
     if not masses:
-        return CommonFactor(False, std, std)
+        return CommonFactor(False, std, std, criteria.fixed)
     prior, places = solution.prior, np.array(masses) - len(equations.added) + len(solution.prior.std)
     broad = prior.std.copy()
-    broad[places] = NEVER_WEIGHED * prior.mean[places]
+    broad[places] = criteria.never_weighed * prior.mean[places]
     data = solution.statistics.square_root(solution.weights)
     nearest = PriorLeastSquares(data, replace(prior, std=broad), solution.strength)
     gains = gain_scale(equations, solution.statistics, solution.weights, nearest)
-    return CommonFactor(False, std, _std(nearest.covariance(meat) + gains.doubt, solution))
+    return CommonFactor(False, std, _std(nearest.covariance(meat) + gains.doubt, solution), criteria.fixed)
 
 
 def _std(covariance: Array, solution: Solution) -> float:

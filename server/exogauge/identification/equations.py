@@ -10,13 +10,14 @@ expressed in the base link, so that neither its pose nor its velocity is needed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.effects.effect import JointEffect, JointSignals
 from exogauge.estimation.statistics import Form, Statistics
 from exogauge.identification.added_columns import AddedColumn
@@ -35,7 +36,6 @@ IntArray = NDArray[np.intp]
 
 NONE, EVERY = np.zeros(0, dtype=np.intp), slice(None)
 TOLD = (RowType.BASE, RowType.AXIS, RowType.SENSOR)
-AT_REST = 0.995  # of the low-passed rest signal: above, an axis is at rest and hardly anything rings from its stop
 CHUNK = 500  # samples per batch: 15 MB of regressor with its copies, whatever the log's length
 
 
@@ -65,7 +65,7 @@ class Equations:
     blocks: regressor rows in the parameters of base. effects: K, on every axis. added: E, each in rows of its own.
     cuts: rows of the sensors that carry bodies.
     A kind of rows is a number in `layout`. Around starts, stops and turns, where a joint may stick for longer than a
-    low-passed velocity can show, an axis gives no row.
+    low-passed velocity can show, an axis gives no row. criteria: of the run.
     """
 
     robot: Robot
@@ -74,6 +74,7 @@ class Equations:
     effects: Sequence[JointEffect]
     added: Sequence[AddedColumn] = ()
     cuts: Sequence[CutRows] = ()
+    criteria: Criteria = field(default_factory=Criteria)
 
     @property
     def base_size(self) -> int:
@@ -241,7 +242,7 @@ class Equations:
                 self._hold(kind, seen, block, x_before[self._columns[kind]])
                 if not steady.all():
                     rows.append(self._chunk(kind, everyone[steady], np.asfortranarray(block[steady])))
-                    resting = ~steady & (seen.rest > AT_REST)
+                    resting = ~steady & (seen.rest > self.criteria.identifying.at_rest)
                     at_rest = np.asfortranarray(block[resting])
                     rows.append(self._chunk(layout.resting(axis), everyone[resting], at_rest))
                 else:

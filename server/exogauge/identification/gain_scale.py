@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 ITERATIONS = 100  # the distance and the factors in turn; some twenty are needed
 NEWTON = 60  # steps, on a convex function
 CONVERGED = 1e-6  # relative
-MOST = 0.9  # of what is known of a factor can be taken off: its standard deviation at most 3.2 times as large
 
 
 @final
@@ -84,7 +83,9 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     step, doubt = np.zeros(P), np.zeros((P, P))
     step[free] = response @ (k - k_hat)
     known = H_inverse @ (G + prior.information(strength**2)) @ H_inverse
-    added = _less_known(known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2)
+    added = _less_known(
+        known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2, equations.criteria.identifying.gain_known
+    )
     doubt[np.ix_(free, free)] = response @ added @ response.T
     return GainScale(tuple(axes), columns, step, doubt)
 
@@ -102,11 +103,11 @@ def most_likely(k_hat: Array, information: Array, slope: Array, start: Array) ->
     return np.asarray(k)
 
 
-def _less_known(V: Array, less: Array) -> Array:
-    """(n, n) (V⁻¹ - diag(less))⁻¹ - V. less: (n,)."""
+def _less_known(V: Array, less: Array, most: float) -> Array:
+    """(n, n) (V⁻¹ - diag(less))⁻¹ - V. less: (n,), of which `most` can be taken off."""
     root = np.linalg.cholesky(V)
     share, turned = np.linalg.eigh(root.T @ (less[:, None] * root))
-    share = np.clip(share, 0.0, MOST)
+    share = np.clip(share, 0.0, most)
     half = root @ turned
     return np.asarray((half * (share / (1.0 - share))) @ half.T)
 

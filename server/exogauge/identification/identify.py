@@ -49,7 +49,6 @@ from exogauge.side_by_side import each as side_by_side
 Array = NDArray[np.float64]
 
 NO_GAINS = np.zeros(0, dtype=np.intp)
-POSSIBLE = (0.02, 10.0)  # times the stated k_T: no doubt about a motor reaches further
 POSTURES = 50  # of a log, for the mean inertia about each axis
 
 
@@ -72,7 +71,7 @@ def identify(
     equations = _equations(parts_of_links(robot, names, relative_std(robot)), settings, extension)
     robot, cutoff_hz = equations.robot, _cutoff(equations, recordings, fitted_logs, settings, extension)
     progress(0.05, "filtering and differentiating")
-    at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping)
+    at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping, settings.criteria.resting)
 
     kept = _prepared_alike(extension, robot, cutoff_hz, at_rest)
 
@@ -124,7 +123,7 @@ def identify(
             *notes,
             *_warnings(solution),
             *creeping_warnings(settings.creeping),
-            *steady_warnings(steady),
+            *steady_warnings(steady, settings.criteria.identifying),
         ),
         model=RobotModel(
             equations=equations,
@@ -163,7 +162,7 @@ def _equations(robot: Robot, settings: Settings, extension: Extension | None) ->
     blocks = RowBlocks(robot.tree, base, robot.axes_from_joints)
     added = (*zero_columns(robot), *load_columns(robot), *(extension.columns if extension else ()))
     cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
-    return Equations(robot, blocks, base, choose(settings.effects), added, cuts)
+    return Equations(robot, blocks, base, choose(settings.effects), added, cuts, settings.criteria)
 
 
 def _cutoff(
@@ -217,7 +216,7 @@ def _standard_parameters(
         free, robot = standard, equations.robot
         decided = NO_GAINS if scale_is_measured(robot) else solution.gains.columns
         standard, notes = possible_parameters(robot, solution.solved, decided)
-        notes = (*notes, *asked_for_negative_mass(robot, free, std))
+        notes = (*notes, *asked_for_negative_mass(robot, free, std, settings.criteria.identifying.negative_mass))
     x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
     phi = standard[: equations.robot.tree.phi.size]
     return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes
@@ -294,13 +293,13 @@ def _per_stated(equations: Equations, identified: Parameters, stated: Parameters
 
 def _refuse_impossible_gains(equations: Equations, solution: Solution) -> None:
     """A k_T that vanishes or has no end explains nothing: the current does not belong to the motion."""
-    faults = []
+    faults, possible = [], equations.criteria.identifying.possible
     for axis, joint in enumerate(equations.robot.joints):
         column = solution.gains.column_of(axis)
         if column is None:
             continue
         stated, found = joint_prior(joint, "k_T"), float(solution.solved.x[column])
-        if not POSSIBLE[0] * stated <= found <= POSSIBLE[1] * stated:
+        if not possible[0] * stated <= found <= possible[1] * stated:
             faults.append(
                 Fault(
                     f"the torque constant of {joint.name} comes out as {found:.3g} N·m/A where {stated:.3g} is stated: "

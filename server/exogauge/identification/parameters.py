@@ -14,8 +14,6 @@ from exogauge.robots.parameters import of_slide, parameter_names, parameter_unit
 
 Array = NDArray[np.float64]
 
-DECIDED = 0.5  # a parameter is identifiable where data leave at most this share of the prior's std
-
 
 def describe(
     equations: Equations, prior: Prior, standard: Array, covariance: Array, sticking: Sticking, known_scale: bool
@@ -37,6 +35,7 @@ def describe(
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     for i, name in enumerate(names):
         std[i] = min(std[i], sticking.std.get(name, np.inf))
+    decided = equations.criteria.identifying.decided
     doubtful = {f"tau_s[{joint}]" for joint in sticking.lower_bounds}
     unmeasured = {f"[{joint.name}]" for joint in robot.joints if joint.actuation == "none"}
     single = [
@@ -50,7 +49,7 @@ def describe(
             identifiable=bool(
                 known_scale
                 and prior.std[i] > 0.0
-                and std[i] <= DECIDED * prior.std[i]
+                and std[i] <= decided * prior.std[i]
                 and name not in doubtful
                 and not (i >= robot.tree.phi.size and any(name.endswith(end) for end in unmeasured))
             ),
@@ -92,7 +91,7 @@ def _base_parameters(
 ) -> list[Parameter]:
     """The combinations of inertial parameters that the equations see, named after their leading one."""
     base, size = equations.base, equations.robot.tree.phi.size
-    result = []
+    result, decided = list[Parameter](), equations.criteria.identifying.decided
     for row, leading in zip(base.regroup, base.columns, strict=True):
         used = np.flatnonzero(row)
         variance = float(row[used] @ covariance[np.ix_(used, used)] @ row[used])
@@ -106,7 +105,7 @@ def _base_parameters(
                 unit=units[leading],
                 prior=float(row @ prior.mean[:size]),
                 prior_std=prior_std,
-                identifiable=known_scale and std <= DECIDED * prior_std,
+                identifiable=known_scale and std <= decided * prior_std,
                 combination={names[j]: float(row[j]) for j in used},
             )
         )

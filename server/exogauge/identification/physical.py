@@ -12,8 +12,6 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
-SURE = 3.0  # standard deviations below zero: the data ask for a negative mass
-
 
 def possible_parameters(
     robot: Robot, solved: PriorLeastSquares, gains: NDArray[np.intp]
@@ -46,14 +44,14 @@ def possible_parameters(
     return standard, found.warnings
 
 
-def asked_for_negative_mass(robot: Robot, free: Array, std: Array) -> tuple[str, ...]:
+def asked_for_negative_mass(robot: Robot, free: Array, std: Array, sure: float) -> tuple[str, ...]:
     """A warning for links that the data alone would give a negative mass: then no possible body explains them.
 
     free, std: (S,) [φ; ξ] as the data and the prior have it without the demand, and its standard deviation.
     """
     bodies = len(robot.tree.bodies)
     mass, doubt = free[: 10 * bodies : 10], std[: 10 * bodies : 10]
-    negative = np.flatnonzero(mass + SURE * doubt < 0.0)
+    negative = np.flatnonzero(mass + sure * doubt < 0.0)
     if not negative.size:
         return ()
     said = ", ".join(f"{robot.tree.bodies[k]} ({mass[k]:.3g} ± {doubt[k]:.2g} kg)" for k in negative)

@@ -30,15 +30,11 @@ Array = NDArray[np.float64]
 BASE_CHANNELS = ("base.fx", "base.fy", "base.fz", "base.mx", "base.my", "base.mz")
 DRIVE = {"current": "i", "torque": "tau"}  # channel by which a joint's actuation is logged
 TURNING = 1.5  # times its noise: a gyro that varies by more turns
-STEADY = 0.98  # of the low-passed direction: below, an axis rests or turns
-RECOVERY = 0.7  # periods of the cut-off before and after that, until the axis counts as in steady motion
-STARTING = 1.3  # periods of the cut-off before and after a rest: when a joint starts is known to some hundredths of a
 # second only, and of what that does to a low-passed step less than a tenth is left by then
 GYRO_SHARE = (
     0.5  # of the cut-off with the least error of the gyro's derivative: noise in a regressor biases, loss hardly
 )
 EVERY = slice(None)
-LONGEST_STEP = 1.5  # nominal sampling steps: a longer one is a gap
 
 
 @final
@@ -184,7 +180,7 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     A part of a recording is filtered with what lies beside it. Its own ends count as unsettled all the same: what added
     effects do to a part is filtered without.
     """
-    require_even_clock(log)
+    require_even_clock(log, at_rest.criteria.longest_step)
     missing = [name for name in needed_channels(robot) if not log.has(name)]
     if missing:
         advice = "Add the column, or describe the robot without it in robot.yaml."
@@ -208,12 +204,12 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     turns = TurnsOf(robot, wide, at_rest).behind(log.stored)
     alike = replace(low_pass, stored=log.stored)
     smooth_direction = low_pass.apply(turns.stored_direction)
-    recovery = round(RECOVERY * log.rate_hz / cutoff_hz)
+    recovery = round(at_rest.criteria.recovery * log.rate_hz / cutoff_hz)
     settle = min(_settle_samples(log, low_pass), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
-    turning = (np.abs(smooth_direction) < STEADY) | (np.abs(axis_velocity) < at_rest.creeping)
+    turning = (np.abs(smooth_direction) < at_rest.criteria.steady) | (np.abs(axis_velocity) < at_rest.creeping)
     turning = binary_dilation(turning, np.ones((2 * recovery + 1, 1), dtype=bool))
-    starting = round(STARTING * log.rate_hz / cutoff_hz)
+    starting = round(at_rest.criteria.starting * log.rate_hz / cutoff_hz)
     turning |= binary_dilation(turns.direction == 0.0, np.ones((2 * starting + 1, 1), dtype=bool))
     motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
     added = np.hstack([zeros(robot, log.samples), load_entries(robot, log.recording, motion.rows(own))])
@@ -257,11 +253,11 @@ def _settle_samples(log: Log, low_pass: LowPass) -> int:
     return max(low_pass.settle_samples, log.stored.settle_samples(log.rate_hz) if log.stored else 0)
 
 
-def require_even_clock(log: Log) -> None:
-    """Derivatives need a clock without gaps."""
+def require_even_clock(log: Log, longest_step: float) -> None:
+    """Derivatives need a clock without gaps. longest_step: in nominal ones."""
     step = np.diff(log.time)
     nominal = float(np.median(step))
-    late = np.flatnonzero(step > LONGEST_STEP * nominal)
+    late = np.flatnonzero(step > longest_step * nominal)
     if late.size:
         row = int(late[0]) + 2
         detail = f"{late.size} gaps in time; the first lasts {step[late[0]]:.6g} s where {nominal:.6g} s is usual"

@@ -20,10 +20,6 @@ from exogauge.identification.equations import Equations
 
 Array = NDArray[np.float64]
 
-SCATTER = 2.0  # of the residuals at rest against those in motion, beyond which the largest friction was not always met
-FEWEST_ROWS = 5
-LEAST_REST = 0.05  # of an axis' rows: slow turns alone made 1.5 % of them look like rest, and say nothing of sticking
-
 
 @final
 @dataclass(frozen=True)
@@ -42,6 +38,7 @@ class Sticking:
 def fill_static_friction(equations: Equations, statistics: Statistics, prior: Prior, x: Array) -> Sticking:
     """Least squares for τ_s of every axis with all other parameters of x held; left at the prior, and so not known,
     where the axis hardly rests."""
+    criteria = equations.criteria.identifying
     x, std, doubtful = x.copy(), {}, []
     for k in [k for k, effect in enumerate(equations.effects) if effect.name == "static_friction"]:
         for axis, joint in enumerate(equations.robot.joints):
@@ -49,13 +46,13 @@ def fill_static_friction(equations: Equations, statistics: Statistics, prior: Pr
             column = int(equations.effect_columns(axis)[k])
             slope, curvature = statistics.along(resting, len(equations.blocks.columns[moving]) + k, x)
             rows = statistics.count[resting]
-            fewest = max(FEWEST_ROWS, LEAST_REST * (rows + statistics.count[moving]))
+            fewest = max(criteria.rest_rows, criteria.least_rest * (rows + statistics.count[moving]))
             if joint.actuation == "none" or rows < fewest or curvature <= 1e-6 * rows:
                 x[column] = prior.seen_mean[column]
                 continue
             x[column] = max(x[column] + slope / curvature, 0.0)
             variance = statistics.residual_square_sum(x) / np.maximum(statistics.count, 1)
             std[f"tau_s[{joint.name}]"] = float(np.sqrt(variance[resting]))
-            if variance[resting] > SCATTER**2 * variance[moving]:
+            if variance[resting] > criteria.scatter**2 * variance[moving]:
                 doubtful.append(joint.name)
     return Sticking(x, std, tuple(doubtful))

@@ -7,16 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import Identifying
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import SteadyShare
 
 Array = NDArray[np.float64]
-
-HARDLY = 0.01  # of a log in one direction: an axis that moves for less has no say in it
-SHORTEST_S = 1.0  # a joint that moves for less was not meant to
-MOST = 0.5  # of all axes' motion together
-LEAST = 0.2  # of an axis' motion in one direction
-ENOUGH = 0.25  # of what a joint moves, in steady motion: below, the reader is warned
 
 
 def steady_shares(
@@ -37,10 +32,10 @@ def steady_shares(
     )
 
 
-def steady_warnings(shares: Sequence[SteadyShare]) -> list[str]:
+def steady_warnings(shares: Sequence[SteadyShare], criteria: Identifying) -> list[str]:
     """Joints of which little motion is left to fit, and those that are left one direction."""
-    moved = [each for each in shares if each.fitted_of_s >= SHORTEST_S]
-    little = [each for each in moved if each.fitted_s < ENOUGH * each.fitted_of_s]
+    moved = [each for each in shares if each.fitted_of_s >= criteria.moved_s]
+    little = [each for each in moved if each.fitted_s < criteria.enough_steady * each.fitted_of_s]
     warnings = []
     if little:
         said = ", ".join(f"{each.joint} ({each.fitted_s:.1f} of {each.fitted_of_s:.1f} s)" for each in little)
@@ -67,14 +62,14 @@ def creeping_warnings(creeping: Mapping[str, float]) -> list[str]:
     ]
 
 
-def keeps_most(log: Prepared) -> bool:
+def keeps_most(log: Prepared, criteria: Identifying) -> bool:
     """Whether what is left out around turns takes neither most of the axes' motion nor one direction of any axis."""
     moving, steady = _counts(log)
-    counted = moving > HARDLY * log.log.samples
+    counted = moving > criteria.hardly * log.log.samples
     if not counted.any():
         return True
     pooled = float(steady[counted].sum() / moving[counted].sum())
-    return pooled >= MOST and bool(np.all(steady[counted] >= LEAST * moving[counted]))
+    return pooled >= criteria.most_steady and bool(np.all(steady[counted] >= criteria.least_steady * moving[counted]))
 
 
 def _seconds(logs: Sequence[Prepared], axes: int) -> Array:

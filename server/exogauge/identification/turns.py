@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import Resting
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass, StoredPass
@@ -20,11 +21,6 @@ from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
-THRESHOLD_SIGMAS = 3.0  # of the velocity noise: below, a joint counts as at rest (2-3 was best in trials)
-SLOWEST = 1e-6  # [rad/s] that counts as motion, however clean the log: what rounding makes of a constant is none
-THRESHOLD_SHARE = 1e-3  # of the joint's top speed: what filters leave ringing after a stop
-SMOOTH = 3.0  # times the band of a low-passed log: no joint that turns round bends its velocity faster than that
-BARELY = 0.05  # samples: turns of low-passed logs are known as well as that
 NONE_CREEPS: Mapping[str, float] = MappingProxyType({})
 WIDEST = 0.4  # of the sampling rate: the highest cut-off a log can be filtered at
 
@@ -35,21 +31,28 @@ class RestDetection:
     """When an axis counts as at rest: |velocity| below threshold (A,) [rad/s], at the bandwidth cutoff_hz.
 
     creeping: (A,) [rad/s] below it an axis moves, but not steadily: its friction is not what it is at speed.
+    criteria: by which that was found, and steady motion is.
     """
 
     cutoff_hz: float
     threshold: Array
     creeping: Array
+    criteria: Resting = field(default_factory=Resting)
 
 
 def rest_detection(
-    robot: Robot, logs: Sequence[Log], cutoff_hz: float, creeping: Mapping[str, float] = NONE_CREEPS
+    robot: Robot,
+    logs: Sequence[Log],
+    cutoff_hz: float,
+    creeping: Mapping[str, float] = NONE_CREEPS,
+    criteria: Resting | None = None,
 ) -> RestDetection:
     """At all the bandwidth that the encoders can bear, at least cutoff_hz; thresholds from the noise of the velocity.
 
     A joint sticks for moments that a velocity smoothed for the equations would glide over.
     creeping: as `Settings.creeping`.
     """
+    criteria = criteria or Resting()
     joints = [f"q.{joint.name}" for joint in robot.joints]
     finest = max(cutoff_hz, *(suggest_cutoff(log.stack(joints), log.rate_hz) for log in logs))
     noise, top = np.zeros(len(joints)), np.zeros(len(joints))
@@ -60,9 +63,9 @@ def rest_detection(
         top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
     mixing = np.abs(robot.axes_from_joints)
     axis_noise = np.sqrt(mixing**2 @ noise**2)
-    seen = np.maximum(THRESHOLD_SIGMAS * axis_noise, THRESHOLD_SHARE * (mixing @ top))
+    seen = np.maximum(criteria.sigmas * axis_noise, criteria.share * (mixing @ top))
     slow = np.array([creeping.get(joint.name, 0.0) for joint in robot.joints])
-    return RestDetection(finest, np.maximum(seen, SLOWEST), slow)
+    return RestDetection(finest, np.maximum(seen, criteria.slowest), slow, criteria)
 
 
 @final
@@ -92,26 +95,26 @@ class TurnsOf:
         rate_hz, band_hz, q = self._rate_hz, self._finest.cutoff_hz, self._positions.before(stored)
         if stored is not None:
             band_hz = min(band_hz, stored.half_hz(rate_hz))
-            q = LowPass(min(self._finest.cutoff_hz, SMOOTH * band_hz), rate_hz).apply(q)
+            q = LowPass(min(self._finest.cutoff_hz, self._at_rest.criteria.smooth * band_hz), rate_hz).apply(q)
         velocity = differentiate(q, rate_hz) @ self._C.T
         then = directions(velocity, self._at_rest.threshold, round(rate_hz / band_hz))
         if stored is None:
             return Turns(then, then, 1.0 - np.abs(then))
-        likely = then * _sureness(velocity)
+        likely = then * _sureness(velocity, self._at_rest.criteria.barely)
         passed, resting = (stored.let_through(x, rate_hz) for x in (likely, 1.0 - np.abs(then)))
         late = min(round(stored.delay_s(rate_hz) * rate_hz), len(then))
         return Turns(np.concatenate([np.repeat(then[:1], late, axis=0), then[: len(then) - late]]), passed, resting)
 
 
-def _sureness(velocity: Array) -> Array:
+def _sureness(velocity: Array, barely: float) -> Array:
     """(T, A) 0 where an axis turns round at a sample's very instant, which may lie before or after it: the mean of both
-    signs is nothing; 1 from BARELY on."""
+    signs is nothing; 1 from `barely` samples on."""
     before, after = velocity[:-1], velocity[1:]
     turning = before * after < 0.0
     share = np.where(turning, before / np.where(turning, before - after, 1.0), 0.5)
     sure = np.ones(velocity.shape)
-    sure[:-1] = np.minimum(sure[:-1], share / BARELY)
-    sure[1:] = np.minimum(sure[1:], (1.0 - share) / BARELY)
+    sure[:-1] = np.minimum(sure[:-1], share / barely)
+    sure[1:] = np.minimum(sure[1:], (1.0 - share) / barely)
     return sure
 
 

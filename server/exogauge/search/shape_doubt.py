@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.identification.model import AddedEffect, RobotModel
-from exogauge.identification.parameters import DECIDED
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.search.doubt import shape_slopes
@@ -43,7 +42,7 @@ def with_doubt_of_shapes(
     for i, grown in enumerate(gained):
         one = parameters[i]
         std = float(np.sqrt(one.std**2 + grown))
-        decided = one.identifiable and std <= DECIDED * one.prior_std
+        decided = one.identifiable and std <= model.criteria.identifying.decided * one.prior_std
         parameters[i] = replace(one, std=std, identifiable=decided)
     return replace(
         found,

@@ -127,7 +127,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             "joints": joint_entries(found, joints),
             "sensors": sensor_entries(found, evaluation.robot),
             "known_loads": load_entries(found, evaluation.robot),
-            "common_factor": asdict(found.factor) | {"known": found.factor.known},
+            "common_factor": {name: getattr(found.factor, name) for name in ("measured", "std", "unweighed", "known")},
             "unidentifiable": list(found.unidentifiable),
             "consistent_links": dict(zip(evaluation.robot.tree.bodies, map(bool, found.consistent_links), strict=True)),
             "prior_strength": found.prior_strength,

@@ -1,0 +1,117 @@
+"""What counts as rest and as steady motion, and when the data, not what "
+"was believed before, decide a number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.criterion import criterion, derived, judgement, measured
+
+HERE = "server/exogauge/identification"
+
+
+@final
+@dataclass(frozen=True)
+class Resting:
+    """Of one axis in one log. velocity noise: standard deviation of what "
+    "noise of positions makes of a velocity."""
+
+    sigmas: float = criterion(
+        3.0, "std", "of the velocity noise: below, an axis counts as at rest", measured("trials: 2 to 3 was best")
+    )
+    slowest: float = criterion(
+        1e-6,
+        "rad/s",
+        "that counts as motion, however clean the log: what rounding makes of a constant is none",
+        judgement(HERE),
+    )
+    share: float = criterion(
+        1e-3, "1", "of the joint's top speed: what filters leave ringing after a stop is no motion", judgement(HERE)
+    )
+    smooth: float = criterion(
+        3.0,
+        "1",
+        "times the band of a low-passed log: no joint that turns round bends its velocity faster than that",
+        judgement(HERE),
+    )
+    barely: float = criterion(
+        0.05,
+        "samples",
+        "turns of low-passed logs are known as well as that",
+        measured("docs/decisions/0005-missing-effects.md: 0.03 samples in six blind cases"),
+    )
+    steady: float = criterion(0.98, "1", "of the low-passed direction: below, an axis rests or turns", judgement(HERE))
+    recovery: float = criterion(
+        0.7,
+        "periods",
+        "of the cut-off before and after that, until the axis counts as in steady motion",
+        judgement(HERE),
+    )
+    starting: float = criterion(
+        1.3,
+        "periods",
+        "of the cut-off before and after a rest, the same: when a joint starts is known less well than when it turns",
+        judgement(HERE),
+    )
+    longest_step: float = criterion(1.5, "steps", "of the nominal sampling: a longer one is a gap", judgement(HERE))
+
+
+@final
+@dataclass(frozen=True)
+class Identifying:
+    """std before: what was believed of a parameter before the data."""
+
+    at_rest: float = criterion(
+        0.995,
+        "1",
+        "of the low-passed rest signal: above, an axis is at rest and hardly anything rings from its stop",
+        judgement(HERE),
+    )
+    possible: tuple[float, float] = criterion(
+        (0.02, 10.0), "1", "times the stated torque constant: no doubt about a motor reaches further", judgement(HERE)
+    )
+    decided: float = criterion(
+        0.5, "std before", "that the data leave at most of a parameter that is said to be identifiable", judgement(HERE)
+    )
+    negative_mass: float = criterion(
+        3.0, "std", "below zero, from which the data ask for a negative mass", judgement(HERE)
+    )
+    fixed: float = criterion(
+        0.5, "std before", "that a load leaves at most of the common factor that it is said to fix", judgement(HERE)
+    )
+    never_weighed: float = criterion(
+        10.0, "1", "times its mass, one standard deviation: a load that tells nothing of any scale", judgement(HERE)
+    )
+    gain_known: float = criterion(
+        0.9,
+        "1",
+        "of what is known of a gain can be taken off: its std becomes 3.2 times as large at most",
+        derived("1 / √(1 - 0.9) = 3.16"),
+    )
+    scatter: float = criterion(
+        2.0,
+        "1",
+        "of the residuals at rest against those in motion, beyond which the largest friction was not always met",
+        judgement(HERE),
+    )
+    rest_rows: int = criterion(5, "rows", "at rest, below which static friction is not looked at", judgement(HERE))
+    least_rest: float = criterion(
+        0.05,
+        "1",
+        "of an axis' rows: below, rest says nothing of sticking",
+        measured("slow turns alone made 1.5 % of the rows look like rest"),
+    )
+    hardly: float = criterion(
+        0.01, "1", "of a log in one direction: an axis that moves for less has no say in the bandwidth", judgement(HERE)
+    )
+    moved_s: float = criterion(1.0, "s", "a joint that moves for less was not meant to", judgement(HERE))
+    most_steady: float = criterion(
+        0.5, "1", "of all axes' motion that has to be steady at a bandwidth", judgement(HERE)
+    )
+    least_steady: float = criterion(
+        0.2, "1", "of an axis' motion in one direction that has to be steady", judgement(HERE)
+    )
+    enough_steady: float = criterion(
+        0.25, "1", "of what a joint moves, in steady motion: below, the reader is warned", judgement(HERE)
+    )
