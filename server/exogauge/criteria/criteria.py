@@ -16,6 +16,7 @@ from exogauge.criteria.planning import Planning
 from exogauge.criteria.searching import Searching
 from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.criteria.telling import Telling
+from exogauge.criteria.wearing import Wearing
 
 
 @final
@@ -31,6 +32,7 @@ class Criteria:
     contact: Touching = field(default_factory=Touching)
     nominal: Contradicting = field(default_factory=Contradicting)
     telling: Telling = field(default_factory=Telling)
+    device: Wearing = field(default_factory=Wearing)
     planning: Planning = field(default_factory=Planning)
     doctor: Examining = field(default_factory=Examining)
     comparison: Comparing = field(default_factory=Comparing)

@@ -15,6 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from exogauge.criteria.wearing import Wearing
 from exogauge.detect.device.baseline import Ground, whitened
 from exogauge.detect.device.judge import BandJudgement
 from exogauge.detect.device.score import BandScore, Scorer
@@ -28,14 +29,7 @@ from exogauge.support.band_weights import spread, weights
 
 Array = NDArray[np.float64]
 
-MOVES = 0.05  # [rad or m] travel of a joint from which it can show what pulls at it
-MOST_JOINTS = 4  # between the ends of a wire
-LIGHTEST = 0.01  # of the robot's mass: of a link whose inertia says how large it is
-SHORTEST_TRAVEL = 0.005  # [m] of a wire that motions stretch
-LIKELY = 3  # joints that are followed up, and wires that are judged
-FURTHEST = 0.2  # [m] by which ends are led better
 STEP, STEPS = 5e-4, 120  # of a slope, in shares of that; at most so many downhill
-WORTH = 6.0  # evidence beyond what the number of tries gives by chance
 
 
 def further_wires(
@@ -46,19 +40,19 @@ def further_wires(
     led_better: their ends are moved to where they explain most. Only once it is clear that there is such a wire: one
     that may run anywhere would explain what any effect of a declared band does.
     """
-    pulled = list(_at_joints(ground))
-    by_joint, tried = _best(scorer, effect, pulled)
-    likely = sorted(by_joint, key=lambda each: -each[1].evidence)[:LIKELY]
-    if not likely or likely[0][1].evidence < WORTH + 2.0 * np.log(max(len(pulled), 1)):
+    criteria, pulled = ground.model.criteria.device, list(_at_joints(ground))
+    by_joint, tried = _best(scorer, effect, pulled, criteria)
+    likely = sorted(by_joint, key=lambda each: -each[1].evidence)[: criteria.likely]
+    if not likely or likely[0][1].evidence < criteria.wire_worth + 2.0 * np.log(max(len(pulled), 1)):
         return ground, scorer, [], tried
     wires = list(_between_links(ground, sorted({course.column for course, _ in likely})))
     few = _few(ground, scorer)
-    coarse, count = _best(few, effect, wires)
-    first_look = _one_per_pair(sorted(coarse, key=lambda each: -each[1].evidence))[:LIKELY]
+    coarse, count = _best(few, effect, wires, criteria)
+    first_look = _one_per_pair(sorted(coarse, key=lambda each: -each[1].evidence))[: criteria.likely]
     if led_better:
-        by_wire = _at(scorer, effect, [_led_better(few, effect, *each) for each in first_look])
+        by_wire = _at(scorer, effect, [_led_better(few, effect, *each, criteria.furthest_m) for each in first_look])
     else:
-        by_wire, _ = _best(scorer, effect, [course for course, _ in first_look])
+        by_wire, _ = _best(scorer, effect, [course for course, _ in first_look], criteria)
     price = 2.0 * np.log(max(len(wires), 1))
     chosen = likely[:1] + [(course, replace(one, evidence=one.evidence - price)) for course, one in by_wire]
     first = len(ground.setting.wires)
@@ -67,7 +61,7 @@ def further_wires(
     scores = [
         replace(one, added=replace(one.added, wire=first + k))
         for k, (_, one) in enumerate(chosen)
-        if one.evidence > WORTH
+        if one.evidence > criteria.wire_worth
     ]
     wider = replace(scorer.setting, wires=setting.wires)
     return (
@@ -89,7 +83,7 @@ def led_on(ground: Ground, judged: BandJudgement) -> Iterator[tuple[Ground, Scor
     first = few.score(effect, judged.added.wire, judged.added.shape)
     if first is None or first.gain <= 0.0:
         return
-    led, shape = _led_better(few, effect, course, first)
+    led, shape = _led_better(few, effect, course, first, ground.model.criteria.device.furthest_m)
     setting = replace(ground.setting, wires=(*ground.setting.wires, ground.setting.logs.wire(led)))
     wider = replace(ground, setting=setting)
     scorer = Scorer(*whitened(wider))
@@ -107,12 +101,14 @@ def _few(ground: Ground, scorer: Scorer) -> Scorer:
     return Scorer(setting, fit(setting, scorer.fitted.wear))
 
 
-def _best(scorer: Scorer, effect: BandEffect, courses: Sequence[Course]) -> tuple[list[tuple[Course, BandScore]], int]:
+def _best(
+    scorer: Scorer, effect: BandEffect, courses: Sequence[Course], criteria: Wearing
+) -> tuple[list[tuple[Course, BandScore]], int]:
     """Every course with its best shape, and how many were tried."""
     setting, found, tried = scorer.setting, list[tuple[Course, BandScore]](), 0
     for course in courses:
         wire = setting.logs.wire(course)
-        if wire.travel < (SHORTEST_TRAVEL if course.routing is not None else MOVES):
+        if wire.travel < (criteria.least_travel_m if course.routing is not None else criteria.joint_moves):
             continue
         best, count = scorer.beside(wire).best(effect, len(setting.wires))
         tried += count
@@ -130,11 +126,12 @@ def _at_joints(ground: Ground) -> Iterator[Course]:
 
 def _between_links(ground: Ground, joints: Sequence[int]) -> Iterator[Course]:
     """Between all links with at most a few joints in between, one of the given ones among them."""
-    tree = ground.model.robot.tree
-    sides = {body: _sides(tree, body) for body in range(len(tree.bodies)) if tree.phi[body, 0] > LIGHTEST * tree.mass}
+    tree, criteria = ground.model.robot.tree, ground.model.criteria.device
+    least = criteria.lightest * tree.mass
+    sides = {body: _sides(tree, body) for body in range(len(tree.bodies)) if tree.phi[body, 0] > least}
     for one, other in itertools.combinations(sides, 2):
         crossed = _crossed(tree, one, other)
-        if len(crossed) > MOST_JOINTS or not set(joints) & crossed:
+        if len(crossed) > criteria.most_crossed or not set(joints) & crossed:
             continue
         name = f"{tree.bodies[one]} - {tree.bodies[other]}"
         for start, end in itertools.product(sides[one], sides[other]):
@@ -143,9 +140,9 @@ def _between_links(ground: Ground, joints: Sequence[int]) -> Iterator[Course]:
 
 
 def _led_better(
-    scorer: Scorer, effect: BandEffect, course: Course, first: BandScore
+    scorer: Scorer, effect: BandEffect, course: Course, first: BandScore, furthest_m: float
 ) -> tuple[Course, tuple[float, ...]]:
-    """The course with its ends moved to where it explains most, each coordinate at most `FURTHEST` from where it was,
+    """The course with its ends moved to where it explains most, each coordinate at most `furthest_m` from where it was,
     and its shape there."""
     assert course.routing is not None
     (band,), tree = course.routing.bands, course.routing.tree
@@ -153,7 +150,7 @@ def _led_better(
     begin, places = np.array([point.xyz for point in points]), 3 * len(points)
 
     def led(moved: Array) -> Course:
-        xyz = begin + FURTHEST * moved.reshape(begin.shape)
+        xyz = begin + furthest_m * moved.reshape(begin.shape)
         there = tuple(replace(point, xyz=(float(at[0]), float(at[1]), float(at[2])))
                       for point, at in zip(points, xyz, strict=True))  # fmt: skip
         return replace(course, routing=Routing(tree, [replace(band, via_points=there)]))

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.wearing import Wearing
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.score import BandScore, evidence
 from exogauge.findings.basis import LeftOut
@@ -19,19 +20,6 @@ from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-MOST_FOLDS = 5
-PARTS, SHORTEST_PART_S = 3, 6.0  # of a single log, each left out in turn
-FEWEST_BLOCKS = 5
-SURE = 3.0  # standard errors by which the error on what was left out must fall, and by which a coefficient is not zero
-SURE_ONCE = 6.0  # of the coefficient of an effect of one moment, which nothing that was left out can confirm
-EVIDENCE_ONCE = 40.0
-ACTS = 0.3  # of an effect's torque on the joint that feels it most, against each joint's noise
-SPREAD_ONCE = 2.0  # standard errors, by blocks: the gain must not be one moment's alone
-LEAST_OF_SUPPORT = 0.02  # of the supporting torque: a smaller effect is not worth a name
-LEAST = 0.05  # of the square error of the joint that shows it most
-WORSE = 3.0  # standard errors by which a regime may not get worse
-FEWEST_IN_REGIME = 30
 
 
 @final
@@ -83,18 +71,18 @@ class BandJudgement:
         return float(1.0 - (after / max(before, 1e-300)) ** 2)
 
 
-def folds_of(logs: WearLogs) -> Folds:
+def folds_of(logs: WearLogs, criteria: Wearing) -> Folds:
     """The k-th log of every motion together; one log each where none is repeated; parts of a single log."""
     motions = [each.motion for each in logs.logs]
     place = np.array([motions[:k].count(motion) for k, motion in enumerate(motions)])
     what: LeftOut
     repeated = np.array([motions.count(motion) > 1 for motion in motions])
     if repeated.any():
-        number, what = np.where(repeated, place % MOST_FOLDS, -1), "repetitions"
+        number, what = np.where(repeated, place % criteria.most_folds, -1), "repetitions"
     elif len(motions) > 1:
-        number, what = np.arange(len(motions)) % MOST_FOLDS, "motions"
+        number, what = np.arange(len(motions)) % criteria.most_folds, "motions"
     else:
-        parts = int(min(PARTS, logs.time[-1] // SHORTEST_PART_S))
+        parts = int(min(criteria.parts, logs.time[-1] // criteria.shortest_part_s))
         if parts < 2:
             return Folds((), "nothing")
         part = np.minimum((logs.time / (logs.time[-1] / parts)).astype(np.intp), parts - 1)
@@ -123,12 +111,13 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
     left_out = [left_out_residual(setting, wear, folds) for wear in (base.wear, fitted.wear)]
     used = setting.weight > 0.0
     seen = [np.where(used, each.e, np.nan) for each in (base, fitted)]
+    acts = ground.model.criteria.device.acts
     gains, fitted_gains = ((was**2 - now**2) / after_all.sigma**2 for was, now in (left_out, seen))
     by_joint = np.nansum(fitted_gains if added.effect.once else gains, axis=0)
-    by_joint = np.where(_acted_on(setting, fitted, len(added.coefficients)), by_joint, -np.inf)
+    by_joint = np.where(_acted_on(setting, fitted, len(added.coefficients), acts), by_joint, -np.inf)
     if added.effect.once:  # logs before it can only dilute what those say in which it happens or lasts
-        acts = np.abs(fitted.A[:, :, -1]).sum(axis=1) > 0.0
-        own = np.isin(setting.logs.log, setting.logs.log[acts])
+        acting = np.abs(fitted.A[:, :, -1]).sum(axis=1) > 0.0
+        own = np.isin(setting.logs.log, setting.logs.log[acting])
         fitted_gains = np.where(own[:, None], fitted_gains, np.nan)
     blocks, fitted_blocks = by_block(setting.logs, gains), by_block(setting.logs, fitted_gains)
     before, after = seen if added.effect.once else left_out
@@ -149,11 +138,11 @@ def judge(ground: Ground, scored: BandScore, folds: Folds) -> BandJudgement:
     return replace(judged, objection=_objection(judged, after_all))
 
 
-def _acted_on(setting: Setting, fitted: Fitted, width: int) -> BoolArray:
+def _acted_on(setting: Setting, fitted: Fitted, width: int, acts: float) -> BoolArray:
     """(D,) joints on which the last effect acts more than by the way."""
     coefficients = fitted.wear.theta[-width:]
     size = np.sqrt(np.sum(setting.weight * (fitted.A[:, :, -width:] @ coefficients) ** 2, axis=0))
-    return np.asarray(size >= ACTS * max(float(size.max()), 1e-300))
+    return np.asarray(size >= acts * max(float(size.max()), 1e-300))
 
 
 def by_block(logs: WearLogs, gains: Array) -> Array:
@@ -177,30 +166,31 @@ def rmse(e: Array, joint: int) -> float:
 
 
 def _objection(judged: BandJudgement, ground: Ground) -> Objection | None:
+    criteria, judging = ground.model.criteria.device, ground.model.criteria.judging
     size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
-    sure = SURE_ONCE if judged.once else SURE
+    sure = judging.once if judged.once else judging.sure
     if float(size.max()) < sure:
         return Objection(Why.SIZE_NOT_SURE, float(size.max()), sure)
     if judged.once:
-        if judged.evidence < EVIDENCE_ONCE:
+        if judged.evidence < criteria.evidence_once:
             return Objection(Why.ONCE)
-    elif (blocks := int(np.isfinite(judged.blocks).sum())) < FEWEST_BLOCKS:
-        return Objection(Why.TOO_SHORT, blocks * BLOCK_S, FEWEST_BLOCKS * BLOCK_S)
-    needed = SPREAD_ONCE if judged.once else SURE
+    elif (blocks := int(np.isfinite(judged.blocks).sum())) < judging.fewest_blocks:
+        return Objection(Why.TOO_SHORT, blocks * BLOCK_S, judging.fewest_blocks * BLOCK_S)
+    needed = criteria.spread_once if judged.once else judging.sure
     if judged.z < needed:
         return Objection(Why.NOT_SURE_ONCE if judged.once else Why.NOT_SURE, judged.z, needed)
     if rmse(judged.before, judged.joint) <= ground.floor[judged.joint]:
         return Objection(Why.AT_FLOOR)
     if _size(judged, ground) < 1.0:
-        return Objection(Why.UNDER_SUPPORT, LEAST_OF_SUPPORT)
-    if judged.explained < LEAST:
+        return Objection(Why.UNDER_SUPPORT, criteria.of_support)
+    if judged.explained < judging.least:
         return Objection(Why.LITTLE, max(judged.explained, 0.0))
     gains = (judged.before**2 - judged.after**2) / ground.sigma**2
     for name, inside in _regimes(ground, judged.added.wire):
         own = np.where(inside[:, None], gains, np.nan)
-        if np.isfinite(own).any(axis=1).sum() >= FEWEST_IN_REGIME:
+        if np.isfinite(own).any(axis=1).sum() >= judging.fewest_in_regime:
             worse = sureness(by_block(ground.setting.logs, own))
-            if worse < -WORSE:
+            if worse < -judging.worse:
                 return Objection(Why.WORSE, -worse, of=(name,))
     return None
 
@@ -211,7 +201,8 @@ def _size(judged: BandJudgement, ground: Ground) -> float:
     used = logs.used[:, joint]
     own = judged.fitted.A[used, joint, -len(judged.added.coefficients) :] @ judged.added.coefficients
     support = float(np.sqrt(np.mean(logs.torque[used, joint] ** 2)))
-    return float(np.sqrt(np.mean(own**2)) / max(min(LEAST_OF_SUPPORT * support, ground.floor[joint]), 1e-300))
+    least = ground.model.criteria.device.of_support * support
+    return float(np.sqrt(np.mean(own**2)) / max(min(least, ground.floor[joint]), 1e-300))
 
 
 def _regimes(ground: Ground, wire: int) -> Sequence[tuple[str, BoolArray]]:

@@ -13,14 +13,13 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import Ground
-from exogauge.detect.device.judge import SURE, Folds, left_out_residual, rmse
+from exogauge.detect.device.judge import Folds, left_out_residual, rmse
 from exogauge.search.block_gains import summed, sureness
 from exogauge.support.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Setting, Wear, believed, fit
 
 Array = NDArray[np.float64]
-
-BEYOND = 1.3  # stated doubts within which a value is no news: a maker's catalogue is no better
 
 
 @final
@@ -86,8 +85,10 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     value, doubtful = float(let_go.wear.theta[place]), replace(ground, setting=setting).fit.covariance(let_go)
     std = float(np.sqrt(max(doubtful[place, place], 0.0)))
     off = abs(value - stated)
-    surely = off - BEYOND * doubt > SURE * std
-    if not (surely or _unlike(believed(bands, wear, travel, free), let_go.wear.theta, doubtful, place)):
+    sure, beyond = ground.model.criteria.judging.sure, ground.model.criteria.device.beyond
+    surely = off - beyond * doubt > sure * std
+    known = believed(bands, wear, travel, free)
+    if not (surely or _unlike(known, let_go.wear.theta, doubtful, place, ground.model.criteria)):
         return None
     as_stated = fit(setting, let_go.wear, held={place: stated})
     before = left_out_residual(setting, as_stated.wear, folds, held={place: stated})
@@ -96,7 +97,7 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     counts = np.isfinite(before).any(axis=1)
     z = sureness(summed(np.nansum(gained, axis=1)[counts], setting.logs.block[counts]))
     joint = int(np.argmax(np.nansum(gained, axis=0)))
-    if z < SURE or not rmse(after, joint) < rmse(before, joint):
+    if z < sure or not rmse(after, joint) < rmse(before, joint):
         return None
     return Contradicted(
         band=b,
@@ -114,11 +115,12 @@ def _tried(ground: Ground, wear: Wear, place: int, free: frozenset[int], folds: 
     )
 
 
-def _unlike(belief: Belief, theta: Array, doubtful: Array, place: int) -> bool:
+def _unlike(belief: Belief, theta: Array, doubtful: Array, place: int, criteria: Criteria) -> bool:
     """Whether a value is far from what is stated of it once the others of its group are known, and surely so.
     doubtful: covariance of theta."""
     W2 = len(belief.mean)
     share = belief.precision[place] / belief.precision[place, place]
     off = abs(float(share @ (theta[:W2] - belief.mean)))
     std = float(np.sqrt(max(share @ doubtful[:W2, :W2] @ share, 0.0)))
-    return off > BEYOND / np.sqrt(belief.precision[place, place]) and off > SURE * std
+    least = criteria.device.beyond / np.sqrt(belief.precision[place, place])
+    return bool(off > least and off > criteria.judging.sure * std)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from exogauge.criteria.wearing import Wearing
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.judge import BandJudgement, Folds, judge
 from exogauge.detect.device.score import BandScore
@@ -18,11 +19,6 @@ from exogauge.effects.shaped import Shape
 from exogauge.support.band_model import Added, fit
 
 Array = NDArray[np.float64]
-
-TRIALS = 14  # fits, per shape
-WORTH = 4.0  # of the cost, in independent errors: less is chance
-FIRST_STEP = 0.08  # of a shape's range
-FINE = 12  # values of a grid, beyond which the first step is less than one of its steps
 
 
 def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> BandJudgement:
@@ -33,7 +29,7 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
     free = [k for k, one in enumerate(shapes) if one.grid != (one.low, one.high)]
     if not free:
         return winner
-    setting = weighed(ground, winner.fitted).setting
+    setting, criteria = weighed(ground, winner.fitted).setting, ground.model.criteria.device
 
     def tried(shares: Array) -> Added:
         shape = list(added.shape)
@@ -45,19 +41,19 @@ def with_best_shape(ground: Ground, winner: BandJudgement, folds: Folds) -> Band
         return fit(setting, without.with_added(tried(shares))).cost
 
     start = np.array([shapes[k].share(added.shape[k]) for k in free])
-    steps = np.array([_first_step(shapes[k]) for k in free]) * np.where(start < 0.9, 1.0, -1.0)
+    steps = np.array([_first_step(shapes[k], criteria) for k in free]) * np.where(start < 0.9, 1.0, -1.0)
     found = minimize(
         cost, start, method="Nelder-Mead",
-        options={"maxfev": TRIALS * len(free), "initial_simplex": np.vstack([start, start + np.diag(steps)]),
+        options={"maxfev": criteria.trials * len(free), "initial_simplex": np.vstack([start, start + np.diag(steps)]),
                  "xatol": 0.005, "fatol": 1.0},
     )  # fmt: skip
-    if found.fun > cost(start) - WORTH:
+    if found.fun > cost(start) - criteria.shape_worth:
         return winner
     again = judge(ground, BandScore(tried(found.x), 0.0, winner.evidence, winner.left), folds)
     better = winner.once or float(np.nansum(again.blocks)) > float(np.nansum(winner.blocks))
     return again if better and not again.objection else winner
 
 
-def _first_step(shape: Shape) -> float:
+def _first_step(shape: Shape, criteria: Wearing) -> float:
     """As a share of its range."""
-    return FIRST_STEP if len(shape.grid) < FINE else 0.5 / len(shape.grid)
+    return criteria.first_step if len(shape.grid) < criteria.fine else 0.5 / len(shape.grid)

@@ -22,7 +22,6 @@ from exogauge.support.settings import PlainLog, SupportSettings
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-MOVES = 0.05  # [rad or m] range of a joint from which it may show what pulls at it
 RATE_HZ = 40.0  # at which a log is looked at: supporting torques are low-passed
 
 
@@ -48,7 +47,7 @@ def look_beyond(
     """None where the motions with the wear move no other joint whose torque is logged."""
     moved = np.max([np.ptp(each.posture, axis=0) for each in gathered.evidences], axis=0)
     logged = np.array([joint.actuation != "none" for joint in model.robot.joints])
-    joints = np.setdiff1d(np.flatnonzero(logged & (moved > MOVES)), gathered.joints)
+    joints = np.setdiff1d(np.flatnonzero(logged & (moved > model.criteria.device.joint_moves)), gathered.joints)
     if not len(joints):
         return None
     a, b = dict[str, tuple[Array, BoolArray]](), dict[str, tuple[Array, BoolArray]]()

@@ -106,7 +106,7 @@ def search_wear(
     ground = lay_ground(model, gathered, device, stiffness, beyond)
     if ground is None:
         return _unjudged(Caveat("no_steady_motion", device.name))
-    folds = folds_of(ground.setting.logs)
+    folds = folds_of(ground.setting.logs, model.criteria.device)
     if not folds.left_out:
         return _unjudged(Caveat("nothing_left_out", device.name))
     first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
