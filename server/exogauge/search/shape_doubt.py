@@ -76,8 +76,13 @@ def _of_shapes(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows]) 
 
 def coefficients(model: RobotModel, added: AddedEffect) -> Array:
     """(C,) of one effect of the model, in its own units."""
+    return np.asarray(model.identified.added[place_of(model, added)])
+
+
+def place_of(model: RobotModel, added: AddedEffect) -> slice:
+    """Of its coefficients, from the end of all that is fitted."""
     effects = model.extension.effects if model.extension else ()
     widths = [len(each.effect.coefficients) for each in effects]
     which = effects.index(added)
-    start = len(model.identified.added) - sum(widths[which:])
-    return np.asarray(model.identified.added[start : start + widths[which]])
+    after = sum(widths[which + 1 :])
+    return slice(-after - widths[which], -after or None)
