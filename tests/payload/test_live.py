@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, STD, arm, case, generator
 
 from exogauge.payload.dynamics import batch, dynamic_rows, static_prior
-from exogauge.payload.live import Known, Live, Sensed, Start
+from exogauge.payload.live import Known, Live, SecondZero, Sensed, Start
 from exogauge.payload.live_fit import exciting
 from exogauge.payload.live_track import Pose, Track
-from exogauge.payload.sensor_motion import Chain, from_joints, from_pose
+from exogauge.payload.sensor_motion import Chain, SensorMotion, from_joints, from_pose
 from exogauge.payload.smoothing import smooth
 from exogauge.synthetic.random_streams import stream
 
@@ -201,3 +201,66 @@ def test_alarms_without_contact_are_as_rare_as_stated() -> None:
         rest.append(found.alarm[found.settled].mean())
     assert 0.006 < np.mean(share) < 0.014
     assert 0.006 < np.mean(rest) < 0.014
+
+
+def turned(angle: float) -> Array:
+    """(200, 3, 3) R_BS of a sensor that is tipped by `angle` about its x."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.tile(np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]), (200, 1, 1))
+
+
+def motion_of(rotation: Array) -> SensorMotion:
+    still = np.zeros((len(rotation), 3))
+    return SensorMotion(np.arange(len(rotation)) / RATE, rotation, still, still, still, np.zeros((len(rotation), 9, 1)))
+
+
+def test_the_secondary_zero_takes_a_mass_error_off_up_to_sixty_degrees_and_is_left_off_beyond() -> None:
+    wrong, quiet, settled = 0.3, np.zeros(200, bool), np.ones(200, bool)
+    zero = SecondZero(GRAVITY, 125)
+
+    def left(angle: float) -> Array:
+        force = wrong * np.einsum("tji,j->ti", turned(angle), GRAVITY)
+        return np.concatenate([force, np.zeros((200, 3))], axis=1)
+
+    assert zero.applied(motion_of(turned(0.0)), left(0.0), quiet, settled)[1] == "none"
+    zero.begin()
+    external, state = zero.applied(motion_of(turned(0.0)), left(0.0), quiet, settled)
+    assert state == "held"
+    assert np.array_equal(external, left(0.0))  # from the next sample on
+    for degrees, told in ((0.0, "held"), (59.0, "held"), (61.0, "beyond")):
+        angle = np.radians(degrees)
+        external, state = zero.applied(motion_of(turned(angle)), left(angle), quiet, settled)
+        assert state == told
+        size = np.linalg.norm(external[0, :3])
+        expected = wrong * 9.81 * (2 * np.sin(angle / 2) if told == "held" else 1.0)
+        assert size == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    assert 2 * np.sin(np.radians(30.5)) > 1.0  # beyond, it would be worse than none
+
+
+def test_a_secondary_zero_is_refused_where_something_touches() -> None:
+    zero, alarm = SecondZero(GRAVITY, 125), np.zeros(200, bool)
+    alarm[50] = True
+    zero.begin()
+    external, state = zero.applied(motion_of(turned(0.0)), np.ones((200, 6)), alarm, np.ones(200, bool))
+    assert state == "refused"
+    assert np.array_equal(external, np.ones((200, 6)))
+
+
+@pytest.mark.parametrize("way", [0.05, 0.1, 0.3])
+def test_a_joint_that_starts_to_move_is_no_contact(way: float) -> None:
+    """After a second at rest, in which it was filtered as one that hardly moves, of all joints in turn."""
+    body, rng = case(0).body, np.random.default_rng(5)
+    t = np.arange(750) / RATE
+    u = np.clip(t - 1.5, 0.0, 1.0)
+    angle, rate = 10 * u**3 - 15 * u**4 + 6 * u**5, 30 * u**2 - 60 * u**3 + 30 * u**4
+    blend = way * np.array([angle, rate, 60 * u - 180 * u**2 + 120 * u**3])
+    live = Live(start(0))
+    run(live, *case(0).excitation)
+    for joint in range(6):
+        state = np.zeros((3, len(t), 6))
+        state[0] = generator.WORK
+        state[:, :, joint] += blend
+        logged = generator.measured(*state[:1], generator.simulate(body, *state), rng)
+        found, _ = run(live, *logged, first=100.0 * (joint + 1))
+        assert not found.alarm.any(), joint
+        assert np.median(found.std[300:340, 0]) < 0.6

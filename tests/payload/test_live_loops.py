@@ -80,11 +80,13 @@ def test_rows_are_the_regressor_and_their_covariance_is_that_of_its_slopes() -> 
 
 
 def test_the_spread_of_what_is_left_is_that_of_sensor_kinematics_and_parameters() -> None:
-    motion, _ = any_motion()
+    motion, wrench = any_motion()
     rng = np.random.default_rng(2)
     x, root = rng.normal(size=16), rng.normal(size=(16, 16))
-    told = Compensation(x, root @ root.T, GRAVITY, -1, STD).spread(motion)
+    compensation = Compensation(x, root @ root.T, GRAVITY, -1, STD)
+    told = compensation.spread(motion)
     A = -motion.regressor(GRAVITY)
+    assert compensation.external(motion, wrench) == pytest.approx(wrench - x[10:] - A @ x[:10], abs=1e-10)
     full = np.concatenate([A, np.broadcast_to(np.eye(6), (20, 6, 6))], axis=2)
     by_motion = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), x[:10]) @ motion.noise
     right = full @ root @ root.T @ np.swapaxes(full, 1, 2) + by_motion @ np.swapaxes(by_motion, 1, 2) + np.diag(STD**2)

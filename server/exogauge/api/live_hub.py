@@ -97,7 +97,8 @@ class Running:
         if client is None:
             return
         try:
-            await asyncio.wait_for(client.send_text(text), SEND_S)
+            async with asyncio.timeout(SEND_S):
+                await client.send_text(text)
         except Exception:  # gone, going, or deaf: whoever receives from it will see
             self.client = None
             with contextlib.suppress(Exception):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,14 +14,15 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MOVED = 5.0  # standard deviations of an innovation: six joints at 250 Hz reach it by chance every twenty minutes
-STAYED = 6.0  # standard deviations between two samples of what stands still
+SHARE = 0.2  # of the newest innovation in their running mean, which sees a slow start within the window
+STAYED = 8.0  # standard deviations between two samples of what stands still: by chance once in months
 QUIET = 125  # samples in which it did
 
 
 @compiled
 def slide(
     z: Array, h: Array, group: Ints, ratio: Array, place: Ints,
-    x: Array, P: Array, C: Array, Z: Array, H: Array, quiet: Ints, anchor: Array,
+    x: Array, P: Array, C: Array, Z: Array, H: Array, quiet: Ints, anchor: Array, drift: Array,
     out: Array, moving: Array,
 ) -> int:  # fmt: skip
     """Take samples z (n, K) h (n,) periods after each other; K channels in units of their noise.
@@ -27,7 +30,8 @@ def slide(
     ratio: (K, 2) density of each channel while its group stands still, and while it moves. A group that leaves its
     place is filtered again as one that moves, over the whole window. The ring, of lag + 1 samples: x (N, K, 3),
     P, C (N, K, 3, 3), Z (N, K), H (N,); place: (2,) newest entry and how many there are. quiet: (G,) samples for which
-    a group has not moved; anchor: (K,) where it stands.
+    a group has not moved; anchor: (K,) where it stands; drift: (K,) running mean of its
+    innovations, in standard deviations.
     out: (n, K, 3) smoothed states of the samples that are lag back. moving: (n, G) 1: filtered as moving, 0: as still,
     0.5: between the two. Returns how many there are."""
     size, channels, given = len(x), z.shape[1], 0
@@ -46,10 +50,14 @@ def slide(
                 r = ratio[c, 0] if quiet[g] >= QUIET else ratio[c, 1]
                 gain(P[old, c], h[k], r, M, C[old, c])
                 nu, s = advance(x[old, c], P[old, c], z[k, c], h[k], r, M, x[new, c], P[new, c])
-                if quiet[g] >= QUIET and nu * nu > MOVED * MOVED * s:
-                    quiet[g] = -1
+                if quiet[g] >= QUIET:
+                    drift[c] += SHARE * (nu / math.sqrt(s) - drift[c])
+                    if nu * nu > MOVED * MOVED * s or drift[c] * drift[c] > MOVED * MOVED * SHARE / (2.0 - SHARE):
+                        quiet[g] = -1
+                else:
+                    drift[c] = 0.0
                 if abs(z[k, c] - anchor[c]) > STAYED:
-                    quiet[g] = min(quiet[g], 0)
+                    quiet[g] = -1 if quiet[g] >= QUIET else min(quiet[g], 0)
             for g in range(len(quiet)):
                 if quiet[g] < 0:
                     _again(g, group, ratio, place, x, P, C, Z, H, M)

@@ -47,9 +47,11 @@ def fill(
 
 @compiled
 def spread(
-    b: Array, alpha: Array, omega: Array, noise: Array, x: Array, covariance: Array, std: Array, sign: float, out: Array
-) -> None:
-    """out (T, 6, 6) <- covariance of F - F_0 - s A Φ by the sensor's noise, that of the kinematics and of x (16,)."""
+    b: Array, alpha: Array, omega: Array, noise: Array, wrench: Array, x: Array, covariance: Array, std: Array,
+    sign: float, left: Array, out: Array,
+) -> None:  # fmt: skip
+    """left (T, 6) <- F - F_0 - s A Φ of F (T, 6); out (T, 6, 6) <- its covariance by the sensor's noise, that of the
+    kinematics and of x (16,)."""
     D, C, A, G = np.zeros((6, 9, 10)), np.empty((9, 9)), np.zeros((6, 17)), np.empty((6, 16))
     slope, by = np.empty((6, 9)), np.empty((6, 9))
     for t in range(len(b)):
@@ -57,6 +59,9 @@ def spread(
         _regressor(b[t], alpha[t], omega[t], A, D)
         _square(noise[t], C)
         for i in range(6):
+            left[t, i] = wrench[t, i] - x[10 + i]
+            for p in range(10):
+                left[t, i] -= sign * A[i, p] * x[p]
             A[i, 10 + i] = sign  # s (A, s 1): the sign goes out of the square
             for m in range(9):
                 total = 0.0

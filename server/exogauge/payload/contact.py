@@ -35,19 +35,21 @@ class Compensation:
 
     def external(self, motion: SensorMotion, wrench: Array) -> Array:
         """(T, 6) F_ext = F_raw - F_0 - s A Φ, as the sensor would read it. wrench: (T, 6) as read."""
-        left: Array = wrench - self.x[10:] - self.sign * motion.regressor(self.gravity) @ self.x[:10]
-        return left
+        return self._left(motion, wrench)[0]
 
     def spread(self, motion: SensorMotion) -> Array:
         """(T, 6, 6) covariance of `external` without contact: noise of sensor and kinematics, parameters."""
-        out = np.empty((len(motion.time), 6, 6))
-        x, covariance = np.ascontiguousarray(self.x), np.ascontiguousarray(self.covariance)
-        spread(*motion.arrays(self.gravity), x, covariance, self.std, float(self.sign), out)
-        return out
+        return self._left(motion, np.zeros((len(motion.time), 6)))[1]
+
+    def _left(self, motion: SensorMotion, wrench: Array) -> tuple[Array, Array]:
+        left, out = np.empty((len(wrench), 6)), np.empty((len(wrench), 6, 6))
+        wrench, x, covariance = (np.ascontiguousarray(each) for each in (wrench, self.x, self.covariance))
+        spread(*motion.arrays(self.gravity), wrench, x, covariance, self.std, float(self.sign), left, out)
+        return left, out
 
     def touched(self, motion: SensorMotion, wrench: Array, limit: float) -> Touched:
         """What is left, and whether its force is more than noise. limit: of fᵀ C⁻¹ f."""
-        external, C = self.external(motion, wrench), self.spread(motion)
+        external, C = self._left(motion, wrench)
         f = external[:, :3]
         square = np.einsum("ti,ti->t", f, np.linalg.solve(C[:, :3, :3], f[:, :, None])[:, :, 0])
         return Touched(external, C, square > limit)

@@ -100,7 +100,8 @@ class Live:
     def push(self, time: Array, values: Array, wrench: Array) -> Iterator[Sensed | Known]:
         """time: (n,) [s], increasing, also over calls. values: (n, K) joint angles [rad], or R_BS row by row and the
         position [m]. wrench: (n, 6) as read, in {S}."""
-        gaps = np.flatnonzero(np.diff(time, prepend=self._last_time) > (LONGEST_GAP + 0.5) / self.rate_hz)
+        before = np.concatenate([[self._last_time], time[:-1]])
+        gaps = np.flatnonzero(time - before > (LONGEST_GAP + 0.5) / self.rate_hz)
         if len(time):
             self._last_time = time[-1]
         edges = [0, *gaps.tolist(), len(time)]
@@ -126,10 +127,10 @@ class Live:
         wrench, self._wrench = self._wrench[:n], self._wrench[n:]
         touched = self._compensation.touched(motion, wrench, self.limit)
         alarm = touched.alarm & settled
-        self._learn(motion, wrench, alarm, settled & tracked.noise_known)
         external, zero = self._zero.applied(motion, touched.external, alarm, settled)
         std = np.sqrt(np.diagonal(touched.spread, axis1=1, axis2=2))
         yield Sensed(motion.time, -self.start.sign * external, std, alarm, settled, zero)
+        self._learn(motion, wrench, alarm, settled & tracked.noise_known)  # who waits for the wrench has it
         before, self.given = self.given, self.given + n
         if self.given // self._every > before // self._every:
             estimate = self.fit.estimate(self._released - self._last_used <= LATELY_S * self.rate_hz)

@@ -85,7 +85,7 @@ def run(folder: Path, rate_hz: float, silence_s: float, conversation: Conversati
                 ended |= "end" in said["control"]
             else:
                 conversation.say(said)
-        conversation.send()
+                conversation.send()
         now = time.monotonic()
         if taker.stream.arrivals.counts.received > before:
             silent_since = now

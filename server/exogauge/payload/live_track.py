@@ -77,7 +77,7 @@ class Track:
             np.zeros((N, K, 3)), np.zeros((N, K, 3, 3)), np.zeros((N, K, 3, 3)), np.zeros((N, K)), np.zeros(N),
         )  # fmt: skip
         self._place, self._quiet = np.zeros(2, np.int64), np.zeros(self._group.max() + 1, np.int64)
-        self._anchor, self._zero = np.zeros(K), np.zeros(K)
+        self._anchor, self._drift, self._zero = np.zeros(K), np.zeros(K), np.zeros(K)
         self._last = np.nan
         self._since = 0  # samples given since the filter began
         self._times = np.zeros(0)
@@ -94,11 +94,25 @@ class Track:
             self._zero, self._last, self._since = values[0].copy(), time[0] - self.period, 0
             self._quiet[:] = 0
         z = (values - self._zero) / self.pose.std
-        h = np.diff(time, prepend=self._last) / self.period
+        h = (time - np.concatenate([[self._last], time[:-1]])) / self.period
         out, moving = np.empty((len(z), len(self._scale), 3)), np.empty((len(z), len(self._quiet)))
         x, P, C, Z, H = self._ring
         given = slide(
-            z, h, self._group, self._ratio, self._place, x, P, C, Z, H, self._quiet, self._anchor, out, moving
+            z,
+            h,
+            self._group,
+            self._ratio,
+            self._place,
+            x,
+            P,
+            C,
+            Z,
+            H,
+            self._quiet,
+            self._anchor,
+            self._drift,
+            out,
+            moving,
         )
         self._last = time[-1]
         self._times = np.concatenate([self._times, time])
