@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
-from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
+from tests.band_problem import Motion, TorqueSamples, Way, fit_bands, setting
 
 from exogauge.devices.device import Band, ViaPoint
+from exogauge.effects.catalogue import band_effects
+from exogauge.logs.filtering import LowPass
 from exogauge.support.band_model import Fitted, Layout, Wear, at, columns, fit, residual, shared
+from exogauge.support.band_rows import WearLogs
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
 SIDES = (Band("left", "back", NOWHERE), Band("right", "back", NOWHERE))
@@ -273,3 +277,18 @@ def test_everything_about_one_choice_is_said_without_a_search():
     found = at(setting(plan, samples), Wear(plan, theta))
     np.testing.assert_array_equal(found.wear.theta, theta)
     assert found.cost == pytest.approx(square_sum(samples, 100.0, theta[1:]), rel=1e-10)
+
+
+def test_columns_of_shapes_side_by_side_are_those_of_each_alone():
+    worn = setting(shared(SUIT), pulled(moved(), np.full(4, 200.0), np.full(4, 0.3))).logs.logs[0]
+    N = len(worn.time)
+    few = replace(worn, kept=np.arange(20, N - 20, 3), low_pass=LowPass(4.0, 25.0), torque=worn.torque[20 : N - 20 : 3],
+                  used=worn.used[20 : N - 20 : 3])  # fmt: skip
+    wire = WearLogs([few, worn], np.arange(3), ("bend", "twist", "knee")).wire(Way(0))
+    pulls = [run.length > 0.58 for run in wire.runs]
+    for effect in (each for each in band_effects().values() if each.sort == "law" and not each.per_segment):
+        shapes = list(itertools.product(*(one.grid for one in effect.shapes)))
+        for given in (None, pulls):
+            together = wire.columns_of_all(effect, shapes, 200.0, 0.55, given)
+            for shape, found in zip(shapes, together, strict=True):
+                np.testing.assert_array_equal(found, wire.columns(effect, shape, 200.0, 0.55, given))

@@ -302,17 +302,32 @@ class Wire:
     ) -> Array:
         """(N, D, C) torque on the joints per unit of each coefficient. pulls: by log, (T,) where the band pulls at all;
         None: everywhere."""
-        parts = []
+        return self.columns_of_all(effect, [shape], k, l_0, pulls)[0]
+
+    def columns_of_all(
+        self,
+        effect: BandEffect,
+        shapes: Sequence[tuple[float, ...]],
+        k: float,
+        l_0: float,
+        pulls: Sequence[BoolArray] | None = None,
+    ) -> list[Array]:
+        """The same of several shapes, which are low-passed side by side."""
+        if not shapes:
+            return []
+        parts: list[list[Array]] = [[] for _ in shapes]
         for number, run in enumerate(self.runs):
-            added = effect.added_tension(self.signals(run, k, l_0, effect.per_segment), shape)
+            signals = self.signals(run, k, l_0, effect.per_segment)
+            added = [effect.added_tension(signals, shape) for shape in shapes]
             if pulls is not None and not effect.per_segment:
-                added = added * pulls[number][:, None]
-            pull = run.log.as_torque(added)
-            if effect.per_segment:
-                parts.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, pull))
-            else:
-                parts.append(-run.jacobian[:, :, None] * pull[:, None, :])
-        return np.concatenate(parts)
+                added = [each * pulls[number][:, None] for each in added]
+            pull = run.log.as_torque(np.concatenate(added, axis=-1))
+            for part, own in zip(parts, np.split(pull, len(shapes), axis=-1), strict=True):
+                if effect.per_segment:
+                    part.append(-np.einsum("nsd,nsc->ndc", run.segment_jacobian, own))
+                else:
+                    part.append(-run.jacobian[:, :, None] * own[:, None, :])
+        return [np.concatenate(part) for part in parts]
 
     def tension(self, laws: Sequence[tuple[BandEffect, tuple[float, ...], Array]], k: float, l_0: float) -> list[Array]:
         """By log, (T,) [N] of the spring and of laws (effect, shape, coefficients) that pull alike all along the band.

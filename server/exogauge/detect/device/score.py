@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -57,8 +57,17 @@ class Scorer:
 
     def score(self, effect: BandEffect, wire: int, shape: tuple[float, ...]) -> BandScore | None:
         """None where the springs take its place, or nothing of it shows."""
+        return next(iter(self._scores(effect, wire, [shape])), None)
+
+    def _scores(self, effect: BandEffect, wire: int, shapes: Sequence[tuple[float, ...]]) -> Iterator[BandScore]:
+        """Of those that show and that the springs cannot take the place of."""
         k, l_0 = self.fitted.wear.spring(wire)
-        X = self.setting.wires[wire].columns(effect, shape, k, l_0)
+        columns = self.setting.wires[wire].columns_of_all(effect, shapes, k, l_0)
+        for shape, X in zip(shapes, columns, strict=True):
+            if (scored := self._scored(effect, wire, shape, X)) is not None:
+                yield scored
+
+    def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
         X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
         own, cross = X.T @ X, self._A.T @ X
         if np.any(np.diag(own) <= 0.0):
@@ -77,8 +86,7 @@ class Scorer:
     def best(self, effect: BandEffect, wire: int) -> tuple[BandScore | None, int]:
         """The best shape of the grid, and how many were tried."""
         shapes = list(itertools.product(*(one.grid for one in effect.shapes)))
-        found = [scored for shape in shapes if (scored := self.score(effect, wire, shape)) is not None]
-        return max(found, key=lambda each: each.evidence, default=None), len(shapes)
+        return max(self._scores(effect, wire, shapes), key=lambda each: each.evidence, default=None), len(shapes)
 
     def refined(self, start: BandScore) -> BandScore:
         """Shapes between their neighbours on the grid, one value after the other, each time closer."""
@@ -86,11 +94,10 @@ class Scorer:
         reach = [np.diff(one.grid).max(initial=0.0) for one in effect.shapes]
         for _ in range(REFINEMENTS):
             for place, one in enumerate(effect.shapes):
-                for value in _around(one, best.added.shape[place], float(reach[place])):
-                    shape = (*best.added.shape[:place], value, *best.added.shape[place + 1 :])
-                    tried = self.score(effect, best.added.wire, shape)
-                    if tried is not None and tried.evidence > best.evidence:
-                        best = tried
+                before, behind = best.added.shape[:place], best.added.shape[place + 1 :]
+                values = _around(one, best.added.shape[place], float(reach[place]))
+                tried = self._scores(effect, best.added.wire, [(*before, value, *behind) for value in values])
+                best = max([best, *tried], key=lambda each: each.evidence)
             reach = [each / TRIED for each in reach]
         return best
 
