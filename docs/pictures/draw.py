@@ -74,7 +74,7 @@ def house() -> None:
         ("robots", "kinematics and regressor of a URDF", "soft"),
         ("estimation", "statistics of linear rows", "soft"),
         ("logs", "tables, clocks, filters, noise", "soft"),
-        ("criteria", "every number that decides, and why", "soft"),
+        ("criteria", "numbers that decide, and why", "soft"),
     ]
     parts, notes = [], []
     for k, (name, words, kind) in enumerate(floors):

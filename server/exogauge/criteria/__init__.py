@@ -1,2 +1,2 @@
-"""Every number that decides a name, a verdict, a doubt or a warning, with "
+"""Numbers that decide a name, a verdict, a doubt or a warning, with "
 "its unit, its reason and its source."""

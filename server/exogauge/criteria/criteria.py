@@ -1,4 +1,4 @@
-"""Every number that decides, for one run: the defaults, or those that "
+"""Numbers that decide, for one run: the defaults, or those that "
 "`dataclasses.replace` puts in their place."""
 
 from __future__ import annotations

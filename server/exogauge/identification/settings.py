@@ -37,7 +37,7 @@ class Settings:
     creeping: joint -> speed [rad/s, or m/s] below which it is not in steady motion, though it is not at rest either;
     found by the search for missing effects (`search/creeping.py`).
     solver: `statistics` = from float64 sufficient statistics, `rows` = row-wise QR of every sample (slower).
-    criteria: every number that decides, with its reason.
+    criteria: numbers that decide, each with its reason.
     """
 
     cutoff_hz: float | None = None
