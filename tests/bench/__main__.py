@@ -117,7 +117,7 @@ def report_memory() -> None:
 
 
 def report_candidates() -> None:
-    found = candidates.measure(8000)
+    found = candidates.measure(4000)
     each = 100.0 * found.scored / found.candidates
     print(f"\nTalos, {found.joints} joints, {found.samples:,} samples: {found.candidates} candidate effects")
     print(f"  identified once{found.identified:23.2f} CPU s")
