@@ -455,7 +455,7 @@ def write_sample(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
 
     if options.payload:
-        synthetic.write_payload_sample(options.out, options.seed)
+        synthetic.write_payload_sample(options.out, options.seed, options.hidden)
         print(options.out / "payload.yaml")
         return 0
     with bar("sample") as progress:

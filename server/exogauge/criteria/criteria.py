@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
+from exogauge.criteria.carrying import Carrying
 from exogauge.criteria.comparing import Comparing
 from exogauge.criteria.contact import Touching
 from exogauge.criteria.examining import Examining
@@ -36,3 +37,4 @@ class Criteria:
     planning: Planning = field(default_factory=Planning)
     doctor: Examining = field(default_factory=Examining)
     comparison: Comparing = field(default_factory=Comparing)
+    payload: Carrying = field(default_factory=Carrying)

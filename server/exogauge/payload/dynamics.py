@@ -210,7 +210,7 @@ def _scores(rows: Rows, found: Fit, left: Array, method: Method) -> Array:
 
 def _coloured(scores: Array, left: Array) -> Array:
     """(16, 16) Σ over lags of the scores' autocovariance, by Bartlett's weights."""
-    lags = int(min(np.ceil(MEMORIES * _memory(left)), len(left) // 8))
+    lags = int(min(np.ceil(MEMORIES * correlation_time(left)), len(left) // 8))
     out = scores.T @ scores
     for k in range(1, lags + 1):
         cross = scores[k:].T @ scores[:-k]
@@ -221,12 +221,12 @@ def _coloured(scores: Array, left: Array) -> Array:
 def _mu_std(left: Array, mu: float) -> float:
     """Of μ, from the spread of sums of squares that are a few memories apart."""
     squares = np.sum(left**2, axis=1)
-    block = int(min(np.ceil(4 * _memory(left)), len(left) // 8))
+    block = int(min(np.ceil(4 * correlation_time(left)), len(left) // 8))
     sums = squares[: len(squares) // block * block].reshape(-1, block).mean(axis=1)
     return float(mu * sums.std() / (np.sqrt(len(sums)) * squares.mean()))
 
 
-def _memory(left: Array) -> float:
+def correlation_time(left: Array) -> float:
     """Longest correlation time of the six residuals, in samples, up to where the correlation first ends."""
     spectrum = np.abs(np.fft.rfft(left, n=2 * len(left), axis=0)) ** 2
     rho = np.fft.irfft(spectrum, axis=0)[: len(left) // 4]

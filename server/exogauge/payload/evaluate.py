@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.payload.contact import Compensation, second_zero
 from exogauge.payload.dynamics import (
@@ -24,6 +25,9 @@ from exogauge.payload.dynamics import (
 )
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
 from exogauge.payload.intake import Payload
+from exogauge.payload.missing.effect import Frame
+from exogauge.payload.missing.search import Missing, find_missing
+from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
 from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import (
@@ -45,6 +49,7 @@ STEEP = np.radians(15.0)  # a base inclined more than that is a wrong pose, grav
 LONG = 3.0  # m from the sensor to a centre of mass: beyond, moments are in other units
 PUSH_MARGIN_S = 0.2  # left out on either side of a contact
 MOST_PUSHED = 0.3  # of the excitation: more is no contact but a model that does not hold
+TOUCHED = "Something touched the payload in the excitation"
 RELEASED = 1000.0  # N, N·m: std of a zero that is not that of the postures
 
 
@@ -115,6 +120,7 @@ class Evaluation:
     touches: Mapping[str, tuple[Touch, ...]]
     thresholds: Mapping[str, float]
     imu: ImuFrame | None
+    missing: Missing | None
     warnings: tuple[str, ...]
 
 
@@ -164,9 +170,45 @@ def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda s
         period = float(np.median(np.diff(touched.motion.time)))
         limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
         thresholds[recording.name] = float(limit.max())
+    missing = _missing(payload, postures, excitation, gravity, sign, warnings) if excitation else None
     return Evaluation(
-        payload, sign, postures, excitation, tests, touches, thresholds, imu, tuple(dict.fromkeys(warnings))
+        payload, sign, postures, excitation, tests, touches, thresholds, imu, missing, tuple(dict.fromkeys(warnings))
     )  # fmt: skip
+
+
+def _missing(
+    payload: Payload, postures: Postures | None, excitation: Excitation, gravity: Array, sign: int, warnings: list[str]
+) -> Missing | None:
+    """None where the noise is not known: then nothing says how much may be left. What was left out as a touch is looked
+    at too: it may be what is missing."""
+    if not excitation.noise_known:
+        return None
+    whole = _missing_in(payload, postures, excitation, gravity, sign, ())
+    if not excitation.left_out:
+        return whole
+    if whole.found:
+        warnings[:] = [each for each in warnings if not each.startswith(TOUCHED)]
+        return whole
+    return _missing_in(payload, postures, excitation, gravity, sign, excitation.left_out)
+
+
+def _missing_in(
+    payload: Payload, postures: Postures | None, excitation: Excitation, gravity: Array, sign: int,
+    left_out: Sequence[tuple[float, float]],
+) -> Missing:  # fmt: skip
+    body = excitation.chosen.value[:10]
+    fitted = [still_stretch(postures.holds, gravity, sign)] if postures else []
+    held_out: list[Stretch] = []
+    for recording in (*payload.of("excitation"), *payload.of("test")):
+        each = moving(payload, recording, gravity, None)
+        time = each.motion.time
+        tested = recording.role == "test"
+        touched = [(time >= a) & (time <= b) for a, b in left_out if not tested]
+        free = ~np.any(touched, axis=0) if touched else np.ones(len(time), dtype=bool)
+        stretch = moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, free)
+        (held_out if tested else fitted).append(stretch)
+    inclined = postures is not None and postures.chosen.inclined
+    return find_missing(fitted, held_out, Frame(gravity, sign, body), inclined, Criteria())
 
 
 def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array]]:
@@ -255,7 +297,7 @@ def _excitation(
             rows = rows_of(payload, moved, gravity, sign, keep)
             solution = dynamic_stage(rows, prior, method)
             spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in pushed[:5])
-            warnings.append(f"Something touched the payload in the excitation; left out: {spans}.")
+            warnings.append(f"{TOUCHED}; left out: {spans}.")
     require_excitation(solution)
     by_method = {method: solution}
     by_method |= {each: dynamic_stage(rows, prior, each) for each in METHODS if known and each != method}

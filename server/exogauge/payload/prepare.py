@@ -42,6 +42,7 @@ def std_of(payload: Payload) -> Array:
 def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
     """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
     rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
+    differ = list[Array]()
     for recording in payload.of("postures"):
         R, F, pose = recording.rotation, recording.wrench, recording.pose
         if recording.each_row:
@@ -62,6 +63,8 @@ def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
                 U, _, Vt = np.linalg.svd(mean.reshape(3, 3))
                 rotation.append(U @ Vt)
             wrench.append(inside.values.mean(axis=0))
+            half = len(inside.time) // 2
+            differ.append(inside.values[:half].mean(axis=0) - inside.values[half:].mean(axis=0))
             counts.append(len(inside.time))
             spans.append((a, b))
             if recording.acceleration:
@@ -75,7 +78,8 @@ def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
     if payload.file.sensor.axes == "base":
         F_S = into_sensor(R_BS, F_S)
     std = std_of(payload) / np.sqrt(np.median(counts))
-    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans))
+    unrest = np.sqrt(np.mean(np.square(differ), axis=0)) / 2 if len(differ) == len(F_S) else None
+    holds = Holds(R_BS, F_S, std, payload.file.pose.noise_rad, np.array(spans), unrest)
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 
 

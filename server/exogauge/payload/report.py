@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exogauge.payload.schema import PayloadResults, Value
+from exogauge.payload.schema import MissingResults, PayloadResults, Value
 from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.report.summary_content import LABEL
 from exogauge.studies.report.summary_html import render_html
@@ -27,6 +27,7 @@ NAMES = {
     "mz0": "zero τ_z", "U": "inclination U", "V": "inclination V",
 }  # fmt: skip
 MOST_LOGS, MOST_CONTACTS, MOST_WARNINGS = 4, 6, 5  # on the sheet; the report has all
+MOST_EFFECTS = 2  # on the sheet
 LONGEST = 200  # characters of a warning on the sheet
 
 
@@ -48,6 +49,8 @@ def _page(found: PayloadResults, *, whole: bool) -> Page:
         rows.append(Row((_left(found, whole=whole),)))
     if found.contacts:
         rows.append(Row((_contacts(found, whole=whole),)))
+    if found.missing is not None:
+        rows.append(Row((_missing(found.missing, whole=whole),)))
     rows.append(Row((_facts(found), _warnings(found, whole=whole)), (0.5, 0.5)))
     return Page(
         title=plain(found.name, 90), kicker="exogauge · payload behind a wrist force/torque sensor",
@@ -112,6 +115,13 @@ def _left(found: PayloadResults, *, whole: bool) -> Block:
     more = "" if whole or len(logs) <= MOST_LOGS else f" {len(logs) - MOST_LOGS} more logs: results.json."
     caption = f"Length of what is left of the wrench where nothing touches [N], [N·m].{more}"
     return Block("What is left", table=Table(caption, columns, tuple(rows)))
+
+
+def _missing(missing: MissingResults, *, whole: bool) -> Block:
+    """What the rigid body behind an ideal sensor lacks; on the sheet the first ones."""
+    effects = [*missing.found, *missing.suspected]
+    said = [missing.said, *(each.said for each in (effects if whole else effects[:MOST_EFFECTS]))]
+    return Block("What the model lacks", tuple(plain(each, 400 if whole else LONGEST) for each in said))
 
 
 def _contacts(found: PayloadResults, *, whole: bool) -> Block:

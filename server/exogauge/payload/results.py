@@ -12,12 +12,18 @@ from numpy.typing import NDArray
 from exogauge import __version__
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
 from exogauge.payload.evaluate import Evaluation, Remainder
+from exogauge.payload.missing.search import Finding, Missing
+from exogauge.payload.missing.words import said_of, verdict_of
 from exogauge.payload.schema import (
+    ChannelRatios,
     ContactResults,
     DynamicResults,
     Further,
     ImuResults,
     LeftOutErrors,
+    MissingEffect,
+    MissingParameter,
+    MissingResults,
     PayloadResults,
     RemainderResults,
     StaticResults,
@@ -48,7 +54,7 @@ def results(evaluation: Evaluation) -> PayloadResults:
             log: [ContactResults(start_s=t.start, end_s=t.end, force_n=tuple(t.force)) for t in touches]
             for log, touches in evaluation.touches.items()
         },
-        contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation),
+        contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation), missing=_missing(evaluation.missing),
         mass_error_kg=None if truth is None else float(mass - truth), warnings=list(evaluation.warnings),
     )  # fmt: skip
 
@@ -98,6 +104,9 @@ def summary(found: PayloadResults) -> str:
     for log, touches in found.contacts.items():
         parts.append(f"{log}: contact from {found.contact_threshold_n[log]:.3g} N on")
         parts += [f"  {t.start_s:.2f} to {t.end_s:.2f} s, up to {np.linalg.norm(t.force_n):.3g} N" for t in touches]
+    if found.missing is not None:
+        parts.append(found.missing.said)
+        parts += [f"  {each.said}" for each in (*found.missing.found, *found.missing.suspected)]
     if found.mass_error_kg is not None:
         parts.append(f"mass against the weighed one: {1e3 * found.mass_error_kg:+.1f} g")
     return "\n".join([*parts, *(f"warning: {each}" for each in found.warnings)])
@@ -173,6 +182,32 @@ def _dynamic(evaluation: Evaluation) -> DynamicResults | None:
         possible=named(found.physical) if found.cost > 0 else None, cost_of_possible=found.cost,
         residual_rms=list(map(float, np.sqrt(np.mean(found.residual**2, axis=0)))),
         jerk_density=list(map(float, excitation.density)), left_out_s=list(excitation.left_out),
+    )  # fmt: skip
+
+
+def _missing(missing: Missing | None) -> MissingResults | None:
+    if missing is None:
+        return None
+
+    def told(each: Finding) -> MissingEffect:
+        parameters = [MissingParameter(name=p.name, unit=p.unit, value=p.value, std=p.std) for p in each.parameters]
+        return MissingEffect(
+            effect=each.effect, place=each.place, parameters=parameters, evidence=each.evidence, before=each.before,
+            after=each.after, rivals=list(each.rivals), said=said_of(each),
+        )  # fmt: skip
+
+    names, units = (*NAMES, *ZERO_NAMES), (*UNITS, *ZERO_UNITS)
+    stds = np.sqrt(np.diag(missing.covariance))
+    decision = missing.decision
+    return MissingResults(
+        verdict=decision.verdict, reason=None if decision.reason is None else decision.reason.why,
+        found=[told(each) for each in missing.found], suspected=[told(each) for each in missing.suspected],
+        left={
+            log: ChannelRatios(before=list(map(float, before)), after=list(map(float, missing.after[log])))
+            for log, before in missing.before.items()
+        },
+        values=[_value(*each) for each in zip(names, units, missing.x[:16], stds[:16], strict=True)],
+        candidates=missing.tried, said=verdict_of(missing),
     )  # fmt: skip
 
 

@@ -107,8 +107,52 @@ class ImuResults(_Part):
     rms: float
 
 
+class MissingParameter(_Part):
+    name: str
+    unit: str
+    value: float
+    std: float
+
+
+class MissingEffect(_Part):
+    """evidence: of the Bayesian information criterion. before, after: rms of what was not fitted, over its floor.
+    rivals: (effect, place) that explain these data as well. parameters: none where their size cannot be told. said: in
+    a sentence."""
+
+    effect: str
+    place: str
+    parameters: list[MissingParameter]
+    evidence: float
+    before: float
+    after: float
+    rivals: list[tuple[str, str]]
+    said: str
+
+
+class ChannelRatios(_Part):
+    """rms over the floor of noise, of fx, fy, fz, mx, my, mz: without and with what was found."""
+
+    before: list[float]
+    after: list[float]
+
+
+class MissingResults(_Part):
+    """verdict: effects, unexplained, undecided, none. found: what was named. suspected: what takes something off, while
+    more is left that nothing explains. values: of the body, the zero and the inclination with what was found. reason:
+    why it is undecided. said: in a sentence."""
+
+    verdict: Literal["effects", "unexplained", "undecided", "none"]
+    reason: str | None
+    found: list[MissingEffect]
+    suspected: list[MissingEffect]
+    left: dict[str, ChannelRatios]
+    values: list[Value]
+    candidates: int
+    said: str
+
+
 class PayloadResults(_Part):
-    """frame: of every vector. sees: told from the data."""
+    """frame: of every vector. sees: told from the data. missing: None where noise or excitation is not known."""
 
     version: Literal[1]
     exogauge: str
@@ -121,6 +165,7 @@ class PayloadResults(_Part):
     contacts: dict[str, list[ContactResults]]
     contact_threshold_n: dict[str, float]
     imu: ImuResults | None
+    missing: MissingResults | None = None
     mass_error_kg: float | None
     warnings: list[str]
 

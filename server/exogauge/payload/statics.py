@@ -32,7 +32,8 @@ class Holds:
     """K postures in which nothing moved.
 
     rotation: (K, 3, 3) R_BS. wrench: (K, 6) [N, N·m] means. std: (6,) [N, N·m] of a mean's error, from the sensor's
-    noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in the log's time.
+    noise. tilt_noise: [rad] of the rotation, for GTLS. spans: (K, 2) [s] from, to, in the log's time. unrest: (6,) rms
+    of half of what the two halves of a posture differ in: about `std`, more where something swings on.
     """
 
     rotation: Array
@@ -40,6 +41,7 @@ class Holds:
     std: Array
     tilt_noise: float = 0.0
     spans: Array | None = None
+    unrest: Array | None = None
 
     def __len__(self) -> int:
         return len(self.wrench)

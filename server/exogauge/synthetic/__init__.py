@@ -26,7 +26,7 @@ def write_sample(
     write_study(out, seed, hidden, suit, progress, processes=processes)
 
 
-def write_payload_sample(out: Path, seed: int) -> None:
+def write_payload_sample(out: Path, seed: int, hidden: Sequence[str] | None = None) -> None:
     """Write a synthetic payload recording into `out`, truth.json included; see `payload.write_payload`."""
     if find_spec("mujoco") is None:
         raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
@@ -34,7 +34,7 @@ def write_payload_sample(out: Path, seed: int) -> None:
         raise BadInput(Fault("the seed must be 0 or more", "seed_negative", column="seed", value=str(seed)))
     from exogauge.synthetic.payload import write_payload
 
-    write_payload(out, seed)
+    write_payload(out, seed, hidden)
 
 
 def processors() -> int:

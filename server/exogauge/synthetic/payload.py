@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -15,6 +16,8 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from exogauge.synthetic.payload_hidden import Hidden, as_read, of, parse_hidden
+from exogauge.synthetic.payload_springs import Hung, hang, slides
 from exogauge.synthetic.random_streams import stream
 
 Array = NDArray[np.float64]
@@ -34,6 +37,7 @@ FLANGE = (0.08, 0.0, 0.0)  # the sensor's origin in the last link; its z looks o
 WORK = np.array([0.0, 0.35, 0.1, 0.0, np.pi / 2 - 0.45, 0.0])  # the flange looks down
 WRIST_REACH = np.array([0.7, 0.75, 2.4])  # rad about WORK: the flange stays within 60° of down
 WRIST_SPEED, WRIST_ACCELERATION = np.array([1.6, 1.6, 2.4]), np.array([6.0, 6.0, 9.0])
+HOSE_END = np.array([1.6, 0.4, 1.2])  # m in the cell
 PUSHES = ((3.0, 0.6, (0.0, 40.0, 0.0), (0.3, 0.0, 0.05)), (6.5, 0.4, (25.0, 0.0, 10.0), (0.0, -0.4, 0.05)))
 
 
@@ -63,10 +67,16 @@ def draw_body(rng: np.random.Generator) -> Body:
     return Body(MASS, centre, inertia, zero)
 
 
-def simulate(body: Body, q: Array, dq: Array, ddq: Array, pushes: Array | None = None) -> Array:
+def simulate(
+    body: Body, q: Array, dq: Array, ddq: Array, pushes: Array | None = None, hidden: Sequence[Hidden] = ()
+) -> Array:
     """(T, 6) wrench of the payload on the sensor, without noise, zero included. q, dq, ddq: (T, 6). pushes: (T, 6)
-    wrench on the payload about the sensor's origin, in its axes."""
-    model = _model(body)
+    wrench on the payload about the sensor's origin, in its axes. hidden: what the payload does besides."""
+    body, hung = parts(body, hidden)
+    model, hose = _model(body, hung), of(hidden, "hose")
+    if hung is not None:
+        swung = slides(model, q, RATE_HZ)
+        q, dq, ddq = (np.hstack(each) for each in zip((q, dq, ddq), swung, strict=True))
     data = mujoco.MjData(model)
     site, payload = model.site("ft").id, model.body("payload").id
     out = np.empty((len(q), 6))
@@ -80,9 +90,51 @@ def simulate(body: Body, q: Array, dq: Array, ddq: Array, pushes: Array | None =
             arm = data.xipos[payload] - data.site_xpos[site]
             f = R @ pushes[k, :3]
             data.xfrc_applied[payload] = np.concatenate([f, R @ pushes[k, 3:] - np.cross(arm, f)])
+        if hose is not None:
+            mujoco.mj_kinematics(model, data)
+            R = data.site_xmat[site].reshape(3, 3)
+            mujoco.mj_comPos(model, data)
+            hold = data.site_xpos[site] + R @ np.array(hose.values["point"])
+            f = hose.values["stiffness"] * (HOSE_END - hold)
+            data.xfrc_applied[payload] += np.concatenate([f, np.cross(hold - data.xipos[payload], f)])
         mujoco.mj_inverse(model, data)
         out[k] = data.sensordata
     return -out + body.zero  # MuJoCo says what the sensor does to the payload
+
+
+def parts(body: Body, hidden: Sequence[Hidden]) -> tuple[Body, Hung | None]:
+    """What is fixed behind the sensor, and what hangs there on springs."""
+    spring, second = of(hidden, "spring"), of(hidden, "second_body")
+    if spring is not None:
+        k = float(spring.values["stiffness"])  # type: ignore[arg-type]
+        damping = 2.0 * float(spring.values["damping_ratio"]) * np.sqrt(k * body.mass)  # type: ignore[arg-type]
+        hung = Hung(body.mass, body.centre, body.inertia, k, float(damping), "xy")
+        return replace(body, mass=1e-6, centre=np.zeros(3), inertia=1e-9 * np.eye(3)), hung
+    if second is not None:
+        m = float(second.values["mass"])  # type: ignore[arg-type]
+        w = 2.0 * np.pi * float(second.values["frequency_hz"])  # type: ignore[arg-type]
+        damping = 2.0 * float(second.values["damping_ratio"]) * m * w  # type: ignore[arg-type]
+        point = np.array(second.values["point"])
+        return body, Hung(m, point, 0.005 * m * np.eye(3), m * w**2, float(damping), "xyz")
+    return body, None
+
+
+def together(body: Body, hidden: Sequence[Hidden]) -> Body:
+    """The body with what hangs on it, as if all were rigid."""
+    second = of(hidden, "second_body")
+    if second is None:
+        return body
+    fixed, hung = parts(body, hidden)
+    assert hung is not None
+    mass = fixed.mass + hung.mass
+    centre = (fixed.mass * fixed.centre + hung.mass * hung.centre) / mass
+
+    def about(m: float, c: Array, inertia: Array) -> Array:
+        d = c - centre
+        return np.asarray(inertia + m * (d @ d * np.eye(3) - np.outer(d, d)))
+
+    inertia = about(fixed.mass, fixed.centre, fixed.inertia) + about(hung.mass, hung.centre, hung.inertia)
+    return replace(body, mass=mass, centre=centre, inertia=inertia)
 
 
 def postures_motion(rng: np.random.Generator) -> tuple[Array, Array, Array]:
@@ -140,9 +192,9 @@ def measured(q: Array, wrench: Array, rng: np.random.Generator) -> tuple[Array, 
     )  # fmt: skip
 
 
-def write_payload(out: Path, seed: int) -> None:
-    """payload.yaml, arm.urdf, four logs, README.txt, and truth.json for scoring only."""
-    body = draw_body(stream(seed, "payload"))
+def write_payload(out: Path, seed: int, specs: Sequence[str] | None = None) -> None:
+    """payload.yaml, arm.urdf, five logs, README.txt, and truth.json for scoring only. specs: what is hidden."""
+    body, hidden = draw_body(stream(seed, "payload")), parse_hidden(specs or (), stream(seed, "hidden in payload"))
     (out / "logs").mkdir(parents=True, exist_ok=True)
     motions = {
         "postures": postures_motion(stream(seed, "postures")),
@@ -153,14 +205,18 @@ def write_payload(out: Path, seed: int) -> None:
     }
     for name, (q, dq, ddq) in motions.items():
         pushes = pushed(len(q)) if name == "contact" else None
-        angles, wrench = measured(q, simulate(body, q, dq, ddq, pushes), stream(seed, f"noise of {name}"))
-        columns = {"t": np.arange(len(q)) / RATE_HZ} | {f"q.{joint}": angles[:, k] for k, joint in enumerate(JOINTS)}
+        time = np.arange(len(q)) / RATE_HZ
+        read = as_read(simulate(body, q, dq, ddq, pushes, hidden), time, name, hidden)
+        angles, wrench = measured(q, read, stream(seed, f"noise of {name}"))
+        columns = {"t": time} | {f"q.{joint}": angles[:, k] for k, joint in enumerate(JOINTS)}
         columns |= {axis: wrench[:, k] for k, axis in enumerate(("fx", "fy", "fz", "mx", "my", "mz"))}
         label = {"exogauge": "SYNTHETIC: simulated with MuJoCo, measured on no robot", "seed": str(seed)}
         table = pa.table({key: pa.array(values) for key, values in columns.items()}).replace_schema_metadata(label)
         pq.write_table(table, out / "logs" / f"{name}.parquet", compression="zstd")
     (out / "arm.urdf").write_text(arm_urdf(), encoding="utf-8")
-    (out / "truth.json").write_text(json.dumps(truth(body), indent=1) + "\n", encoding="utf-8")
+    (out / "truth.json").write_text(
+        json.dumps(truth(together(body, hidden), hidden), indent=1) + "\n", encoding="utf-8"
+    )
     (out / "README.txt").write_text(
         "SYNTHETIC DATA. Nothing in this folder was measured on a robot.\n\n"
         f"Made by `exogauge sample --payload --seed {seed}` with MuJoCo: an arm of the 60 kg class, {MASS} kg behind\n"
@@ -169,7 +225,9 @@ def write_payload(out: Path, seed: int) -> None:
     )
     (out / "payload.yaml").write_text(
         "# SYNTHETIC: written by `exogauge sample --payload`, measured on no robot\n"
-        + yaml.safe_dump(payload_file(seed), sort_keys=False, width=120, default_flow_style=None),
+        + yaml.safe_dump(
+            payload_file(seed, together(body, hidden).mass), sort_keys=False, width=120, default_flow_style=None
+        ),
         encoding="utf-8",
     )  # last: a folder with it is whole
 
@@ -183,7 +241,7 @@ def pushed(samples: int) -> Array:
     return out
 
 
-def truth(body: Body) -> dict[str, object]:
+def truth(body: Body, hidden: Sequence[Hidden] = ()) -> dict[str, object]:
     return {
         "synthetic": True,
         "mass": body.mass,
@@ -191,11 +249,12 @@ def truth(body: Body) -> dict[str, object]:
         "inertia_about_sensor": body.about_sensor.tolist(),
         "zero": body.zero.tolist(),
         "tilt_deg": list(TILT_DEG),
+        "hidden": [{"effect": each.effect, "place": each.place, **each.values} for each in hidden],
         "pushes": [{"start": a, "length": b, "force": c, "point": d} for a, b, c, d in PUSHES],
     }
 
 
-def payload_file(seed: int) -> dict[str, object]:
+def payload_file(seed: int, mass: float = MASS) -> dict[str, object]:
     """payload.yaml as a tree of plain values."""
     roles = {"postures": "postures", "excitation": "excitation", "fast": "test", "slow": "test", "contact": "contact"}
     return {
@@ -216,7 +275,7 @@ def payload_file(seed: int) -> dict[str, object]:
             "noise_rad": ENCODER_NOISE,
         },
         "logs": [{"file": f"logs/{name}.parquet", "role": role} for name, role in roles.items()],
-        "ground_truth": {"mass_kg": MASS},
+        "ground_truth": {"mass_kg": mass},
     }
 
 
@@ -241,7 +300,7 @@ def arm_urdf() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _model(body: Body) -> mujoco.MjModel:
+def _model(body: Body, hung: Hung | None = None) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     U, V = np.radians(TILT_DEG)
     spec.option.gravity = GRAVITY * np.array([np.cos(U) * np.sin(V), -np.sin(U), -np.cos(U) * np.cos(V)])
@@ -257,6 +316,8 @@ def _model(body: Body) -> mujoco.MjModel:
     payload.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
     payload.explicitinertial = True
     payload.add_site(name="ft")
+    if hung is not None:
+        hang(payload, hung)
     for kind in (mujoco.mjtSensor.mjSENS_FORCE, mujoco.mjtSensor.mjSENS_TORQUE):
         spec.add_sensor(type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname="ft")
     return spec.compile()

@@ -4,6 +4,7 @@ import type { Payload, PayloadResults } from "../../api/payloads";
 import { plusMinus, significant } from "../../parts/digits";
 import { Said } from "../../parts/Said";
 import { Contacts } from "./Contacts";
+import { Missing } from "./Missing";
 import { Remainders } from "./Remainders";
 import { ValueTable } from "./ValueTable";
 
@@ -32,6 +33,7 @@ export function Results({ payload, results }: { payload: Payload; results: Paylo
         </Stack>
       </section>
       <Remainders payload={payload} results={results} />
+      <Missing missing={results.missing ?? null} />
       <Contacts results={results} />
     </>
   );

@@ -1,0 +1,1 @@
+"""What the wrench of a payload lacks beside a rigid body behind an ideal sensor: sought, judged, named or refused."""

@@ -1,0 +1,113 @@
+"""How well what was found is known: shapes beside coefficients and body, by first order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.payload.dynamics import correlation_time
+from exogauge.payload.missing.effect import Effect
+from exogauge.payload.missing.fit import SIZE, Fitted, Named, Problem, fit, in_floors, residuals, with_best_shape
+
+Array = NDArray[np.float64]
+
+STEP = 1e-4  # of differences by shapes, in shares of their ranges
+CLOSELY = 0.01  # how far from where it stands a single shape is looked for, in shares of its range
+
+
+def numbers(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> Array:
+    """What is told of one of those that were named."""
+    each = named[which]
+    return each.effect.told(problem.frame, np.array(each.shape), found.x[_place(problem, named, which)])
+
+
+def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> tuple[Array, Array]:
+    """The same, and their standard deviations. What swings is compared with what slow means say of it too."""
+    effect, shape = named[which].effect, np.array(named[which].shape)
+    own, before = _place(problem, named, which), sum(len(each.shape) for each in named[:which])
+    pick = np.r_[own, len(found.x) + before : len(found.x) + before + len(shape)]
+    C = covariance(problem, found, named)[np.ix_(pick, pick)]
+    at, n = np.concatenate([found.x[own], shape]), own.stop - own.start
+
+    def told(values: Array) -> Array:
+        return effect.told(problem.frame, values[n:], values[:n])
+
+    steps = np.concatenate([1e-4 * np.maximum(np.abs(found.x[own]), 1e-6), STEP * _ranges(effect)])
+    J = np.column_stack([(told(at + e) - told(at - e)) / (2 * h) for h, e in zip(steps, np.diag(steps), strict=True)])
+    std = np.sqrt(np.maximum(np.diag(J @ C @ J.T), 0.0))
+    if effect.name == "zero_step":  # nothing changes until the next sample is passed
+        of = next(each for each in problem.stretches if each.name == effect.of_log)
+        std[0] = float(np.median(np.diff(of.time)))
+    if len(shape) > 1:
+        std = np.hypot(std, np.abs(told(at) - _when_slow(problem, named, which)))
+    return told(at), std
+
+
+def covariance(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array:
+    """(18 + P + S,) squared of x and of all shapes, by residuals where they are more than their floors."""
+    slopes = []
+    for which, each in enumerate(named):
+        for k, width in enumerate(_ranges(each.effect)):
+            ends = []
+            for side in (-1.0, 1.0):
+                shape = list(each.shape)
+                shape[k] += side * STEP * float(width)
+                moved = [replace(one, shape=tuple(shape)) if n == which else one for n, one in enumerate(named)]
+                ends.append(_asked(problem, found, moved))
+            slopes.append((ends[1] - ends[0]) / (2 * STEP * width))
+    S = np.column_stack(slopes) if slopes else np.zeros((len(found.residual), 0))
+    across = found.root.T @ S
+    of_shapes = np.linalg.pinv(S.T @ S - across.T @ across)  # what shapes say beside all coefficients
+    lift = np.linalg.solve(found.triangle, across)
+    C = np.block([[found.covariance + lift @ of_shapes @ lift.T, -lift @ of_shapes], [-of_shapes @ lift.T, of_shapes]])
+    return np.asarray(max(found.rss / found.rows, 1.0) * C)
+
+
+def below_floor(problem: Problem, found: Fitted) -> bool:
+    """Whether the fit took more off a channel than was there to be explained: errors of the kinematics, too."""
+    sure = problem.criteria.judging.sure_above
+    moving = [
+        values for values, of in zip(in_floors(problem, found.residual), problem.stretches, strict=True) if not of.still
+    ]
+    return any(
+        bool(np.any(np.mean(each**2, axis=0) < 1.0 - sure * np.sqrt(2.0 * correlation_time(each) / len(each))))
+        for each in moving
+    )
+
+
+def _when_slow(problem: Problem, named: Sequence[Named], which: int) -> Array:
+    """The same numbers from means over many samples: errors of smoothed accelerations look like what swings."""
+    slow, others = problem.slow(), [each for k, each in enumerate(named) if k != which]
+    own = with_best_shape(slow, others, fit(slow, others), named[which].effect, [named[which].shape], CLOSELY)
+    again = [own if k == which else each for k, each in enumerate(named)]
+    return numbers(problem, fit(slow, again), again, which)
+
+
+def _asked(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array:
+    """(N,) what the model says of the rows, in their units."""
+    rows = [
+        (each.wrench - residuals(problem.frame, each, named, found.x))[each.use]
+        / (each.floor * np.sqrt(each.memory))
+        for each in problem.stretches
+    ]  # fmt: skip
+    return np.append(np.concatenate([each.reshape(-1) for each in rows]), np.zeros(SIZE))
+
+
+def _place(problem: Problem, named: Sequence[Named], which: int) -> slice:
+    """Where an effect's coefficients stand in x."""
+    sizes = [_columns(problem, each.effect) for each in named]
+    start = SIZE + sum(sizes[:which])
+    return slice(start, start + sizes[which])
+
+
+def _columns(problem: Problem, effect: Effect) -> int:
+    if effect.unit:
+        return 0
+    return int(effect.columns(problem.frame, problem.stretches[-1], effect.starts[0]).shape[2])
+
+
+def _ranges(effect: Effect) -> Array:
+    return np.array([high - low for low, high in effect.bounds])

@@ -1,0 +1,67 @@
+"""What may be missing beside a rigid body behind an ideal sensor: the columns that it adds to the rows of a stretch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.payload.missing.stretch import Stretch
+from exogauge.robots.regressor import wrench_columns
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("fx", "fy", "fz", "mx", "my", "mz")
+UNITS = ("N",) * 3 + ("N·m",) * 3
+
+
+@final
+@dataclass(frozen=True)
+class Frame:
+    """What columns are made with. gravity: (3,) [m/s²] in {B}. sign: s. body: (10,) [m, m c, I] as known so far."""
+
+    gravity: Array
+    sign: int
+    body: Array
+
+    def tilting(self, stretch: Stretch) -> Array:
+        """(T, 6, 2) of a turn of gravity by 1 rad about x and y of the base."""
+        still, columns = np.zeros((len(stretch.wrench), 3)), []
+        for axis in np.eye(3)[:2]:
+            tipped = -np.einsum("tji,j->ti", stretch.motion.rotation, np.cross(axis, self.gravity))
+            columns.append(self.sign * wrench_columns(tipped, still, still) @ self.body)
+        return np.stack(columns, axis=2)
+
+
+Columns = Callable[[Frame, Stretch, Sequence[float]], Array]
+Told = Callable[[Frame, Array, Array], Array]
+
+
+@final
+@dataclass(frozen=True)
+class Effect:
+    """columns: (T, 6, P) by its shapes, what does not enter linearly. parameters: (name, unit) of what is told; told:
+    those numbers, of shapes and coefficients (P,). bounds, starts: of the shapes. of_log: the one log that it is about.
+    retimed: its one shape is how late the wrench is [s], and it adds no column. unit: its column's coefficient is 1.
+    possible: whether such a thing can be, by what is told.
+    """
+
+    name: str
+    place: str
+    parameters: tuple[tuple[str, str], ...]
+    columns: Columns
+    told: Told
+    bounds: tuple[tuple[float, float], ...] = ()
+    starts: tuple[tuple[float, ...], ...] = ((),)
+    of_log: str | None = None
+    retimed: bool = False
+    unit: bool = False
+    possible: Callable[[Array], bool] = lambda _told: True
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers it fits."""
+        return len(self.parameters)

@@ -1,0 +1,84 @@
+"""A payload that gives way in its suckers, or a part of it that hangs on springs.
+
+What hangs at p follows the specific force b of its place: with N(s) = s² + 2 z w s + w² it sags by -b / N along the
+springs' axes, which turn with the sensor, and spring and damper pass (2 z w s + w²) / N b on instead of b.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import bilinear, lfilter, lfilter_zi
+
+from exogauge.payload.missing.effect import Effect, Frame
+from exogauge.payload.missing.stretch import Stretch
+
+Array = NDArray[np.float64]
+
+FREQUENCY = (1.0, 25.0)  # Hz: below, it swings too far; above, the sensor sees no more of it than a rigid body
+DAMPING = (0.02, 1.5)
+REACH = 1.0  # m from the sensor to what hangs
+FIRST_PLACES = [(x, y, z) for x in (-0.25, 0.25) for y in (-0.25, 0.25) for z in (0.0, 0.3)]
+
+
+def spring(axes: str) -> Effect:
+    """The payload, its mass and centre known, gives way along `axes` of the sensor."""
+
+    def columns(frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        m, c = frame.body[0], frame.body[1:4] / frame.body[0]
+        return np.asarray(frame.sign * m * hung(stretch, c, shape, axes)[:, :, None])
+
+    def told(frame: Frame, shape: Array, _value: Array) -> Array:
+        return np.array([frame.body[0] * (2 * np.pi * shape[0]) ** 2, shape[0], shape[1]])
+
+    starts = tuple((float(f), z) for f in np.geomspace(1.5, 15.0, 6) for z in (0.1, 0.5))
+    parameters = (("stiffness", "N/m"), ("frequency", "Hz"), ("damping_ratio", "1"))
+    return Effect("spring", axes, parameters, columns, told, (FREQUENCY, DAMPING), starts, unit=True)
+
+
+def second_body() -> Effect:
+    """A part that hangs on springs alike in all directions, wherever it is; its own moments of inertia left out."""
+
+    def columns(frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        return frame.sign * hung(stretch, np.array(shape[:3]), shape[3:], "xyz")[:, :, None]
+
+    def told(_frame: Frame, shape: Array, value: Array) -> Array:
+        return np.concatenate([value, shape])
+
+    starts = tuple((*place, float(f), 0.2) for place in FIRST_PLACES for f in np.geomspace(1.5, 12.0, 4))
+    parameters = (("mass", "kg"), ("x", "m"), ("y", "m"), ("z", "m"), ("frequency", "Hz"), ("damping_ratio", "1"))
+    bounds = (*((-REACH, REACH),) * 3, FREQUENCY, DAMPING)
+    return Effect(
+        "second_body", "payload", parameters, columns, told, bounds, starts,
+        possible=lambda numbers: bool(numbers[0] > 0.0),
+    )  # fmt: skip
+
+
+def hung(stretch: Stretch, p: Array, shape: Sequence[float], axes: str) -> Array:
+    """(T, 6) wrench of 1 kg that hangs at p beyond that of 1 kg fixed there, s = +1. shape: frequency [Hz], z."""
+    alpha, omega = stretch.motion.alpha, stretch.motion.omega
+    free = np.array([each in axes for each in "xyz"])
+    b = stretch.proper + np.cross(alpha, p) + np.cross(omega, np.cross(omega, p))
+    s = np.where(free, _sag(b, stretch, shape), 0.0)
+    rate = np.zeros_like(s) if stretch.still else np.gradient(s, stretch.time, axis=0)
+    felt = b + 2 * np.cross(omega, rate) + np.cross(alpha, s) + np.cross(omega, np.cross(omega, s))
+    s = np.where(free, _sag(felt, stretch, shape), 0.0)
+    f = np.where(free, _filtered(felt, stretch, shape, passing=True), felt)
+    return np.hstack([f - b, np.cross(p + s, f) - np.cross(p, b)])
+
+
+def _sag(b: Array, stretch: Stretch, shape: Sequence[float]) -> Array:
+    return -_filtered(b, stretch, shape, passing=False) / (2 * np.pi * shape[0]) ** 2
+
+
+def _filtered(values: Array, stretch: Stretch, shape: Sequence[float], *, passing: bool) -> Array:
+    """(T, 3) (2 z w s + w²) / N of values where passing, else w² / N; from rest at the first. Postures are at rest."""
+    if stretch.still:
+        return values
+    frequency, z = shape
+    w = 2 * np.pi * frequency
+    rate = 1.0 / float(np.median(np.diff(stretch.motion.time)))
+    b, a = bilinear([2 * z * w, w**2] if passing else [w**2], [1.0, 2 * z * w, w**2], rate)
+    return np.asarray(lfilter(b, a, values, axis=0, zi=lfilter_zi(b, a)[:, None] * values[0])[0])

@@ -1,0 +1,327 @@
+"""Which effects are missing: sought where the body is fitted, judged where it is not, added one by one.
+
+Evidence is that of the Bayesian information criterion: of every log and channel half the samples that count times the
+logarithm by which their mean square falls, not below the floor; less half that of the samples for every number, less
+that of all that was tried. How many samples count as one is read from what the candidate leaves: what is missing makes
+residuals remember, and nobody knows for how long before it is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.criteria import Criteria
+from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, decide
+from exogauge.payload.dynamics import correlation_time
+from exogauge.payload.missing.doubt import CLOSELY, below_floor, covariance, numbers, numbers_with_std
+from exogauge.payload.missing.effect import CHANNELS, Effect, Frame
+from exogauge.payload.missing.fit import (
+    SIZE,
+    Fitted,
+    Named,
+    Problem,
+    counted,
+    fit,
+    in_floors,
+    left_with,
+    residuals,
+    with_best_shape,
+)
+from exogauge.payload.missing.hanging import second_body, spring
+from exogauge.payload.missing.sensor_effects import (
+    delay,
+    inclination,
+    of_all_channels,
+    zero_drift,
+    zero_of_log,
+    zero_step,
+)
+from exogauge.payload.missing.stretch import Stretch
+
+Array = NDArray[np.float64]
+
+BROADLY = 0.1  # how far from its start a single shape is looked for, in shares of its range
+
+
+@final
+@dataclass(frozen=True)
+class Parameter:
+    name: str
+    unit: str
+    value: float
+    std: float
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """evidence: see above. before, after: rms of what was not fitted, in floors. rivals: (effect, place) that explain
+    these data as well. parameters: none where errors of the kinematics look like it, so that its size is not told."""
+
+    effect: str
+    place: str
+    parameters: tuple[Parameter, ...]
+    evidence: float
+    before: float
+    after: float
+    rivals: tuple[tuple[str, str], ...]
+
+
+@final
+@dataclass(frozen=True)
+class Missing:
+    """found: what was named. suspected: what takes something off, while more is left that nothing explains. decision:
+    what may be said. before, after: (6,) rms over floor by log. x, covariance: (18,) body, zero and turn of gravity
+    with what was found. tried: candidates."""
+
+    found: tuple[Finding, ...]
+    suspected: tuple[Finding, ...]
+    decision: Decision
+    before: Mapping[str, Array]
+    after: Mapping[str, Array]
+    x: Array
+    covariance: Array
+    tried: int
+
+
+@final
+@dataclass(frozen=True)
+class _Candidate:
+    named: Named
+    evidence: float
+    before: float
+    after: float
+
+
+def find_missing(
+    fitted: Sequence[Stretch], held_out: Sequence[Stretch], frame: Frame, inclined: bool, criteria: Criteria
+) -> Missing:
+    """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed."""
+    problem = Problem(fitted, frame, inclined, criteria)
+    effects = catalogue(fitted, inclined)
+    named: list[Named] = []
+    claims: list[tuple[_Candidate, tuple[tuple[str, str], ...]]] = []
+    problem, base = _settled(problem, named)
+    first_problem, first = problem, base
+    while len(named) < criteria.payload.most and _stands_out(problem, named, base):
+        best = _best(problem, named, base, effects, held_out)
+        if not best:
+            break
+        winner = best[0]
+        rivals = tuple((each.named.effect.name, each.named.effect.place) for each in best[1:]
+                       if winner.evidence - each.evidence < criteria.payload.rival)  # fmt: skip
+        named.append(winner.named)
+        claims.append((winner, rivals))
+        problem, base = _settled(problem, named)
+    found = [_told(problem, base, named, k, *claim) for k, claim in enumerate(claims)]
+    own = [each for stretch in held_out for each in _of_its_own(problem, base, named, stretch)]
+    logs = [*(each for each in fitted if not each.still), *held_out]
+    before = {each.name: _ratios(first_problem, first, [], each) for each in logs}
+    after = {each.name: _ratios(problem, base, named, each, own) for each in logs}
+    found += [finding for finding, _, _ in own]
+    seen = tuple(
+        Seen(f"{log.name}: {channel}", float(ratio), _seconds(log), _seconds(log))
+        for log in logs for channel, ratio in zip(CHANNELS, after[log.name], strict=True)
+    )  # fmt: skip
+    above = tuple(each.channel for each in seen if each.ratio > criteria.judging.above)
+    # What leaves something may stand for what stands in no list: another zero takes a part off whatever is wrong.
+    claimed, suspected = (tuple(found), ()) if not above else ((), tuple(found))
+    cannot = () if held_out else (Caveat("not_held_out"),)
+    facts = Facts(len(claimed), above, seen, cannot=cannot, judging=criteria.judging)
+    return Missing(
+        claimed, suspected, decide(facts), before, after, base.x[:SIZE],
+        covariance(problem, base, named)[:SIZE, :SIZE], len(effects),
+    )  # fmt: skip
+
+
+def catalogue(fitted: Sequence[Stretch], inclined: bool) -> list[Effect]:
+    moved = [each for each in fitted if not each.still]
+    out = [delay(), zero_drift(), second_body(), *(spring(axes) for axes in ("xy", "xz", "yz", "xyz"))]
+    out += [] if inclined else [inclination()]
+    out += of_all_channels()
+    out += [zero_of_log(each.name) for each in moved if len(fitted) > 1]
+    out += [zero_step(each.name, each.time) for each in moved]
+    return out
+
+
+def _settled(problem: Problem, named: Sequence[Named]) -> tuple[Problem, Fitted]:
+    """The fit with columns made of its own body, and with as many samples as one as their residuals remember."""
+    for _ in range(2):
+        found = fit(problem, named)
+        stretches = [
+            each if each.still else replace(each, memory=correlation_time(
+                (residuals(problem.frame, each, named, found.x) / each.floor)[each.use]))
+            for each in problem.stretches
+        ]  # fmt: skip
+        problem = problem.of(stretches).at(found.x[:10])
+    return problem, fit(problem, named)
+
+
+def _stands_out(problem: Problem, named: Sequence[Named], base: Fitted) -> bool:
+    """Whether any log's channel is above its floor by more than its samples' chance."""
+    for values in in_floors(problem, base.residual):
+        chance = np.sqrt(2.0 * correlation_time(values) / len(values))
+        if np.any(np.mean(values**2, axis=0) > 1.0 + problem.criteria.judging.sure_above * chance):
+            return True
+    return False
+
+
+def _best(
+    problem: Problem, named: Sequence[Named], base: Fitted, effects: Sequence[Effect], held_out: Sequence[Stretch]
+) -> list[_Candidate]:
+    """What may be claimed, most evidence first."""
+    taken = {(each.effect.name, each.effect.place) for each in named}
+    coarse = problem.coarse()
+    on_coarse = fit(coarse, named)
+    scored = []
+    for effect in effects:
+        if (effect.name, effect.place) in taken:
+            continue
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, BROADLY)
+        evidence = _evidence(problem, named, base, candidate, len(effects))
+        if evidence > problem.criteria.payload.worth:
+            scored.append((evidence, candidate))
+    scored.sort(key=lambda each: -each[0])
+    judged = []
+    for _, candidate in scored[: problem.criteria.payload.judged]:
+        closer = with_best_shape(problem, named, base, candidate.effect, [candidate.shape], CLOSELY)
+        evidence = _evidence(problem, named, base, closer, len(effects))
+        judged.append(_judged(problem, named, closer, evidence, held_out))
+    return sorted((each for each in judged if each is not None), key=lambda each: -each.evidence)
+
+
+def _evidence(problem: Problem, named: Sequence[Named], base: Fitted, candidate: Named, tried: int) -> float:
+    left = left_with(problem, named, base, candidate.effect, candidate.shape)
+    numbers = candidate.effect.numbers
+    gained, rows = 0.0, 0.0
+    for before, after, stretch in zip(
+        in_floors(problem, base.residual), in_floors(problem, left), problem.stretches, strict=True
+    ):
+        count = len(after) / (1.0 if stretch.still else correlation_time(after))
+        then, now = (np.maximum(np.mean(each**2, axis=0), 1.0) for each in (before, after))
+        gained += 0.5 * count * float(np.sum(np.log(then / now)))
+        rows += 6 * count
+    return gained - 0.5 * numbers * float(np.log(rows)) - float(np.log(tried))
+
+
+def _judged(
+    problem: Problem, named: Sequence[Named], candidate: Named, evidence: float, held_out: Sequence[Stretch]
+) -> _Candidate | None:
+    """None where such a thing cannot be, or what was not fitted says no."""
+    more = [*named, candidate]
+    after = fit(problem, more)
+    if not candidate.effect.possible(numbers(problem, after, more, len(named))):
+        return None
+    base, judges = problem, list(held_out)
+    if candidate.effect.of_log is not None or not judges:
+        pairs = [
+            each.halves(problem.criteria.judging.block_s) if not each.still else (each, None)
+            for each in problem.stretches
+        ]
+        base = problem.of([even for even, _ in pairs])
+        judges = [odd for _, odd in pairs if odd is not None and candidate.effect.of_log in (None, odd.name)]
+        after = fit(base, more)
+    before = _rms(base, fit(base, named), named, judges)
+    then = _rms(base, after, more, judges)
+    return _Candidate(candidate, evidence, before, then) if then < before else None
+
+
+def _rms(problem: Problem, found: Fitted, named: Sequence[Named], judges: Sequence[Stretch]) -> float:
+    squares = [((residuals(problem.frame, each, named, found.x) / each.floor)[each.use] ** 2) for each in judges]
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def _ratios(
+    problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch,
+    own: Sequence[tuple[Finding, str, Array]] = (),
+) -> Array:  # fmt: skip
+    """(6,) rms over floor; own: what was found in a held-out log alone, (T, 6)."""
+    left = residuals(problem.frame, stretch, named, found.x)
+    for _, log, wrench in own:
+        if log == stretch.name:
+            left = left - wrench
+    return np.asarray(np.sqrt(np.mean((left[stretch.use] / stretch.floor) ** 2, axis=0)))
+
+
+def _of_its_own(
+    problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch
+) -> list[tuple[Finding, str, Array]]:
+    """What is missing in one held-out log alone: its zero. Fitted on every second block, judged on the others."""
+    left = replace(stretch, wrench=residuals(problem.frame, stretch, named, found.x))
+    left = replace(left, memory=correlation_time((left.wrench / left.floor)[left.use]))
+    even, odd = left.halves(problem.criteria.judging.block_s)
+    effects = [zero_of_log(stretch.name), zero_step(stretch.name, stretch.time)]
+    own = replace(problem, stretches=[even], inclined=False).at(np.zeros(10))
+    alone = own.of([replace(even, wrench=even.wrench)])
+    base = _none(alone)
+    best: tuple[float, Named] | None = None
+    for effect in effects:
+        candidate = with_best_shape(alone, [], base, effect, effect.starts, BROADLY)
+        evidence = _evidence(alone, [], base, candidate, len(effects))
+        if evidence > problem.criteria.payload.worth and (best is None or evidence > best[0]):
+            best = evidence, candidate
+    if best is None:
+        return []
+    evidence, candidate = best
+    columns = candidate.effect.columns(problem.frame, left, candidate.shape)
+    C = (columns[even.use] / even.floor[:, None]).reshape(-1, columns.shape[2])
+    value, *_ = np.linalg.lstsq(C, (even.wrench[even.use] / even.floor).reshape(-1))
+    course = columns @ value
+    before, after = (
+        float(np.sqrt(np.mean(((odd.wrench - what) / odd.floor)[odd.use] ** 2))) for what in (0.0 * course, course)
+    )
+    if after >= before:
+        return []
+    memory = correlation_time(((even.wrench - course) / even.floor)[even.use])
+    std = np.sqrt(np.diag(np.linalg.inv(C.T @ C)) * memory)
+    told = candidate.effect.told(problem.frame, np.array(candidate.shape), np.asarray(value, dtype=np.float64))
+    period = _period(stretch)
+    stds = np.concatenate([[period] * len(candidate.shape), std])
+    parameters = tuple(
+        Parameter(name, unit, float(v), float(s))
+        for (name, unit), v, s in zip(candidate.effect.parameters, told, stds, strict=True)
+    )
+    finding = Finding(candidate.effect.name, stretch.name, parameters, evidence, before, after, ())
+    return [(finding, stretch.name, course)]
+
+
+def _none(problem: Problem) -> Fitted:
+    """Nothing fitted: the rows as they are."""
+    goal = np.concatenate([
+        (each.wrench[each.use] / (each.floor * np.sqrt(each.memory))).reshape(-1) for each in problem.stretches
+    ] + [np.zeros(SIZE)])  # fmt: skip
+    return Fitted(
+        np.zeros(SIZE), np.zeros((SIZE, SIZE)), float(goal @ goal), counted(problem.stretches),
+        np.zeros((len(goal), 0)), np.zeros((0, 0)), goal,
+    )  # fmt: skip
+
+
+def _told(
+    problem: Problem, found: Fitted, named: Sequence[Named], which: int, candidate: _Candidate,
+    rivals: tuple[tuple[str, str], ...],
+) -> Finding:  # fmt: skip
+    effect = named[which].effect
+    if len(effect.bounds) > 1 and below_floor(problem, found):
+        parameters: tuple[Parameter, ...] = ()
+    else:
+        value, std = numbers_with_std(problem, found, named, which)
+        parameters = tuple(
+            Parameter(name, unit, float(v), float(s))
+            for (name, unit), v, s in zip(effect.parameters, value, std, strict=True)
+        )
+    return Finding(
+        effect.name, effect.place, parameters, candidate.evidence, candidate.before, candidate.after, rivals
+    )  # fmt: skip
+
+
+def _seconds(stretch: Stretch) -> float:
+    return float(np.count_nonzero(stretch.use)) * _period(stretch)
+
+
+def _period(stretch: Stretch) -> float:
+    return float(np.median(np.diff(stretch.time)))

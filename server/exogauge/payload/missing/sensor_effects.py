@@ -1,0 +1,108 @@
+"""What a sensor may do besides reading the wrench: another zero, shares of other channels, a delay; and the base."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.payload.missing.effect import CHANNELS, UNITS, Effect, Frame
+from exogauge.payload.missing.stretch import Stretch
+
+Array = NDArray[np.float64]
+
+LATEST = 0.05  # s, of a wrench against its pose, either way
+STEPS = 9  # moments of a log at which a step is tried first
+
+
+def inclination() -> Effect:
+    def columns(frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        return frame.tilting(stretch)
+
+    def told(_frame: Frame, _shape: Array, value: Array) -> Array:
+        return np.degrees(value)
+
+    return Effect("inclination", "base", (("about_x", "°"), ("about_y", "°")), columns, told)
+
+
+def zero_of_log(log: str) -> Effect:
+    """Another zero throughout a log than in the others."""
+
+    def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        return _every_channel(np.full(len(stretch.wrench), float(stretch.name == log)))
+
+    return Effect("zero_of_log", log, _of_channels(), columns, _as_they_are, of_log=log)
+
+
+def zero_step(log: str, time: Array) -> Effect:
+    """The zero jumps once in a log. time: (T,) of its samples."""
+
+    def columns(_frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
+        return _every_channel(np.where(stretch.time >= shape[0], 1.0, 0.0) * (stretch.name == log))
+
+    def told(_frame: Frame, shape: Array, value: Array) -> Array:
+        return np.concatenate([shape, value])
+
+    moments = tuple((float(each),) for each in np.linspace(time[0], time[-1], STEPS + 2)[1:-1])
+    margin = 0.02 * (time[-1] - time[0])
+    parameters = (("at", "s"), *_of_channels())
+    return Effect(
+        "zero_step",
+        log,
+        parameters,
+        columns,
+        told,
+        ((float(time[0] + margin), float(time[-1] - margin)),),
+        moments,
+        log,
+    )
+
+
+def zero_drift() -> Effect:
+    """The zero moves on evenly through every log with motion."""
+
+    def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        return _every_channel(np.zeros(len(stretch.wrench)) if stretch.still else stretch.time - stretch.time[0])
+
+    return Effect("zero_drift", "sensor", _of_channels("/s"), columns, _as_they_are)
+
+
+def crosstalk(read: int, of: int) -> Effect:
+    """A channel reads a share of what another one should; of itself: a wrong gain."""
+
+    def columns(frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        out = np.zeros((len(stretch.wrench), 6, 1))
+        out[:, read, 0] = stretch.rigid[:, of] @ frame.body
+        return out
+
+    name, place = ("gain", CHANNELS[read]) if read == of else ("crosstalk", f"{CHANNELS[read]} of {CHANNELS[of]}")
+    unit = {"NN·m": "1/m", "N·mN": "m"}.get(UNITS[read] + UNITS[of], "1")
+    return Effect(name, place, (("share", unit),), columns, _as_they_are)
+
+
+def delay() -> Effect:
+    def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
+        return np.zeros((len(stretch.wrench), 6, 0))
+
+    def told(_frame: Frame, shape: Array, _value: Array) -> Array:
+        return 1e3 * shape
+
+    starts = ((-0.01,), (0.005,), (0.02,))
+    return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-LATEST, LATEST),), starts, retimed=True)
+
+
+def of_all_channels() -> list[Effect]:
+    return [crosstalk(read, of) for read in range(6) for of in range(6)]
+
+
+def _every_channel(course: Array) -> Array:
+    return np.asarray(course[:, None, None] * np.eye(6))
+
+
+def _of_channels(per: str = "") -> tuple[tuple[str, str], ...]:
+    return tuple((name, unit + per) for name, unit in zip(CHANNELS, UNITS, strict=True))
+
+
+def _as_they_are(_frame: Frame, _shape: Array, value: Array) -> Array:
+    return value

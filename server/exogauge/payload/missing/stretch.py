@@ -1,0 +1,84 @@
+"""Samples as the search for what is missing sees them: motion, wrench, the noise floor of every channel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.logs.noise import white_noise_std
+from exogauge.payload.dynamics import regressor_slopes
+from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.statics import Holds
+
+Array = NDArray[np.float64]
+
+SWINGS = 3.0  # times its error by noise, from which the halves of postures differ because something swings on
+ABOVE_MOTION = 0.6  # of half the sampling rate: no arm moves there
+
+
+@final
+@dataclass(frozen=True)
+class Stretch:
+    """name: of the log. motion, wrench (T, 6) [N, N·m]. floor: (6,) std of a sample by noise of sensor and kinematics.
+    rigid: (T, 6, 10) s A of [Payload] (4), (5); proper: (T, 3) a - g in {S}. still: means of postures. use: (T,) which
+    samples count. memory: how many of them count as one. block: samples whose mean is one row."""
+
+    name: str
+    motion: SensorMotion
+    wrench: Array
+    rigid: Array
+    proper: Array
+    floor: Array
+    use: NDArray[np.bool_]
+    still: bool = False
+    memory: float = 1.0
+    block: int = 1
+
+    @property
+    def time(self) -> Array:
+        """(T,) [s] as the log has it."""
+        return self.motion.time
+
+    def using(self, which: NDArray[np.bool_]) -> Stretch:
+        return replace(self, use=self.use & which)
+
+    def slow(self, seconds: float) -> Stretch:
+        period = float(np.median(np.diff(self.time)))
+        return replace(self, block=max(1, round(seconds / period)))
+
+    def halves(self, block_s: float) -> tuple[Stretch, Stretch]:
+        """Every second block, and the others."""
+        even = np.floor(self.time / block_s).astype(int) % 2 == 0
+        return self.using(even), self.using(~even)
+
+
+def moving_stretch(
+    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, use: NDArray[np.bool_]
+) -> Stretch:
+    """The floor is what is measured above all motion, and what the kinematics' noise makes of a body (10,)."""
+    rate = 1.0 / float(np.median(np.diff(motion.time)))
+    read = np.array([white_noise_std(each, rate, ABOVE_MOTION * rate / 2) for each in wrench.T])
+    slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
+    by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
+    return _stretch(name, motion, wrench, gravity, sign, np.sqrt(read**2 + by_motion), use)
+
+
+def still_stretch(holds: Holds, gravity: Array, sign: int) -> Stretch:
+    K = len(holds)
+    none = np.zeros((K, 3))
+    motion = SensorMotion(np.arange(K, dtype=float), holds.rotation, none, none, none, np.zeros((K, 9, 1)))
+    every = np.ones(K, dtype=bool)
+    floor = holds.std
+    if holds.unrest is not None and np.any(holds.unrest > SWINGS * holds.std):
+        floor = np.maximum(holds.std, SWINGS * holds.unrest)
+    return replace(_stretch("postures", motion, holds.wrench, gravity, sign, floor, every), still=True)
+
+
+def _stretch(
+    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, floor: Array, use: NDArray[np.bool_]
+) -> Stretch:
+    rigid = np.asarray(sign * motion.regressor(gravity))
+    return Stretch(name, motion, wrench, rigid, motion.proper_acceleration(gravity), floor, use)

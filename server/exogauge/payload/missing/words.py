@@ -1,0 +1,60 @@
+"""What was found missing, in sentences; made once, when results are written."""
+
+from __future__ import annotations
+
+from exogauge.findings.verdict import Caveat
+from exogauge.payload.missing.search import Finding, Missing
+from exogauge.studies.words.rounding import with_std
+
+EFFECTS = {
+    "inclination": "the base is inclined",
+    "zero_of_log": "the sensor's zero is another one in {place}",
+    "zero_step": "the sensor's zero jumps in {place}",
+    "zero_drift": "the sensor's zero moves on while it moves",
+    "crosstalk": "crosstalk: {place}",
+    "gain": "a wrong gain of {place}",
+    "delay": "the wrench is late against the pose",
+    "spring": "the payload gives way along {place} of the sensor",
+    "second_body": "a part of the payload hangs loose, on springs",
+}
+
+
+def said_of(finding: Finding) -> str:
+    """What, how much, and what held-out samples say."""
+    numbers = ", ".join(f"{each.name} {_pm(each.value, each.std)} {each.unit}" for each in finding.parameters)
+    size = numbers or "how much cannot be told: errors of the kinematics look like it"
+    what = name_of(finding.effect, finding.place)
+    rivals = " or ".join(name_of(*each) for each in finding.rivals)
+    rest = f" As good: {rivals}." if rivals else ""
+    gap = f"{finding.before:.2f} to {finding.after:.2f} times the noise"
+    return f"{what[0].upper()}{what[1:]}: {size}. What was not fitted goes from {gap}.{rest}"
+
+
+def name_of(effect: str, place: str) -> str:
+    return EFFECTS[effect].format(place=place)
+
+
+def verdict_of(missing: Missing) -> str:
+    """Headline."""
+    verdict = missing.decision.verdict
+    if verdict == "effects":
+        return f"Missing: {'; '.join(name_of(each.effect, each.place) for each in missing.found)}."
+    if verdict == "unexplained":
+        worst = max((float(ratios.max()), log) for log, ratios in missing.after.items())
+        return f"Something is missing that nothing here explains: up to {worst[0]:.3g} times the noise in {worst[1]}."
+    if verdict == "undecided":
+        return f"Whether something is missing cannot be told: {reason_of(missing.decision.reason)}."
+    return f"Nothing is missing above the noise; {missing.tried} effects were looked for."
+
+
+def reason_of(reason: Caveat | None) -> str:
+    if reason is not None and reason.why == "too_short":
+        return f"only {reason.value:.3g} s of motion in {reason.of}"
+    if reason is not None and reason.why == "far":
+        return f"{reason.of} stands at {reason.value:.3g} times its noise"
+    return "no motion was kept from the fit"
+
+
+def _pm(value: float, std: float) -> str:
+    shown, doubt = with_std(value, std)
+    return f"{shown} ± {doubt}"
