@@ -205,7 +205,7 @@ def _missing_in(
         tested = recording.role == "test"
         touched = [(time >= a) & (time <= b) for a, b in left_out if not tested]
         free = ~np.any(touched, axis=0) if touched else np.ones(len(time), dtype=bool)
-        stretch = moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, free)
+        stretch = moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std_of(payload), free)
         (held_out if tested else fitted).append(stretch)
     inclined = postures is not None and postures.chosen.inclined
     return find_missing(fitted, held_out, Frame(gravity, sign, body), inclined, Criteria())

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.payload.conftest import GRAVITY, case
+from tests.payload.conftest import GRAVITY, STD, case
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.payload.missing.effect import Frame
@@ -18,7 +18,7 @@ def problem():
     gravity, body = known.static.gravity, np.append(known.static.moments[0][:4], np.zeros(6))
     motion = known.motion()
     moved = moving_stretch(
-        "excitation", motion, known.excitation[1], gravity, -1, body, np.arange(len(motion.time)) % 7 > 0
+        "excitation", motion, known.excitation[1], gravity, -1, body, STD, np.arange(len(motion.time)) % 7 > 0
     )
     return Problem([still_stretch(known.holds(), gravity, -1), moved], Frame(gravity, -1, body), True, Criteria())
 

@@ -102,3 +102,23 @@ def test_a_body_that_hangs_loose_is_named_or_unexplained_and_its_size_not_told_w
     truth = hidden_in(tmp_path / "p")
     for each in missing.found:
         assert np.all(np.abs(off(each, truth | dict(zip("xyz", truth["point"], strict=True)))) < ALLOWED)
+
+
+def test_of_an_exact_wrench_nothing_is_missing(tmp_path, monkeypatch):
+    """No noise at all: what rounding and smoothing leave is less than any sensor's."""
+    from exogauge.synthetic import payload as generator
+
+    monkeypatch.setattr(generator, "measured", lambda q, wrench, _rng: (q, wrench))
+    missing = found_in(tmp_path / "p", 3).missing
+    assert not missing.found
+    assert all(np.isfinite(each).all() for each in missing.after.values())
+
+
+def test_without_a_log_that_was_kept_from_the_fit_nothing_is_called_nothing(tmp_path):
+    write_payload_sample(tmp_path / "p", 3)
+    file = tmp_path / "p" / "payload.yaml"
+    kept = [line for line in file.read_text(encoding="utf-8").splitlines() if "role: test" not in line]
+    file.write_text("\n".join(kept), encoding="utf-8")
+    missing = evaluate(open_payload(tmp_path / "p")).missing
+    assert missing.decision.verdict == "undecided"
+    assert missing.decision.reason.why == "not_held_out"

@@ -22,7 +22,7 @@ LOOSE = np.array([1e3, *[1e3] * 3, *[1e3] * 6, *[1e4] * 6])  # std of what is no
 TILT = np.radians(10.0)  # std of a turn that is sought at all
 TRIALS = 40  # of the search for a shape, per shape
 EVERY = 5  # sample of a motion, where shapes are chosen
-LEVEL = 1e-9  # rad: of a turn that is not sought
+LEVEL = 1e-9  # kg, N, rad: of what is not sought
 SWALLOWED = 1e-6  # of a column's square: what is left of less beside the body says nothing
 
 
@@ -54,12 +54,13 @@ class Fitted:
 @dataclass(frozen=True)
 class Problem:
     """stretches: what is fitted. frame: of the columns. inclined: whether the base's inclination is a parameter.
-    criteria: what decides."""
+    criteria: what decides. known: whether body and zero are, so that nothing of them is fitted."""
 
     stretches: Sequence[Stretch]
     frame: Frame
     inclined: bool
     criteria: Criteria
+    known: bool = False
 
     def at(self, body: Array) -> Problem:
         return replace(self, frame=replace(self.frame, body=body))
@@ -80,7 +81,8 @@ class Problem:
 def fit(problem: Problem, named: Sequence[Named]) -> Fitted:
     Z, y = stacked(problem, named)
     prior = np.zeros((SIZE, Z.shape[1]))
-    np.fill_diagonal(prior, 1.0 / np.append(LOOSE, [TILT if problem.inclined else LEVEL] * 2))
+    loose = np.append(LOOSE, [TILT if problem.inclined else LEVEL] * 2)
+    np.fill_diagonal(prior, 1.0 / np.minimum(loose, LEVEL if problem.known else np.inf))
     root, R = np.linalg.qr(np.vstack([Z, prior]))
     goal = np.append(y, np.zeros(SIZE))
     x = np.linalg.solve(R, root.T @ goal)

@@ -25,7 +25,6 @@ from exogauge.payload.missing.fit import (
     Fitted,
     Named,
     Problem,
-    counted,
     fit,
     in_floors,
     left_with,
@@ -251,54 +250,16 @@ def _ratios(
 def _of_its_own(
     problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch
 ) -> list[tuple[Finding, str, Array]]:
-    """What is missing in one held-out log alone: its zero. Fitted on every second block, judged on the others."""
+    """What is missing in one held-out log alone, its zero, and its course (T, 6); the body stays as it is."""
     left = replace(stretch, wrench=residuals(problem.frame, stretch, named, found.x))
-    left = replace(left, memory=correlation_time((left.wrench / left.floor)[left.use]))
-    even, odd = left.halves(problem.criteria.judging.block_s)
-    effects = [zero_of_log(stretch.name), zero_step(stretch.name, stretch.time)]
-    own = replace(problem, stretches=[even], inclined=False).at(np.zeros(10))
-    alone = own.of([replace(even, wrench=even.wrench)])
-    base = _none(alone)
-    best: tuple[float, Named] | None = None
-    for effect in effects:
-        candidate = with_best_shape(alone, [], base, effect, effect.starts, BROADLY)
-        evidence = _evidence(alone, [], base, candidate, len(effects))
-        if evidence > problem.criteria.payload.worth and (best is None or evidence > best[0]):
-            best = evidence, candidate
-    if best is None:
+    alone, base = _settled(replace(problem, stretches=[left], known=True), [])
+    best = _best(alone, [], base, [zero_of_log(stretch.name), zero_step(stretch.name, stretch.time)], [])
+    if not best:
         return []
-    evidence, candidate = best
-    columns = candidate.effect.columns(problem.frame, left, candidate.shape)
-    C = (columns[even.use] / even.floor[:, None]).reshape(-1, columns.shape[2])
-    value, *_ = np.linalg.lstsq(C, (even.wrench[even.use] / even.floor).reshape(-1))
-    course = columns @ value
-    before, after = (
-        float(np.sqrt(np.mean(((odd.wrench - what) / odd.floor)[odd.use] ** 2))) for what in (0.0 * course, course)
-    )
-    if after >= before:
-        return []
-    memory = correlation_time(((even.wrench - course) / even.floor)[even.use])
-    std = np.sqrt(np.diag(np.linalg.inv(C.T @ C)) * memory)
-    told = candidate.effect.told(problem.frame, np.array(candidate.shape), np.asarray(value, dtype=np.float64))
-    period = _period(stretch)
-    stds = np.concatenate([[period] * len(candidate.shape), std])
-    parameters = tuple(
-        Parameter(name, unit, float(v), float(s))
-        for (name, unit), v, s in zip(candidate.effect.parameters, told, stds, strict=True)
-    )
-    finding = Finding(candidate.effect.name, stretch.name, parameters, evidence, before, after, ())
-    return [(finding, stretch.name, course)]
-
-
-def _none(problem: Problem) -> Fitted:
-    """Nothing fitted: the rows as they are."""
-    goal = np.concatenate([
-        (each.wrench[each.use] / (each.floor * np.sqrt(each.memory))).reshape(-1) for each in problem.stretches
-    ] + [np.zeros(SIZE)])  # fmt: skip
-    return Fitted(
-        np.zeros(SIZE), np.zeros((SIZE, SIZE)), float(goal @ goal), counted(problem.stretches),
-        np.zeros((len(goal), 0)), np.zeros((0, 0)), goal,
-    )  # fmt: skip
+    own = [best[0].named]
+    alone, base = _settled(alone, own)
+    course = left.wrench - residuals(alone.frame, left, own, base.x)
+    return [(_told(alone, base, own, 0, best[0], ()), stretch.name, course)]
 
 
 def _told(
@@ -320,8 +281,4 @@ def _told(
 
 
 def _seconds(stretch: Stretch) -> float:
-    return float(np.count_nonzero(stretch.use)) * _period(stretch)
-
-
-def _period(stretch: Stretch) -> float:
-    return float(np.median(np.diff(stretch.time)))
+    return float(np.count_nonzero(stretch.use)) * float(np.median(np.diff(stretch.time)))
