@@ -17,6 +17,7 @@ Picture = npt.NDArray[np.int16]
 DRAWN_MS = 180_000  # without a graphics card, on a busy machine
 TRIES = 60
 SAME = 12  # of 255: what the rounding of a drawing may differ by
+COARSE, ALIKE = 4, 24  # pixels of a side, of 255: a busy view draws with fewer points, and every edge is softer then
 HEAR = """window.heard = []; window.addEventListener("message", ({data}) => {
   if (["loaded", "time", "settled"].includes(data?.type)) window.heard.push(data);
 });"""
@@ -71,8 +72,8 @@ def picture(page: Page) -> Picture:
 
 
 def is_again(page: Page, before: Picture, share: float = 0.001) -> bool:
-    """Whether the view comes to look as it did, but for a share of the pixels; a busy machine takes a while."""
-    return any(differing(before, picture(page)) < share for _ in range(TRIES))
+    """Whether the view comes to look as it did, but for a share of its parts; a busy machine takes a while."""
+    return any(changed(before, picture(page)) < share for _ in range(TRIES))
 
 
 def shot(page: Page) -> Picture:
@@ -83,6 +84,16 @@ def differing(one: Picture, other: Picture) -> float:
     """Share of the pixels that differ. A picture is cut at whole pixels, and so may have a row more."""
     height, width = (min(one.shape[k], other.shape[k]) for k in (0, 1))
     return float((np.abs(one[:height, :width] - other[:height, :width]).max(axis=2) > SAME).mean())
+
+
+def changed(one: Picture, other: Picture) -> float:
+    """Share of the view's small squares whose mean colour differs: a thing that is there or not, or elsewhere."""
+    height, width = (min(one.shape[k], other.shape[k]) // COARSE * COARSE for k in (0, 1))
+    means = [
+        each[:height, :width].reshape(height // COARSE, COARSE, width // COARSE, COARSE, 3).mean(axis=(1, 3))
+        for each in (one, other)
+    ]
+    return float((np.abs(means[0] - means[1]).max(axis=2) > ALIKE).mean())
 
 
 def drawn(seen: Picture) -> float:

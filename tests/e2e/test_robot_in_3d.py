@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from playwright.sync_api import expect
-from tests.e2e.robot_in_3d import TRIES, differing, drawn, is_again, listen, picture, said, stopped_at, wait_until_drawn
+from tests.e2e.robot_in_3d import TRIES, changed, differing, drawn, is_again, listen, picture, said, stopped_at, wait_until_drawn
 from tests.e2e.test_review import LOG, time_axis
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def test_it_is_drawn_and_stands_where_the_cursor_is(robot: Page) -> None:
     wanted = hover(robot, 0.5)
     bent = picture(robot)
     wait_until_read_at(robot, wanted)
-    assert differing(upright, bent) > 0.01
+    assert changed(upright, bent) > 0.01
     hover(robot, 0.02)
     assert is_again(robot, upright)
 
@@ -127,7 +127,7 @@ def test_the_joint_where_the_model_lacked_something_is_marked(
     marks.uncheck()
     without = picture(robot)
     marks.check()
-    assert 0.0001 < differing(without, picture(robot)) < 0.2
+    assert 0.001 < changed(without, picture(robot)) < 0.2
     marks.uncheck()
     assert is_again(robot, without)
     marks.check()
