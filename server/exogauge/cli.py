@@ -347,6 +347,19 @@ def send_payload(options: argparse.Namespace, ask: Callable[[Client, Payload], J
     return 0
 
 
+def log_beside(options: argparse.Namespace) -> Path:
+    """The log as it is named, or as payload.yaml's folder has it."""
+    from exogauge.errors import BadInput, Fault
+
+    folder = options.payload if options.payload.is_dir() else options.payload.parent
+    for each in (options.log, folder / options.log, folder / "logs" / options.log):
+        if each.is_file():
+            return Path(each)
+    raise BadInput(
+        Fault("there is no such file", "no_file", "Name it from here, or from payload.yaml.", str(options.log))
+    )
+
+
 def follow_payload(options: argparse.Namespace) -> int:
     """1 when a sample was refused."""
     import json
@@ -357,7 +370,7 @@ def follow_payload(options: argparse.Namespace) -> int:
     from exogauge.payload.live_text import lines, written
 
     stream = Stream(*open_start(options.payload), options.rate)
-    messages = from_lines(sys.stdin, stream) if options.log is None else from_log(options.log, stream)
+    messages = from_lines(sys.stdin, stream) if options.log is None else from_log(log_beside(options), stream)
     with ExitStack() as opened:
         if options.out is not None:
             messages = written(messages, opened.enter_context(options.out.open("w", encoding="utf-8")))

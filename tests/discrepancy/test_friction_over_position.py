@@ -23,7 +23,7 @@ A, B = 0.9, -0.6  # [N·m]
 class PositionFriction:
     """τ = -(a cos θ + b sin θ) sgn θ̇: a bearing that is squeezed more at some angles than at others."""
 
-    name = "position_friction"
+    name = "friction_of_this_test"
     words = "friction that changes with the position"
     place = "joint"
     sentence = "Friction is larger at some positions than at others."
@@ -54,7 +54,7 @@ def found(identified, study, on_joint):
 
 def test_it_is_named_alone_at_its_joint_with_its_numbers(found):
     (finding,) = found
-    assert (finding.effect, finding.place.name) == ("position_friction", "j2")
+    assert (finding.effect, finding.place.name) == ("friction_of_this_test", "j2")
     sine = finding.parameters["tau_b_sin"]
     assert abs(sine.value - B) < 4.0 * sine.std  # the cosine shares its mean with Coulomb friction
 

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from playwright.sync_api import expect
-from tests.e2e.robot_in_3d import TRIES, changed, differing, drawn, is_again, listen, picture, said, stopped_at, wait_until_drawn
+from tests.e2e.robot_in_3d import (
+    TRIES,
+    changed,
+    differing,
+    drawn,
+    is_again,
+    listen,
+    picture,
+    said,
+    stopped_at,
+    wait_until_drawn,
+)
 from tests.e2e.test_review import LOG, time_axis
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from exogauge.errors import BadInput
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES
 from exogauge.payload.exports.body import TENSOR, body_of, in_flange
 from exogauge.payload.exports.formats import FORMATS, export, read_results
-from exogauge.payload.results import DynamicResults, PayloadResults, Value
+from exogauge.payload.results import DynamicResults, MissingResults, PayloadResults, Value
 
 Array = NDArray[np.float64]
 CENTRAL = np.array([[0.31, 0.02, -0.03], [0.02, 0.22, 0.05], [-0.03, 0.05, 0.17]])
@@ -152,6 +152,22 @@ def test_every_format_says_its_frame_and_stays_whole_with_any_name(name: str) ->
     if name in ("ur", "kuka", "abb"):
         assert text.isascii()
         assert len([line for line in text.splitlines() if line[0] not in "#;!"]) == 1
+
+
+@pytest.mark.parametrize("name", [each for each in FORMATS if each not in ("json", "csv")])
+def test_that_something_is_missing_beside_the_rigid_body_is_said_where_it_is_used(name: str) -> None:
+    missing = MissingResults(
+        verdict="effects",
+        reason=None,
+        found=[],
+        suspected=[],
+        left={},
+        values=[],
+        candidates=9,
+        said="Missing: a delay.",
+    )
+    assert "a delay" in export(found(missing=missing), name)
+    assert "a delay" not in export(found(missing=missing.model_copy(update={"verdict": "none"})), name)
 
 
 def test_without_an_inertia_only_formats_that_allow_it_are_written() -> None:

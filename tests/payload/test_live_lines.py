@@ -62,8 +62,8 @@ def test_a_stream_begins_with_what_the_logs_say(begun: tuple[PayloadFile, Start]
 def test_a_log_is_followed_and_its_pushes_are_told_with_their_times(
     sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    log, out = sample / "logs" / "contact.parquet", tmp_path / "wrench.csv"
-    assert main(["payload", "live", str(sample), "--log", str(log), "--out", str(out)]) == 0
+    log, out = "contact.parquet", tmp_path / "wrench.csv"
+    assert main(["payload", "live", str(sample), "--log", log, "--out", str(out)]) == 0
     told = capsys.readouterr().out
     contacts = [line for line in told.splitlines() if line.startswith("contact ")]
     assert len(contacts) == len(generator.PUSHES)
@@ -126,6 +126,11 @@ def test_what_cannot_be_read_is_told_and_counted_and_the_rest_goes_on(
 def test_a_column_that_a_log_lacks_is_named(sample: Path, tmp_path: Path) -> None:
     (tmp_path / "short.csv").write_text("t,q.a1,fx\n0,1,2\n0.004,1,2\n")
     assert main(["payload", "live", str(sample), "--log", str(tmp_path / "short.csv")]) == 2
+
+
+def test_a_log_that_is_not_there_is_named_with_advice(sample: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["payload", "live", str(sample), "--log", "nowhere.csv"]) == 2
+    assert "nowhere.csv" in capsys.readouterr().err
 
 
 def test_samples_are_counted_by_number_and_by_time() -> None:

@@ -26,7 +26,8 @@ LONGEST_ARM_M = 10.0  # of a pose in the flange: farther, it is in mm
 class Body:
     """mass [kg]; centre (3,) [m]; inertia (3, 3) [kg·m²] about the centre of mass, axes of `frame`, None where the data
     do not decide it. covariance: (10, 10) of [m, c, I_c as TENSOR], (4, 4) without inertia. possible: whether the
-    estimate was no possible body, so that these are the values of the likeliest one that is."""
+    estimate was no possible body, so that these are the values of the likeliest one that is. lacking: what a rigid body
+    lacks that was found beside it, and is not in these values."""
 
     name: str
     frame: str
@@ -35,6 +36,7 @@ class Body:
     inertia: Array | None
     covariance: Array
     possible: bool = False
+    lacking: str = ""
 
     @property
     def std(self) -> Array:
@@ -83,7 +85,9 @@ def body_of(found: PayloadResults) -> Body:
             J = J[:4]
         covariance = J @ C @ J.T
         moved = found.dynamic.possible is not None
-        return Body(found.name, found.frame, m, h / m, inertia if decided else None, covariance, moved)
+        missing = found.missing
+        lacking = missing.said if missing and missing.verdict in ("effects", "unexplained") else ""
+        return Body(found.name, found.frame, m, h / m, inertia if decided else None, covariance, moved, lacking)
     if found.static is None:
         raise BadInput(Fault("these results hold no payload", "no_payload", "Run the identification again."))
     x = {v.name: v.value for v in found.static.values}

@@ -38,7 +38,8 @@ def verdict_of(missing: Missing) -> str:
     """Headline."""
     verdict = missing.decision.verdict
     if verdict == "effects":
-        return f"Missing: {'; '.join(name_of(each.effect, each.place) for each in missing.found)}."
+        named = "; ".join(name_of(each.effect, each.place) for each in missing.found)
+        return f"Missing: {named}. All other numbers here are without it; `missing.values` are with it."
     if verdict == "unexplained":
         worst = max((float(ratios.max()), log) for log, ratios in missing.after.items())
         return f"Something is missing that nothing here explains: up to {worst[0]:.3g} times the noise in {worst[1]}."
