@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor
 from exogauge.api.live_hub import Hub, Running, greet
+from exogauge.api.live_watch import Watcher
 from exogauge.api.problems import of_error
 from exogauge.api.results import ANY_FILE, file_response
 from exogauge.api.shapes import Answer, ListOf
@@ -86,6 +87,27 @@ async def follow(client: WebSocket, payload_id: str) -> None:
     finally:
         if running.client in (client, None):
             running.client, running.taken = None, False
+
+
+@router.websocket("/live/payload/{payload_id}/watch")
+async def watch(client: WebSocket, payload_id: str, stream: str = "") -> None:
+    """Every answer that the stream's writer gets from now on, for others to see; nothing is taken from them."""
+    hub: Hub = client.app.state.live
+    try:
+        running = await hub.watch(_id(payload_id, "payload_id"), _id(stream, "stream"))
+    except ExogaugeError as error:
+        await client.send_denial_response(of_error(error, client.url.path))
+        return
+    watcher = Watcher()
+    watcher.offer(json.dumps({"type": "stream", "stream": running.key, "rate_hz": running.rate_hz}))
+    running.watchers.add(watcher)
+    try:
+        await client.accept()
+        await watcher.serve(client)
+    except (ConnectionError, TimeoutError, WebSocketDisconnect, RuntimeError):
+        pass  # gone or going
+    finally:
+        running.watchers.discard(watcher)
 
 
 async def attached(client: WebSocket, payload_id: str) -> Running:

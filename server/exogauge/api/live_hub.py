@@ -18,17 +18,20 @@ from typing import Any, Literal, final
 from fastapi import WebSocket
 from starlette.concurrency import run_in_threadpool
 
+from exogauge.api.live_watch import Watcher
 from exogauge.blas_threads import one_thread
 from exogauge.errors import Conflict, Fault, NotFound, Unavailable
 from exogauge.payload.live_frames import CLIENT_TEXT, CONTROL, Frames, framed
 from exogauge.settings import Settings
 from exogauge.storage.blobs import disk
 from exogauge.storage.live_streams import Counts
+from exogauge.storage.records import LiveStreamRecord
 from exogauge.storage.store import Storage
 
 log = logging.getLogger(__name__)
 
 SEND_S = 10.0  # for which a client may leave what it is told unread
+MOST_WATCHERS = 16  # of one stream: what one answer may cost the loop that all streams share
 KEPT_EVERY_S = 5.0  # between two times that the counts go to the database
 PROCESS = (sys.executable, "-m", "exogauge.payload.live_process")
 DIED = Fault(
@@ -45,6 +48,7 @@ class Running:
         self.key, self.folder, self.rate_hz = key, folder, rate_hz
         self.taken = True  # by a writer, who may not be connected yet
         self.client: WebSocket | None = None
+        self.watchers = set[Watcher]()
         self.counts: Mapping[str, Any] = {}
         self.ended: Mapping[str, Any] | None = None
         self.refused = False
@@ -92,7 +96,9 @@ class Running:
             await self.leave(said["close"])
 
     async def tell(self, text: str) -> None:
-        """The client, if there is one and it listens."""
+        """Those who watch, and the client, if there is one and it listens."""
+        for watcher in self.watchers:
+            watcher.offer(text)
         client = self.client
         if client is None:
             return
@@ -105,10 +111,17 @@ class Running:
                 await client.close(1008)
 
     async def leave(self, code: int) -> None:
+        """The client. Who watches stays: somebody may take the stream up again."""
         client, self.client = self.client, None
         if client is not None:
             with contextlib.suppress(Exception):
                 await client.close(code)
+
+    async def over(self, code: int) -> None:
+        """For all who are there."""
+        for watcher in self.watchers:
+            watcher.over(code)
+        await self.leave(code)
 
     def _keep_counts(self, storage: Storage) -> None:
         with contextlib.suppress(Unavailable), storage.transaction() as store:
@@ -175,6 +188,18 @@ class Hub:
         self._later(self._follow(running))
         return running
 
+    async def watch(self, payload_id: str, key: str) -> Running:
+        """A stream that runs, to look at. Raises NotFound, Conflict, Unavailable."""
+        found = await run_in_threadpool(self._found, payload_id, key)
+        running = self._running.get(key)
+        if running is None and found.state == "open":
+            raise Conflict(f"nobody sends stream {key} now; watch it when its writer is back")
+        if running is None:
+            raise Conflict(f"stream {key} has ended; GET /api/v1/streams/{key}/log is what came")
+        if len(running.watchers) >= MOST_WATCHERS:
+            raise Unavailable(f"{MOST_WATCHERS} watch stream {key}, as many as may")
+        return running
+
     def _new(self, payload_id: str, rate_hz: float) -> str:
         with self._storage.transaction() as store:
             key = store.live_streams.begin(payload_id, summary={"rate_hz": rate_hz}).id
@@ -184,13 +209,17 @@ class Hub:
 
     def _old(self, payload_id: str, key: str) -> float:
         """Its rate. Of a stream whose process, or server, is no more."""
+        found = self._found(payload_id, key)
+        if found.state != "open" or not (self._folder / key).is_dir():
+            raise Conflict(f"stream {key} has ended; begin another")
+        return float(found.summary["rate_hz"])
+
+    def _found(self, payload_id: str, key: str) -> LiveStreamRecord:
         with self._storage.reading() as store:
             found = store.live_streams.get(key)
         if found.payload_id != payload_id:
             raise NotFound(f"payload {payload_id} has no stream {key}")
-        if found.state != "open" or not (self._folder / key).is_dir():
-            raise Conflict(f"stream {key} has ended; begin another")
-        return float(found.summary["rate_hz"])
+        return found
 
     async def _follow(self, running: Running) -> None:
         await running.listen(self._storage)
@@ -198,18 +227,18 @@ class Hub:
             await run_in_threadpool(self._end, running.key, running.row(), "ended")
             del self._running[running.key]
             await running.tell(json.dumps({**running.ended, "stream": running.key}))
-            await running.leave(1000)
+            await running.over(1000)
         elif running.refused:
             await run_in_threadpool(self._end, running.key, running.row(), "ended")
             del self._running[running.key]
-            await running.leave(1008)
+            await running.over(1008)
         else:
             assert running.process is not None
             log.warning("the process of stream %s ended with code %s", running.key, running.process.returncode)
             del self._running[running.key]
             told = {"type": "error", "detail": DIED.detail, "rule": DIED.rule, "advice": DIED.advice, "faults": 1}
             await running.tell(json.dumps(told))
-            await running.leave(1011)
+            await running.over(1011)
             await self._bury(running.key, running.row())
         running.stop()
 

@@ -18,6 +18,7 @@ import { useJob, type Job } from "../study/jobs";
 import { Exports } from "./Exports";
 import { factsOf, identifies } from "./facts";
 import { In3D } from "./In3D";
+import { Live } from "./Live";
 import { Plans } from "./Plans";
 import { Results } from "./Results";
 
@@ -35,6 +36,7 @@ export function Component() {
       <Stack gap="xl">
         {identifies(found) && (jobs.data.length ? <Identified payload={found} jobs={jobs.data} /> : <NotYet payload={found} refetch={jobs.refetch} />)}
         {found.summary.plan && <Plans payload={found} />}
+        <Live payload={found} />
         {found.summary.pose === "joints" && <In3D payload={found} />}
         <section aria-labelledby="handed-in">
           <Title order={2} size="h3" id="handed-in" mb="sm">

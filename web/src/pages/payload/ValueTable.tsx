@@ -6,7 +6,7 @@ import { Uncertain } from "../../parts/Uncertain";
 import { number, WideTable } from "../../parts/WideTable";
 
 const METHODS = ["ls", "tls", "gtls"] as const;
-const NAMES: Record<string, string> = {
+export const NAMES: Record<string, string> = {
   m: "mass m", mx: "m c_x", my: "m c_y", mz: "m c_z", cx: "centre c_x", cy: "centre c_y", cz: "centre c_z",
   fx0: "zero f_x", fy0: "zero f_y", fz0: "zero f_z", mx0: "zero τ_x", my0: "zero τ_y", mz0: "zero τ_z",
   U: "inclination U", V: "inclination V",

@@ -1,0 +1,111 @@
+import { Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
+import { useMemo } from "react";
+
+import { useWatched, type Alarm, type LiveStream, type Watched } from "../../api/live";
+import { fixed, isNumber, NONE, plusMinus, significant } from "../../parts/digits";
+import { FactList } from "../../parts/FactList";
+import { TimePlot } from "../../parts/TimePlot";
+import { Uncertain } from "../../parts/Uncertain";
+import { When } from "../../parts/When";
+import { number, WideTable } from "../../parts/WideTable";
+import { NAMES } from "./ValueTable";
+
+const AXES = ["x", "y", "z"];
+const LOST = ["missing", "doubled", "out_of_order", "refused"];
+
+/** A stream that runs: the contact wrench of the last 20 s, alarms, and what is known of the payload by now. */
+export function LiveView({ stream }: { stream: LiveStream }) {
+  const seen = useWatched(stream.payload_id, stream.id);
+  const marks = useMemo(() => seen.alarms.filter(({ to }) => to >= (seen.t[0] ?? Infinity)).map(({ from, to }) => ({ from: Math.max(from, seen.t[0]!), to })), [seen]);
+  const [force, moment] = useMemo(
+    () => [0, 3].map((first) => AXES.map((axis, k) => ({ name: `${first ? "τ" : "f"}_${axis}`, values: seen.wrench[first + k]!, look: k }))),
+    [seen],
+  );
+  const touched = seen.alarms.at(-1)?.lasts === true;
+  return (
+    <Paper withBorder p="md" component="article" aria-label="Running stream" data-live={stream.id}>
+      <Title order={3} size="h4" mb="xs">
+        Running since <When at={stream.started_at} />
+      </Title>
+      <Stack gap="md">
+        {seen.line === "opening" && <Text size="sm">Waiting for the first answer of the stream.</Text>}
+        {seen.line === "closed" && <Text size="sm">The line is closed: what is shown is old. It is tried again every 3 s.</Text>}
+        <FactList facts={factsOf(seen, touched)} />
+        {seen.t.length > 0 && (
+          <SimpleGrid cols={{ base: 1, md: 2 }}>
+            <TimePlot label="Contact force of the last 20 s; alarms are marked" unit="N" t={seen.t} lines={force!} marks={marks} />
+            <TimePlot label="Contact moment of the last 20 s; alarms are marked" unit="N·m" t={seen.t} lines={moment!} marks={marks} />
+          </SimpleGrid>
+        )}
+        {seen.alarms.length > 0 && <Alarms alarms={seen.alarms} />}
+        {seen.payload && <Known seen={seen} />}
+      </Stack>
+    </Paper>
+  );
+}
+
+function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean): [string, string][] {
+  const now = seen.wrench.slice(0, 3).map((trace) => trace.at(-1));
+  const force = now.every(isNumber) ? (now as number[]) : null;
+  const size = force && Math.hypot(...force);
+  const facts: [string, string][] = [
+    ["Alarm", touched ? "something touches" : "none"],
+    ["Contact force [N]", force ? force.map((value, k) => `${AXES[k]} ${plusMinus(value, seen.std[k])}`).join(", ") : NONE],
+    ["Size and direction", touched && force && size ? `${significant(size)} N towards (${force.map((value) => fixed(value / size, 2)).join(", ")})` : "no more than chance"],
+  ];
+  if (payload) {
+    const { counts } = payload;
+    facts.push(
+      ["State", payload.state],
+      ["Counts as contact from", `${significant(payload.threshold_n)} N`],
+      ["μ", plusMinus(payload.mu, payload.mu_std)],
+      ["Samples", `${counts["taken"]} taken, ${LOST.reduce((sum, name) => sum + (counts[name] ?? 0), 0)} dropped, ${counts["late"]} late`],
+    );
+  }
+  if (missed) facts.push(["Not shown", `${missed} answers came faster than this page took them`]);
+  if (error) facts.push(["Last fault", error]);
+  return facts;
+}
+
+function Alarms({ alarms }: { alarms: Alarm[] }) {
+  return (
+    <WideTable label="Alarms" mostHeight="14rem" columns={[number("From", "s"), number("To", "s"), number("f_x", "N"), number("f_y", "N"), number("f_z", "N"), number("largest |f|", "N")]}>
+      {[...alarms].reverse().map(({ from, to, lasts, force }) => (
+        <Table.Tr key={from} data-alarm={lasts ? "lasts" : "over"}>
+          <Table.Td data-number>{fixed(from, 2)}</Table.Td>
+          <Table.Td data-number>{lasts ? "lasts" : fixed(to, 2)}</Table.Td>
+          {[...force, Math.hypot(...force)].map((value, k) => (
+            <Table.Td key={k} data-number>
+              {significant(value)}
+            </Table.Td>
+          ))}
+        </Table.Tr>
+      ))}
+    </WideTable>
+  );
+}
+
+/** Φ and the sensor's zero, with what they were when watching began: standard deviations shrink. */
+function Known({ seen: { payload, first } }: { seen: Watched }) {
+  if (!payload || !first) return null;
+  return (
+    <WideTable label="Known by now" mostHeight="20rem" columns={["Quantity", number("Now ± std"), number("std when watching began"), number("std now"), "Remark"]}>
+      {Object.entries(payload.value).map(([name, value]) => (
+        <Table.Tr key={name} data-known={name}>
+          <Table.Th scope="row">{NAMES[name] ?? name}</Table.Th>
+          <Table.Td data-number>
+            <Uncertain value={value} std={payload.std[name]} unit={unitOf(name)} />
+          </Table.Td>
+          <Table.Td data-number>{significant(first.std[name], 2)}</Table.Td>
+          <Table.Td data-number>{significant(payload.std[name], 2)}</Table.Td>
+          <Table.Td>{payload.decided.includes(name) ? "" : "not decided"}</Table.Td>
+        </Table.Tr>
+      ))}
+    </WideTable>
+  );
+}
+
+function unitOf(name: string): string {
+  if (name.endsWith("0")) return name.startsWith("f") ? "N" : "N·m";
+  return name === "m" ? "kg" : name.startsWith("I") ? "kg·m²" : "kg·m";
+}
