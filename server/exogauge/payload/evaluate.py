@@ -27,7 +27,7 @@ from exogauge.payload.imu import ImuFrame, find_axes, find_lag
 from exogauge.payload.intake import Payload
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing
-from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
+from exogauge.payload.missing.stretch import moving_stretch, still_stretch
 from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import (
@@ -49,7 +49,6 @@ STEEP = np.radians(15.0)  # a base inclined more than that is a wrong pose, grav
 LONG = 3.0  # m from the sensor to a centre of mass: beyond, moments are in other units
 PUSH_MARGIN_S = 0.2  # left out on either side of a contact
 MOST_PUSHED = 0.3  # of the excitation: more is no contact but a model that does not hold
-TOUCHED = "Something touched the payload in the excitation"
 RELEASED = 1000.0  # N, N·m: std of a zero that is not that of the postures
 
 
@@ -149,8 +148,8 @@ def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda s
     progress(0.7, "what is left")
     compensation = _compensation(payload, postures, excitation, gravity, sign)
     ignoring = _level(payload, postures, moved) if payload.of("test") else None
-    for recording in payload.of("test"):
-        test = moving(payload, recording, gravity, imu)
+    tested = [moving(payload, recording, gravity, imu) for recording in payload.of("test")]
+    for recording, test in zip(payload.of("test"), tested, strict=True):
         ways = {"all": compensation.external(test.motion, test.wrench)}
         if ignoring is not None and postures is not None:
             ways["level"] = ignoring.external(test.motion, test.wrench)
@@ -170,45 +169,39 @@ def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda s
         period = float(np.median(np.diff(touched.motion.time)))
         limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
         thresholds[recording.name] = float(limit.max())
-    missing = _missing(payload, postures, excitation, gravity, sign, warnings) if excitation else None
+    missing = _missing(payload, postures, excitation, moved, tested, gravity, sign) if excitation else None
+    if excitation and excitation.left_out and not (missing and missing.found):
+        spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
+        warnings.append(f"Something touched the payload in the excitation; left out: {spans}.")
     return Evaluation(
         payload, sign, postures, excitation, tests, touches, thresholds, imu, missing, tuple(dict.fromkeys(warnings))
     )  # fmt: skip
 
 
 def _missing(
-    payload: Payload, postures: Postures | None, excitation: Excitation, gravity: Array, sign: int, warnings: list[str]
-) -> Missing | None:
+    payload: Payload, postures: Postures | None, excitation: Excitation, moved: Sequence[Moved],
+    tested: Sequence[Moved], gravity: Array, sign: int,
+) -> Missing | None:  # fmt: skip
     """None where the noise is not known: then nothing says how much may be left. What was left out as a touch is looked
-    at too: it may be what is missing."""
+    at too: it may be what is missing. moved, tested: logs of these roles."""
     if not excitation.noise_known:
         return None
-    whole = _missing_in(payload, postures, excitation, gravity, sign, ())
-    if not excitation.left_out:
-        return whole
-    if whole.found:
-        warnings[:] = [each for each in warnings if not each.startswith(TOUCHED)]
-        return whole
-    return _missing_in(payload, postures, excitation, gravity, sign, excitation.left_out)
-
-
-def _missing_in(
-    payload: Payload, postures: Postures | None, excitation: Excitation, gravity: Array, sign: int,
-    left_out: Sequence[tuple[float, float]],
-) -> Missing:  # fmt: skip
-    body = excitation.chosen.value[:10]
-    fitted = [still_stretch(postures.holds, gravity, sign)] if postures else []
-    held_out: list[Stretch] = []
-    for recording in (*payload.of("excitation"), *payload.of("test")):
-        each = moving(payload, recording, gravity, None)
-        time = each.motion.time
-        tested = recording.role == "test"
-        touched = [(time >= a) & (time <= b) for a, b in left_out if not tested]
-        free = ~np.any(touched, axis=0) if touched else np.ones(len(time), dtype=bool)
-        stretch = moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std_of(payload), free)
-        (held_out if tested else fitted).append(stretch)
+    std = std_of(payload)
+    fitted, held_out = (
+        [
+            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, excitation.chosen.value[:10], std)
+            for recording, each in zip(recordings, motions, strict=True)
+        ]
+        for recordings, motions in ((payload.of("excitation"), moved), (payload.of("test"), tested))
+    )
+    still = [still_stretch(postures.holds, gravity, sign)] if postures else []
+    frame = Frame(gravity, sign, excitation.chosen.value[:10])
     inclined = postures is not None and postures.chosen.inclined
-    return find_missing(fitted, held_out, Frame(gravity, sign, body), inclined, Criteria())
+    whole = find_missing([*still, *fitted], held_out, frame, inclined, Criteria())
+    if whole.found or not excitation.left_out:
+        return whole
+    untouched = [each.without(excitation.left_out) for each in fitted]
+    return find_missing([*still, *untouched], held_out, frame, inclined, Criteria())
 
 
 def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array]]:
@@ -296,8 +289,6 @@ def _excitation(
         if pushed:
             rows = rows_of(payload, moved, gravity, sign, keep)
             solution = dynamic_stage(rows, prior, method)
-            spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in pushed[:5])
-            warnings.append(f"{TOUCHED}; left out: {spans}.")
     require_excitation(solution)
     by_method = {method: solution}
     by_method |= {each: dynamic_stage(rows, prior, each) for each in METHODS if known and each != method}

@@ -17,9 +17,8 @@ def problem():
     known = case(1)
     gravity, body = known.static.gravity, np.append(known.static.moments[0][:4], np.zeros(6))
     motion = known.motion()
-    moved = moving_stretch(
-        "excitation", motion, known.excitation[1], gravity, -1, body, STD, np.arange(len(motion.time)) % 7 > 0
-    )
+    moved = moving_stretch("excitation", motion, known.excitation[1], gravity, -1, body, STD)
+    moved = moved.using(np.arange(len(motion.time)) % 7 > 0)
     return Problem([still_stretch(known.holds(), gravity, -1), moved], Frame(gravity, -1, body), True, Criteria())
 
 

@@ -21,13 +21,13 @@ CLOSELY = 0.01  # how far from where it stands a single shape is looked for, in 
 def numbers(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> Array:
     """What is told of one of those that were named."""
     each = named[which]
-    return each.effect.told(problem.frame, np.array(each.shape), found.x[_place(problem, named, which)])
+    return each.effect.told(problem.frame, np.array(each.shape), found.x[_place(named, which)])
 
 
 def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> tuple[Array, Array]:
     """The same, and their standard deviations. What swings is compared with what slow means say of it too."""
     effect, shape = named[which].effect, np.array(named[which].shape)
-    own, before = _place(problem, named, which), sum(len(each.shape) for each in named[:which])
+    own, before = _place(named, which), sum(len(each.shape) for each in named[:which])
     pick = np.r_[own, len(found.x) + before : len(found.x) + before + len(shape)]
     C = covariance(problem, found, named)[np.ix_(pick, pick)]
     at, n = np.concatenate([found.x[own], shape]), own.stop - own.start
@@ -38,7 +38,7 @@ def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], wh
     steps = np.concatenate([1e-4 * np.maximum(np.abs(found.x[own]), 1e-6), STEP * _ranges(effect)])
     J = np.column_stack([(told(at + e) - told(at - e)) / (2 * h) for h, e in zip(steps, np.diag(steps), strict=True)])
     std = np.sqrt(np.maximum(np.diag(J @ C @ J.T), 0.0))
-    if effect.name == "zero_step":  # nothing changes until the next sample is passed
+    if effect.jumps:  # nothing changes until the next sample is passed
         of = next(each for each in problem.stretches if each.name == effect.of_log)
         std[0] = float(np.median(np.diff(of.time)))
     if len(shape) > 1:
@@ -96,17 +96,11 @@ def _asked(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array:
     return np.append(np.concatenate([each.reshape(-1) for each in rows]), np.zeros(SIZE))
 
 
-def _place(problem: Problem, named: Sequence[Named], which: int) -> slice:
+def _place(named: Sequence[Named], which: int) -> slice:
     """Where an effect's coefficients stand in x."""
-    sizes = [_columns(problem, each.effect) for each in named]
+    sizes = [each.effect.coefficients for each in named]
     start = SIZE + sum(sizes[:which])
     return slice(start, start + sizes[which])
-
-
-def _columns(problem: Problem, effect: Effect) -> int:
-    if effect.unit:
-        return 0
-    return int(effect.columns(problem.frame, problem.stretches[-1], effect.starts[0]).shape[2])
 
 
 def _ranges(effect: Effect) -> Array:

@@ -46,6 +46,7 @@ class Effect:
     """columns: (T, 6, P) by its shapes, what does not enter linearly. parameters: (name, unit) of what is told; told:
     those numbers, of shapes and coefficients (P,). bounds, starts: of the shapes. of_log: the one log that it is about.
     retimed: its one shape is how late the wrench is [s], and it adds no column. unit: its column's coefficient is 1.
+    jumps: its one shape is a moment [s].
     possible: whether such a thing can be, by what is told.
     """
 
@@ -59,7 +60,12 @@ class Effect:
     of_log: str | None = None
     retimed: bool = False
     unit: bool = False
+    jumps: bool = False
     possible: Callable[[Array], bool] = lambda _told: True
+
+    @property
+    def coefficients(self) -> int:
+        return 0 if self.unit else len(self.parameters) - len(self.bounds)
 
     @property
     def numbers(self) -> int:

@@ -56,6 +56,7 @@ def zero_step(log: str, time: Array) -> Effect:
         ((float(time[0] + margin), float(time[-1] - margin)),),
         moments,
         log,
+        jumps=True,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -46,6 +47,11 @@ class Stretch:
     def using(self, which: NDArray[np.bool_]) -> Stretch:
         return replace(self, use=self.use & which)
 
+    def without(self, spans: Sequence[tuple[float, float]]) -> Stretch:
+        """spans: from, to [s] of what does not count."""
+        inside = [(self.time >= start) & (self.time <= end) for start, end in spans]
+        return self.using(~np.any(inside, axis=0)) if inside else self
+
     def slow(self, seconds: float) -> Stretch:
         period = float(np.median(np.diff(self.time)))
         return replace(self, block=max(1, round(seconds / period)))
@@ -57,8 +63,7 @@ class Stretch:
 
 
 def moving_stretch(
-    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, stated: Array,
-    use: NDArray[np.bool_],
+    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, stated: Array
 ) -> Stretch:  # fmt: skip
     """The floor is what is measured above all motion, and what the kinematics' noise makes of a body (10,). stated:
     (6,) std of a sample, for wrenches without noise."""
@@ -67,21 +72,18 @@ def moving_stretch(
     slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
     by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
     floor = np.maximum(np.sqrt(read**2 + by_motion), LEAST * stated)
-    return _stretch(name, motion, wrench, gravity, sign, floor, use)
+    return _stretch(name, motion, wrench, gravity, sign, floor)
 
 
 def still_stretch(holds: Holds, gravity: Array, sign: int) -> Stretch:
     K = len(holds)
     none = np.zeros((K, 3))
     motion = SensorMotion(np.arange(K, dtype=float), holds.rotation, none, none, none, np.zeros((K, 9, 1)))
-    every = np.ones(K, dtype=bool)
     unrest = holds.std if holds.unrest is None else holds.unrest
     floor = np.maximum(holds.std, (SWINGS if np.any(unrest > SWINGS * holds.std) else 1.0) * unrest)
-    return replace(_stretch("postures", motion, holds.wrench, gravity, sign, floor, every), still=True)
+    return replace(_stretch("postures", motion, holds.wrench, gravity, sign, floor), still=True)
 
 
-def _stretch(
-    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, floor: Array, use: NDArray[np.bool_]
-) -> Stretch:
-    rigid = np.asarray(sign * motion.regressor(gravity))
-    return Stretch(name, motion, wrench, rigid, motion.proper_acceleration(gravity), floor, use)
+def _stretch(name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, floor: Array) -> Stretch:
+    rigid, proper = np.asarray(sign * motion.regressor(gravity)), motion.proper_acceleration(gravity)
+    return Stretch(name, motion, wrench, rigid, proper, floor, np.ones(len(wrench), dtype=bool))
