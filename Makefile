@@ -16,7 +16,7 @@ TESTS := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz bench tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -32,7 +32,7 @@ $(READY): requirements.lock pyproject.toml
 install: web  ## put exogauge and all it needs into .venv
 
 demo: web  ## start the service, evaluate the sample study through HTTP, print the result
-	$(BIN)/exogauge demo
+	$(BIN)/exogauge demo --realism ideal
 
 serve: web  ## start the service on 127.0.0.1 with the same data as `make demo`
 	$(BIN)/exogauge serve
@@ -81,6 +81,12 @@ page:
 
 bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 	$(BIN)/python -m tests.bench
+
+SEEDS ?= 20
+FIRST ?= 1
+
+coverage: $(READY)  ## how often stated intervals hold, on fresh samples as a laboratory records them: SEEDS=20 FIRST=1 KEPT=folder
+	$(BIN)/python -m tests.calibration --seeds $(SEEDS) --first $(FIRST) --kept $(or $(KEPT),.coverage-kept)
 
 STUDIES ?= 300
 REQUESTS ?= 100

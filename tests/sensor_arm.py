@@ -120,6 +120,7 @@ def describe(folder: Path, sensors: Sequence[Sensor]) -> Robot:
     (folder / "robot.urdf").write_text(urdf(), encoding="utf-8")
     about = {
         "version": 1,
+        "uncertainty": "none",
         "urdf": "robot.urdf",
         "base": "fixed",
         "base_link": "stand",

@@ -105,3 +105,29 @@ def test_a_port_that_is_taken_is_said_and_not_traced(tmp_path, monkeypatch, caps
 )
 def test_tables_show_four_digits_and_cut_long_text(value, shown):
     assert text_table(["c"], [[value]]).split("\n")[-1] == shown
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["sample", "OUT", "--seed", "1"],
+        ["sample", "OUT", "--seed", "1", "--payload"],
+        ["payload", "run", "nowhere", "--out", "OUT"],
+        ["payload", "postures", "nowhere", "--out", "OUT"],
+        ["payload", "excite", "nowhere", "--out", "OUT", "--server", "http://127.0.0.1:9"],
+    ],
+)
+def test_a_folder_that_holds_something_is_not_written_over_unasked(command, tmp_path, capsys):
+    kept = tmp_path / "mine.txt"
+    kept.write_text("mine")
+    assert main([str(tmp_path) if word == "OUT" else word for word in command]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert [each.name for each in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_force_writes_into_a_folder_that_holds_something(tmp_path):
+    pytest.importorskip("mujoco")
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main(["sample", str(tmp_path), "--seed", "1", "--payload", "--force"]) == 0
+    assert (tmp_path / "payload.yaml").is_file()
+    assert (tmp_path / "mine.txt").read_text() == "mine"

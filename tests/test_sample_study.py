@@ -1,4 +1,4 @@
-"""The packaged sample through the product: made by MuJoCo, evaluated without its truth, then scored against it."""
+"""The ideal sample through the product: made by MuJoCo, evaluated without its truth, then scored against it."""
 
 import json
 
@@ -14,8 +14,8 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def scored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sample")
-    write_sample(folder / "study", 1, suit="none")
-    evaluate(folder / "study" / "study.yaml", folder / "out", lambda _fraction, _phrase: None)
+    write_sample(folder / "study", 1, suit="none", realism="ideal")
+    evaluate(folder / "study" / "study.yaml", folder / "out", lambda *_: None)
     results = json.loads((folder / "out" / "results.json").read_text())
     assert results["discrepancy"]["verdict"] == "none"  # nothing is hidden in it
     return results["identification"], json.loads((folder / "study" / "truth.json").read_text())["parameters"]

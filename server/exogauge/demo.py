@@ -7,6 +7,7 @@ the same study and the same result.
 from __future__ import annotations
 
 import io
+import json
 import os
 import shutil
 import subprocess
@@ -22,6 +23,7 @@ from exogauge.errors import Unavailable
 from exogauge.published import published
 from exogauge.settings import Settings
 from exogauge.studies.report.summary_text import summary_text
+from exogauge.synthetic.disturbances import DEFAULT
 from exogauge.terminal import bar
 
 SEED = 1
@@ -29,13 +31,13 @@ START_S = 120.0
 ANNOUNCED = "exogauge serves on "
 
 
-def demo(settings: Settings) -> None:
+def demo(settings: Settings, realism: str = DEFAULT) -> None:
     """Make the sample, serve, upload, run, print."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # in step with stderr, also through a pipe
     print("A synthetic humanoid's logs go through the service, over HTTP; about two minutes the first time.\n")
     with timed("sample"):
-        sample = make_sample(settings.data_dir / "sample")
+        sample = make_sample(settings.data_dir / "sample", realism)
     with running_server(settings) as url, Client(url) as client:
         print(f"service     {url}")
         with timed("upload"):
@@ -63,18 +65,26 @@ def timed(what: str) -> Iterator[None]:
     print(f"{what:11} {time.monotonic() - start:.1f} s")
 
 
-def make_sample(folder: Path) -> Path:
+def make_sample(folder: Path, realism: str) -> Path:
     """The sample study below `folder`, generated when it is not there; a half-made one never looks whole."""
-    target = folder / f"hrp4_like_{SEED}"
-    if not all((target / name).is_file() for name in ("study.yaml", "device_modified.yaml")):  # once it had no suits
+    target = folder / f"hrp4_like_{SEED}{'' if realism == DEFAULT else f'_{realism}'}"
+    if not _is_there(target, realism):
         unfinished = folder / f".unfinished-{os.getpid()}"
         shutil.rmtree(unfinished, ignore_errors=True)
         print("generating the sample study, once; it is kept in the data folder")
         with bar("sample") as progress:
-            synthetic.write_sample(unfinished, SEED, progress=progress, processes=synthetic.processors())
+            processes = synthetic.processors()
+            synthetic.write_sample(unfinished, SEED, progress=progress, processes=processes, realism=realism)
         shutil.rmtree(target, ignore_errors=True)
         unfinished.replace(target)
     return target
+
+
+def _is_there(target: Path, realism: str) -> bool:
+    """Once it had no suits, and no disturbances."""
+    if not all((target / name).is_file() for name in ("study.yaml", "device_modified.yaml", "truth.json")):
+        return False
+    return ("disturbances" in json.loads((target / "truth.json").read_bytes())) == (realism != "ideal")
 
 
 @contextmanager

@@ -35,7 +35,7 @@ def schema(tmp_path: Path, unchecked: None) -> Iterator[Any]:
     storage: Storage = app.state.storage
     with storage.transaction() as store:
         robot, _ = store.robots.add("r", [], {})
-        store.devices.add("d", robot.id, [], {})
+        store.devices.add("d", [], {}, robot_id=robot.id)
         study, _ = store.studies.add("s", [], {})
         store.session.add(Job(kind="evaluate", study_id=study.id, request_hash="h", state="failed"))
     document = schemathesis.openapi.from_asgi("/api/v1/openapi.json", app)

@@ -105,6 +105,7 @@ DIFFER = {
         ({"class": "BadStudy", "faults": [DIFFER]}, 422, "bad-study"),
         ({"class": "NotIdentifiable", "faults": []}, 422, "not-identifiable"),
         ({"class": "SomethingNewer", "faults": []}, None, None),
+        ({"class": "BadStudy", "faults": [], "defect": True}, None, None),
         (None, None, None),
     ],
 )
@@ -117,6 +118,7 @@ def test_a_failed_job_says_what_was_wrong_as_a_refused_upload_would(client, app,
         assert claims.fail(store.session, job, "w", "they differ \0", failure)
     shown = client.get(f"/api/v1/jobs/{job}").json()
     assert shown["state"] == "failed"
+    assert shown["defect"] is bool(failure and failure.get("defect"))
     assert client.get(f"/api/v1/studies/{study}").json()["latest_job"]["problem"] == shown["problem"]
     if status is None:
         assert shown["problem"] is None
@@ -185,15 +187,14 @@ def test_a_job_tells_its_steps_with_their_times_and_begins_them_anew_with_each_a
             assert claims.claim(store.session, job, worker)
 
     claimed("w")
-    for progress, message in ((0.0, "reading"), (0.1, "solving"), (0.4, "solving"), (0.9, "writing")):
+    solving = [(share, "solving", "identify") for share in (0.1, 0.4)]
+    said = ((0.0, "opening", "reading"), *solving, (0.9, "done", None))
+    for each in said:
         with storage.transaction() as store:
-            assert claims.report(store.session, job, "w", progress, message)
+            assert claims.report(store.session, job, "w", *each)
+        assert client.get(f"/api/v1/jobs/{job}").json()["stage"] == each[2]
     told = steps()
-    assert [(each["message"], each["progress"]) for each in told] == [
-        ("reading", 0.0),
-        ("solving", 0.1),
-        ("writing", 0.9),
-    ]
+    assert [(each["progress"], each["message"], each["stage"]) for each in told] == [said[0], said[1], said[3]]
     assert [each["seconds"] is None for each in told] == [False, False, True]
     assert all(each["seconds"] is None or 0.0 <= each["seconds"] < 60.0 for each in told)
     lease.give_back()

@@ -20,8 +20,7 @@ from tests.client.conftest import Service
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from exogauge.api.live_hub import MOST_WATCHERS
-from exogauge.api.live_watch import WAITING_BYTES, Watcher
+from exogauge.api.live_hub import MOST_WATCHERS, WAITING_BYTES, Watcher
 from exogauge.client import Client
 
 __all__ = ["client", "folder", "payload", "rows", "service"]  # fixtures

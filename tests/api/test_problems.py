@@ -201,9 +201,9 @@ def test_a_name_that_can_be_registered_is_refused_on_the_loopback(client: TestCl
 
 
 def test_a_defect_is_told_without_its_inside(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    from exogauge.storage.studies import Studies
+    from exogauge.storage.bundles import Bundles
 
-    monkeypatch.setattr(Studies, "page", lambda *_: 1 / 0)
+    monkeypatch.setattr(Bundles, "page", lambda *_, **__: 1 / 0)
     document = problem(client.get(f"{V1}/studies"), 500)
     assert "division" not in json.dumps(document)
 

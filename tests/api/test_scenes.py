@@ -19,7 +19,7 @@ from exogauge.client import Client
 from exogauge.jobs.engine import migrate_engine
 from exogauge.settings import Settings
 from exogauge.storage.store import Storage
-from exogauge.studies.series.columns import Columns
+from exogauge.studies.series.write import Columns
 
 pytestmark = pytest.mark.slow
 

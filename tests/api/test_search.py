@@ -22,7 +22,7 @@ def lists(client: TestClient) -> TestClient:
     with storage.transaction() as store:
         robots = [store.robots.add(name, [], {"name": name})[0] for name in names]
         for name in names:
-            store.devices.add(name, robots[0].id, [], {"name": name, "robot": "HRP-4"})
+            store.devices.add(name, [], {"name": name, "robot": "HRP-4"}, robot_id=robots[0].id)
         store.studies.add(names[0], [], {"robot": {"name": "R0"}})
     return client
 

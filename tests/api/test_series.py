@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from exogauge.studies.series.columns import Columns
+from exogauge.studies.series.write import Columns
 
 if TYPE_CHECKING:
     from fastapi.testclient import TestClient

@@ -38,7 +38,7 @@ def measure(samples: int) -> Searched:
     identified = time.process_time() - start
     model.solution.unbounded  # noqa: B018 (made once, and kept)
     start = time.process_time()
-    ground = lay_ground(model, recordings, missing_effects(), lambda _fraction, _phrase: None)
+    ground = lay_ground(model, recordings, missing_effects(), lambda *_: None)
     both = time.process_time() - start
     start = time.process_time()
     for site, sums in ground.fitted.by_site.items():

@@ -12,8 +12,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.robots.base_parameters import BaseParameters, find_base_parameters
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import BaseParameters, find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree

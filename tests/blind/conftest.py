@@ -5,14 +5,11 @@ from collections.abc import Sequence
 import pinocchio as pin
 import pytest
 
-from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.case import undisturbed
-from exogauge.blind.generator.maker import built
 from exogauge.blind.generator.plan import CasePlan
-from exogauge.blind.generator.robot_files import robot_urdf
-from exogauge.blind.generator.robot_kind import RobotKind
+from exogauge.blind.generator.robot_files import built, robot_urdf
+from exogauge.blind.generator.robot_kind import ARM, TORSO, RobotKind
 from exogauge.blind.generator.scene import Scene
-from exogauge.blind.generator.torso import TORSO
 from exogauge.blind.generator.true_robot import TrueRobot
 from exogauge.synthetic.random_streams import stream
 from exogauge.synthetic.robot_facts import Joint

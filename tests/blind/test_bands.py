@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.blind.generator.dynamics import joint_torques
+from exogauge.blind.generator.dynamics import carrier, joint_torques
 from exogauge.blind.generator.hidden.band import (
     BandLength,
     BandRelaxation,
@@ -16,10 +16,8 @@ from exogauge.blind.generator.hidden.band import (
     together,
 )
 from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS
-from exogauge.blind.generator.how_large import HowLarge
-from exogauge.blind.generator.placed import Placed, pull
+from exogauge.blind.generator.placed import HowLarge, Placed, pull
 from exogauge.blind.generator.places import poses, wire
-from exogauge.blind.generator.tree import carrier
 from exogauge.blind.generator.wear import FURTHEST, LENGTH_STD, STIFFNESS_STD, Band
 
 

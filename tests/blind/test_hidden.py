@@ -11,18 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.signal import butter, sosfreqz
 from tests.blind.conftest import plan
 
-from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.hidden.backlash import Backlash, Elasticity
 from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, Payload
+from exogauge.blind.generator.hidden.friction import Presliding, bristle
 from exogauge.blind.generator.hidden.kinds import ELSEWHERE, IN_BANDS, IN_LOGS, ON_JOINTS
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
 from exogauge.blind.generator.hidden.motor import TorqueDelay, late
-from exogauge.blind.generator.hidden.presliding import Presliding, bristle
-from exogauge.blind.generator.how_large import HowLarge
 from exogauge.blind.generator.motion import RATE_HZ
-from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
+from exogauge.blind.generator.placed import HowLarge, Placed, clutter, hide, motor_torque, pull, sensed
 from exogauge.blind.generator.places import poses
-from exogauge.blind.generator.torso import TORSO
+from exogauge.blind.generator.robot_kind import ARM, TORSO
 
 SOME = HowLarge(1.0, 1.0, 1.0, "tau.joint_2")
 FRICTION = ("stribeck", "load_coulomb", "nonlinear_viscous")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from scipy.stats import binom
 
-from exogauge.blind.interval import in_words, interval_95, intervals
+from exogauge.blind.score import in_words, interval_95, intervals
 
 
 @pytest.mark.parametrize(("count", "n"), [(1, 50), (7, 12), (110, 114), (49, 50)])

@@ -6,9 +6,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import cumulative_simpson
 
-from exogauge.blind.generator.dynamics import GRAVITY, joint_torques, kinematics, regressor_row
+from exogauge.blind.generator.dynamics import GRAVITY, bodies_of, joint_torques, kinematics, regressor_row, tree_of
 from exogauge.blind.generator.robot_files import robot_urdf
-from exogauge.blind.generator.tree import bodies_of, tree_of
 from exogauge.synthetic.inertia import of_shape
 
 

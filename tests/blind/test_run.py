@@ -20,7 +20,7 @@ from exogauge.studies.intake.open import open_study, read_recordings
 CLEAN_SEED = next(seed for seed in range(100) if not plan_case(seed, 1).kinds and not plan_case(seed, 1).clutter)
 
 
-def silent(share: float, what: str) -> None:
+def silent(*_: object) -> None:
     pass
 
 

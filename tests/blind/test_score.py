@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from exogauge.blind.answers import write_answers
-from exogauge.blind.score import score
-from exogauge.blind.score_text import score_text
+from exogauge.blind.score import score, score_text
 from exogauge.errors import BadInput
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from tests.blind.conftest import plan
 
-from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.cut import cut_wrench
 from exogauge.blind.generator.dynamics import inverse_dynamics
 from exogauge.blind.generator.hidden.bodies import LinkMass, Payload
 from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.placed import hide
+from exogauge.blind.generator.robot_kind import ARM
 from exogauge.blind.generator.scene import Scene
 from exogauge.blind.generator.true_robot import TrueRobot, a_priori, a_priori_std, draw_robot
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from exogauge.client import Client, ClientProblem, client, resumable
+from exogauge.client import Client, ClientProblem, client, uploading
 
 pytestmark = pytest.mark.slow
 
@@ -69,7 +69,7 @@ def test_a_server_killed_in_the_middle_of_a_piece_goes_on_at_the_last_byte_it_ha
 
 @pytest.mark.slow
 def test_the_client_outlives_the_server(service, tmp_path, monkeypatch):
-    monkeypatch.setattr(resumable, "PIECE", 2 * MIB)
+    monkeypatch.setattr(uploading, "PIECE", 2 * MIB)
     large = tmp_path / "large.bin"
     large.write_bytes(random.Random(2).randbytes(9 * MIB))
     told, back = [], []
@@ -82,7 +82,7 @@ def test_the_client_outlives_the_server(service, tmp_path, monkeypatch):
             back[0].start()
 
     with Client(service.url) as opened:
-        key = resumable.upload(opened._http, large, say)
+        key = uploading.upload(opened._http, large, say)
         back[0].join()
         (file,) = on_disk(service)
         assert file.name == key
@@ -112,6 +112,6 @@ def test_a_large_study_goes_up_in_pieces_and_is_the_same_study(service, study_fo
     with Client(service.url) as opened:
         whole = opened.upload_study(study_folder)
         monkeypatch.setattr(client, "LARGE", 1)
-        monkeypatch.setattr(resumable, "PIECE", 1000)
+        monkeypatch.setattr(uploading, "PIECE", 1000)
         assert opened.upload_study(study_folder) == whole
     assert on_disk(service) == []

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import curve_fit
 from scipy.stats import linregress
 
-from exogauge.devices.bench_line import LEAST_SHARE, TAUT, bench_line
+from exogauge.devices.bench import LEAST_SHARE, TAUT, bench_line
 from exogauge.devices.device import BenchTest
 
 

@@ -6,11 +6,19 @@ from dataclasses import replace
 
 import pytest
 
-from exogauge.devices.band_changes import AddBand, CopyBand, MirrorBand, RemoveBand
+from exogauge.devices.band_changes import (
+    AddBand,
+    CopyBand,
+    InsertPoint,
+    MirrorBand,
+    MovePoint,
+    PlacePoint,
+    RemoveBand,
+    RemovePoint,
+    twin_of,
+)
 from exogauge.devices.changes import Change, Law, NaturalLength, Pretension, Stiffness, apply
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
-from exogauge.devices.mirror import twin_of
-from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.errors import BadInput
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree

@@ -7,16 +7,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exogauge.devices.band_changes import AddBand, CopyBand, MirrorBand, RemoveBand
+from exogauge.devices.band_changes import (
+    AddBand,
+    CopyBand,
+    InsertPoint,
+    MirrorBand,
+    MovePoint,
+    PlacePoint,
+    RemoveBand,
+    RemovePoint,
+)
 from exogauge.devices.bench import Bench, wire_bytes
 from exogauge.devices.changes import Law, NaturalLength, Pretension, Stiffness, apply
 from exogauge.devices.device import Band, Device, ViaPoint
-from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.devices.what_if import compare, what_if
 from exogauge.effects.band_laws import all_laws
 from exogauge.errors import BadInput
+from exogauge.remarks import About, Remark
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 
@@ -248,7 +257,7 @@ def test_a_band_says_how_far_it_is_stretched_and_how_long_it_hangs_slack(bench, 
     assert (load.length_min, load.length_max) == pytest.approx((length.min(), length.max()))
     assert load.stretch_max == pytest.approx(length.max() / middle - 1.0)
     hanging = compare(bench, apply(device, [NaturalLength("A_left", to=2.0)], tree))
-    assert any("A_left is slack" in note for note in hanging.notes)
+    assert Remark(About.SLACK, ("A_left",)) in hanging.notes
 
 
 def test_unknown_values_are_asked_for_after_and_left_out_before(tree, device, q, time):
@@ -258,7 +267,7 @@ def test_unknown_values_are_asked_for_after_and_left_out_before(tree, device, q,
     (fault,) = refused.value.faults
     assert (fault.rule, fault.column) == ("value_missing", "A_right.stiffness")
     found = what_if(tree, unknown, apply(unknown, [Stiffness("A", to=100.0)], tree), q, time)
-    assert "A_right" in found.notes[0]
+    assert "A_right" in found.notes[0].names
     assert next(band for band in found.bands if band.band == "A_right").before is None
 
 

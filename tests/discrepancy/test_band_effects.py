@@ -27,20 +27,21 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Settings
+from exogauge.identification.type_b import TypeB
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.device_pages.device_content import device_content, device_from
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
-from exogauge.studies.results.stiffness_results import stiffness_entries
+from exogauge.studies.results.support_results import stiffness_entries
 from exogauge.studies.results.taken_over import taken_over
 from exogauge.studies.words.finding_sentences import finding_sentence
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Background, Evidence, Nothing, on_joints
-from exogauge.support.repeatability import Repeatability
+from exogauge.support.repeatability import Null, Repeatability
 from exogauge.support.settings import WornLog
 from exogauge.support.stiffness import identify_bands
 
@@ -51,6 +52,7 @@ NOISE, MEMORY = 0.06, 0.7  # [N·m] of every joint, correlation of neighbouring 
 NONE_YET = Discrepancy(
     (), (), (), (), (), (Lineage("identified", None, None),), 0, (), (), seen=(Seen("tau.j1", 1.0, 30.0, 90.0),)
 )
+NO_INPUTS = {"own_a": {}, "own_b": {}, "own_paired": {}}  # nothing is declared
 
 
 def urdf() -> bytes:
@@ -114,7 +116,7 @@ def trunk() -> Trunk:
     robot = Robot("trunk", tree, tuple(Joint(name, "torque") for name in JOINTS), pin.SE3.Identity(), (), np.eye(3))
     base = find_base_parameters(tree)
     equations = Equations(robot, RowBlocks(tree, base, np.eye(3)), base, choose(Settings().effects))
-    never_asked_for = {each.name: None for each in fields(RobotModel)}
+    never_asked_for = {each.name: None for each in fields(RobotModel)} | {"inputs": TypeB()}
     sure = np.zeros((equations.size, equations.size))
     asked_for = {
         "equations": equations,
@@ -232,7 +234,7 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             torque[kept] += coloured(len(t))[: len(kept)]
             moves = np.abs(np.gradient(posture, t, axis=0)) > 0.02
             geometry, still = routing.geometry(posture), np.zeros_like(moves)
-            known = dict.fromkeys((each.name for each in fields(Evidence)), None) | {
+            known = dict.fromkeys((each.name for each in fields(Evidence)), None) | NO_INPUTS | {
                 "worn": WornLog(Log(f"{motion}_{len(evidences)}", t, {}), motion, trunk.device), "reference": "plain",
                 "time": t, "q": posture, "posture": posture, "a": torque if approach == "A" else None, "b": torque,
                 "compared": moves, "steady": moves, "rest": still, "length": geometry.length,
@@ -243,9 +245,14 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             evidences.append(Evidence(**known))
             nothings.append(Nothing(motion, t[kept], posture[kept], coloured(len(t))[: len(kept)], None, moves[kept]))
     floor = np.full(3, noise_floor)
-    repeats = Repeatability(floor, floor, floor, floor, floor, floor)
+    repeats = Repeatability(found_in_nothing(floor), found_in_nothing(floor), found_in_nothing(floor))
     backgrounds = {motion: Background(joints, (), repeats, np.zeros(3), None) for motion in motions}
     return Gathered(evidences, backgrounds, nothings, joints, JOINTS)
+
+
+def found_in_nothing(floor):
+    """The same in every regime, of errors that do not last."""
+    return Null(floor, floor, floor, floor, floor, {})
 
 
 @cache
@@ -386,7 +393,8 @@ def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repea
     tiny, alone = np.full(3, 0.01 * NOISE), np.full(3, NOISE / np.sqrt(2.0))
     backgrounds = dict(seen.backgrounds)
     for motion, runs in (("bend", tiny), ("twist", None), ("mix", None)):
-        repeats = Repeatability(alone, alone, runs, runs, alone, runs)
+        between = None if runs is None else found_in_nothing(runs)
+        repeats = Repeatability(found_in_nothing(alone), between, between)
         backgrounds[motion] = replace(backgrounds[motion], repeats=repeats)
     seen = replace(seen, backgrounds=backgrounds)
     linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)

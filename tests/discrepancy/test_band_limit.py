@@ -8,8 +8,8 @@ from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
 from exogauge.criteria.stored_filter import StoredFilter
 from exogauge.detect.pipeline import find_missing_effects
-from exogauge.detect.stored_filter.limit import band_limits
-from exogauge.detect.stored_filter.worn_alike import filtered_alike
+from exogauge.detect.stored_filter.detector import band_limits
+from exogauge.detect.stored_filter.stored_pass import filtered_alike
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.errors import NotIdentifiable

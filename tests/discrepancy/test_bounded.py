@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.estimation.least_squares import bounded_least_squares
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.detect.contact.contact import contacts
+from exogauge.detect.contact.detector import contacts
 from exogauge.detect.contact.rows import force_columns, log_rows, middles
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects

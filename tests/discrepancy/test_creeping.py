@@ -9,6 +9,7 @@ from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
 from exogauge.identification.steady import steady_shares
+from exogauge.remarks import About
 
 SPAN = 0.08  # [rad/s]
 
@@ -30,7 +31,7 @@ def test_soft_friction_is_no_effect_and_its_rows_are_no_steady_motion(form, stud
     assert [joint for joint, speed in found.settings.creeping.items() if speed > 2.0 * SPAN] == ["j2"]
     for fit in found.identification.validation:
         assert fit.rmse_moving < 1.05 * fit.noise_floor
-    assert any("j2 (below" in warning for warning in found.identification.warnings)
+    assert ["j2" in each.names for each in found.identification.remarks if each.about == About.CREEPING] == [True]
 
 
 def test_a_joint_that_creeps_gives_no_row_below_its_speed(robot, study):

@@ -12,8 +12,8 @@ from exogauge.detect import pipeline
 from exogauge.detect.pipeline import DETECTORS, find_missing_effects
 from exogauge.detect.so_far import SoFar
 from exogauge.effects.catalogue import missing_effects
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Place
+from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.settings import Settings
 from exogauge.identification.sites import AxisSite
 from exogauge.search.state import Problem, Search

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exogauge.criteria.telling import Telling
+from exogauge.criteria.planning import Telling
 from exogauge.effects.ft_drift import EFFECT
 from exogauge.findings.as_told import merged
 from exogauge.findings.basis import OfRobot

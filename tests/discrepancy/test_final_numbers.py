@@ -10,7 +10,7 @@ import pytest
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Settings
-from exogauge.search.final_numbers import with_final_numbers
+from exogauge.search.afterwards import with_final_numbers
 from exogauge.search.shape_doubt import coefficients, place_of
 
 AXIS = 1

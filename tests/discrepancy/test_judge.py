@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import wilcoxon
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.findings.objection import Why
+from exogauge.findings.verdict import Why
 from exogauge.identification.sites import AxisSite
 from exogauge.search.candidates import Candidate
 from exogauge.search.judge import apart, judge

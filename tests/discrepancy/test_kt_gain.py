@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exogauge.detect.nominal.contradicted import contradicted
-from exogauge.detect.nominal.finding import name_contradiction
+from exogauge.detect.nominal.detector import name_contradiction
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import missing_effects
 from exogauge.identification.identify import identify
@@ -97,7 +97,7 @@ def test_torques_that_are_logged_right_are_not_blamed(evaluated):
 def test_where_currents_are_logged_the_torque_constant_of_the_model_is_all_that_is_asked_about(evaluated):
     """Beside it a second factor of the same torque explains nothing but rounding and turns."""
     recordings, found = evaluated(("torque", "current", "current"), (1.0, 1.0, 1.0))
-    ground = lay_ground(found.model, recordings, missing_effects(), lambda _fraction, _phrase: None)
+    ground = lay_ground(found.model, recordings, missing_effects(), lambda *_: None)
     tried = {site.axis for site, candidates in ground.candidates.items()
              if any(each.effect.name == "kt_gain" for each in candidates)}  # fmt: skip
     assert tried == {0}

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 from exogauge.detect.nominal.contradicted import contradicted
-from exogauge.detect.nominal.finding import name_contradiction
+from exogauge.detect.nominal.detector import name_contradiction
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
 from exogauge.robots.ends import carries_nothing

@@ -12,7 +12,7 @@ from exogauge.studies.words.finding_sentences import where_words
 def located_in(identified):
     def find(recordings):
         found = identified(recordings)
-        ground = lay_ground(found.model, recordings, (), lambda _fraction, _phrase: None)
+        ground = lay_ground(found.model, recordings, (), lambda *_: None)
         return located(found.model.equations, found, ground.residuals)
 
     return find

@@ -13,12 +13,12 @@ from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.objection import Why
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
+from exogauge.findings.verdict import Why
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
-from exogauge.search.may_be_named import refused, told
+from exogauge.search.judge import refused, told
 from exogauge.studies.words.finding_sentences import objection_words
 
 JUDGING = Judging()

@@ -110,7 +110,7 @@ def test_from_the_two_best_values_of_the_grid_the_summit_is_found_where_one_ends
 
         recordings = study(falling, noise=0.05)
         model = identified(recordings).model
-        ground = lay_ground(model, recordings, [shaped_effects()["nonlinear_viscous"]], lambda _share, _words: None)
+        ground = lay_ground(model, recordings, [shaped_effects()["nonlinear_viscous"]], lambda *_: None)
         of_grid = [each for each in ground.scores if each.candidate.site == SITE]
         rows = collect_rows(model, recordings, [SITE])[SITE]
         of_each = [refined(model, each, rows, ground.memory).gain for each in of_grid]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.findings.objection import Why
 from exogauge.findings.result import Place
+from exogauge.findings.verdict import Why
 from exogauge.identification.model import AddedEffect
 from exogauge.identification.sites import AxisSite
-from exogauge.search.prune import without_what_is_not_needed
+from exogauge.search.search import without_what_is_not_needed
 from exogauge.search.state import Step
 
 pytestmark = pytest.mark.slow

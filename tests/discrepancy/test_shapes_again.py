@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from exogauge.search.afterwards import shapes_again
 from exogauge.search.residual_correction import held_out_rmse
-from exogauge.search.shapes_again import shapes_again
 from exogauge.search.state import Search
 from exogauge.studies.words.finding_sentences import finding_sentence
 

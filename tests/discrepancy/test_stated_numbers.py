@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from exogauge.detect.nominal.bayes_factor import LettingGo
-from exogauge.detect.nominal.nominal_values import as_stated
+from exogauge.detect.nominal.nominal_values import LettingGo, as_stated
 
 RHO = 0.25  # of a maker who says nothing
 

@@ -18,8 +18,8 @@ from exogauge.experiment.motion_choices import choices
 from exogauge.experiment.planned_rows import as_log, new_rows, with_next_log
 from exogauge.experiment.workspace_limits import carrying, room
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.identify import identify
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Recording
@@ -95,7 +95,7 @@ def fast_only(robot):
 def best(found, recordings, name) -> Score:
     """With the shape that fits best, at the joint with the hidden friction."""
     effect = shaped_effects()[name]
-    ground = lay_ground(found.model, recordings, [effect], lambda _share, _words: None)
+    ground = lay_ground(found.model, recordings, [effect], lambda *_: None)
     rows = collect_rows(found.model, recordings, [SWEPT])
     of_grid = [each for each in ground.scores if each.candidate.site == SWEPT]
     return closest(found.model, of_grid, rows[SWEPT], ground.memory)

@@ -5,9 +5,8 @@ import pytest
 
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.findings.objection import Why
 from exogauge.findings.result import ChainStep, Place
-from exogauge.findings.verdict import Caveat
+from exogauge.findings.verdict import Caveat, Why
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import AxisSite
 from exogauge.studies.words.finding_sentences import finding_sentence
@@ -169,7 +168,7 @@ def test_progress_rises_and_ends_at_one(identified, study, on_joint):
     recordings = study(on_joint(2, one_way))
     find_missing_effects(
         identified(recordings), recordings, tuple(shaped_effects().values()), Settings(cutoff_hz=8.0),
-        lambda fraction, phrase: told.append(fraction),
+        lambda fraction, doing, of="": told.append(fraction),
     )  # fmt: skip
     assert told == sorted(told)
     assert told[-1] == 1.0

@@ -95,12 +95,13 @@ def service(tmp_path_factory: pytest.TempPathFactory, browser: Browser) -> Itera
 
 @pytest.fixture(scope="session")
 def sample(browser: Browser) -> Path:
-    """The folder of the sample study of `make demo`, which has been evaluated."""
+    """The folder of the ideal sample study, which the demo has evaluated."""
     subprocess.run(
-        [sys.executable, "-m", "exogauge.cli", "demo"], env=os.environ | {"EXOGAUGE_DATA_DIR": str(SAMPLE)},
+        [sys.executable, "-m", "exogauge.cli", "demo", "--realism", "ideal"],
+        env=os.environ | {"EXOGAUGE_DATA_DIR": str(SAMPLE)},
         check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
-    return SAMPLE / "sample" / "hrp4_like_1"
+    return SAMPLE / "sample" / "hrp4_like_1_ideal"
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,7 @@ from tests.e2e.arm import zipped
 from tests.e2e.test_studies_page import drop
 from tests.payload.planned import plan_yaml
 
+from exogauge.cli import main
 from exogauge.client import Client
 from exogauge.synthetic import payload as generator
 from exogauge.synthetic import write_payload_sample
@@ -79,6 +80,24 @@ def test_files_without_payload_yaml_are_not_sent_and_broken_ones_are_told_with_t
     alert = page.get_by_role("alert")
     expect(alert).to_contain_text("logs/poses.csv, row 0, column fx")
     expect(alert).to_contain_text("Did you mean 'f_x'?")
+
+
+def test_what_the_doctor_finds_stands_on_the_page_and_is_printed(
+    page: Page, service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path, content in payload_files().items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    yaml = tmp_path / "payload.yaml"
+    rated = "sensor:\n  range: {force_n: [10, 10, 10], moment_nm: [9, 9, 9]}\n"
+    yaml.write_text(yaml.read_text().replace("sensor:\n", rated).replace("Gripper", "Too heavy"))
+    assert main(["payload", "doctor", str(tmp_path), "--server", service.url]) == 1
+    said = capsys.readouterr().out
+    assert "saturated" in said
+    page.goto(f"/payloads/{said.split()[1].rstrip(',')}")
+    found = page.locator("tr[data-finding=saturated]").first
+    expect(found).to_contain_text("the sensor is rated for 10")
+    expect(found).to_contain_text("Error")
 
 
 def test_what_was_identified_is_told_with_its_doubt(

@@ -1,4 +1,4 @@
-"""The tables of docs/effects.md, from the catalogue; `python -m tests.effects.tables` (`make tables`) writes."""
+"""The tables of docs/effects.md and docs/device.md, from the catalogue: `python -m tests.effects.tables` writes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from exogauge.effects.band import BandEffect
+from exogauge.effects.band_laws import LINEAR
 from exogauge.effects.catalogue import (
     all_effects,
     band_effects,
@@ -18,6 +20,7 @@ from exogauge.effects.catalogue import (
 )
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
+OF_DEVICES = DOCUMENT.with_name("device.md")
 TABLE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -38,7 +41,23 @@ def tables() -> Mapping[str, str]:
     }
     made = {place: _missing(effects) for place, effects in missing.items()}
     has = [(f"`{each.name}`", each.sentence, _numbers([each.coefficient])) for each in all_effects().values()]
-    return {"model": _table(("effect", "in words", "number"), has)} | made
+    return {"model": _table(("effect", "in words", "number"), has), "law": _laws()} | made
+
+
+def _laws() -> str:
+    """The laws of device.yaml: each value with its unit, and what it is where it is left out."""
+    linear = (f"`{LINEAR}`", "", "It pulls in proportion to its stretch, and is slack below its natural length.")
+    rows = [(f"`{each.law}`", _values(each), each.sentence) for each in band_effects().values() if each.law]
+    return _table(("`law`", "`law_values`", "the band"), [linear, *sorted(rows)])
+
+
+def _values(effect: BandEffect) -> str:
+    said, named = [], {each.name: each for each in reversed([*effect.coefficients, *effect.shapes])}
+    for each in reversed(named.values()):
+        stated, unit = effect.stated[each.name], "" if each.unit == "1" else f" [{each.unit}]"
+        default = "" if stated.default is None else f" ({stated.default:g})"
+        said.append(f"`{each.name}`{unit}{default} {each.words}")
+    return "<br>".join(said)
 
 
 def _missing(effects: Mapping[str, Any]) -> str:
@@ -67,4 +86,5 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 
 if __name__ == "__main__":
-    DOCUMENT.write_text(with_tables(DOCUMENT.read_text(encoding="utf-8")), encoding="utf-8")
+    for document in (DOCUMENT, OF_DEVICES):
+        document.write_text(with_tables(document.read_text(encoding="utf-8")), encoding="utf-8")

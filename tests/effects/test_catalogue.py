@@ -1,9 +1,11 @@
 """Effects are found by looking; what is not there is named."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from exogauge.effects.catalogue import all_effects, choose, shaped_effects
-from exogauge.errors import BadInput
+from exogauge.effects.catalogue import all_effects, apart, choose, shaped_effects
+from exogauge.errors import BadInput, ExogaugeError
 
 CREAK = '''
 """Extra friction at the start of motion."""
@@ -62,3 +64,12 @@ def test_what_a_model_is_fitted_with_and_what_it_may_miss_are_told_apart():
     assert not set(all_effects()) & set(shaped_effects())
     with pytest.raises(BadInput):
         choose(["torque_ripple"])
+
+
+@pytest.mark.parametrize("place", ["joint", "sensor"])
+def test_two_effects_of_one_name_are_refused_with_both_files(place):
+    """Wherever they sit: results tell effects apart by their names."""
+    viscous = all_effects()["viscous"]
+    other = SimpleNamespace(name="viscous", place=place)
+    with pytest.raises(ExogaugeError, match=r"effects\.viscous and types both offer an effect named 'viscous'"):
+        apart([viscous, other])

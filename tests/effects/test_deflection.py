@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.effects.deflection import deflection
+from exogauge.effects.elasticity import deflection
 from exogauge.effects.shaped import AxisSignals
 
 T = np.arange(0.0, 6.0, 0.005)

@@ -4,21 +4,24 @@ import re
 
 import numpy as np
 import pytest
-from tests.effects.tables import DOCUMENT, tables, with_tables
+from tests.effects.tables import DOCUMENT, OF_DEVICES, tables, with_tables
 
 from exogauge.effects.catalogue import missing_effects, shaped_effects
 
 MOST_WORDS = 1500  # beside the tables: what is read in ten minutes
 
 
-def test_the_tables_of_the_document_are_those_of_the_catalogue():
-    written = DOCUMENT.read_text(encoding="utf-8")
+@pytest.mark.parametrize("document", [DOCUMENT, OF_DEVICES], ids=lambda path: path.name)
+def test_the_tables_of_the_documents_are_those_of_the_catalogue(document):
+    written = document.read_text(encoding="utf-8")
     assert written == with_tables(written), "make tables"
 
 
 def test_every_place_has_its_table():
-    marked = set(re.findall(r"<!-- table: (\w+) -->", DOCUMENT.read_text(encoding="utf-8")))
-    assert marked == tables().keys()
+    marked, of_devices = (
+        set(re.findall(r"<!-- table: (\w+) -->", each.read_text(encoding="utf-8"))) for each in (DOCUMENT, OF_DEVICES)
+    )
+    assert marked | of_devices == tables().keys()
     assert {each.place for each in missing_effects()} | {"model", "band"} == marked
 
 

@@ -49,7 +49,7 @@ def test_one_file_and_the_tables_are_all_that_its_contract_asks_for(copy: Path, 
     assert code == 1
     assert "1 failed" in said, said
     (failed,) = re.findall(r"^FAILED (\S+)", said, re.MULTILINE)
-    assert failed.endswith("test_the_tables_of_the_document_are_those_of_the_catalogue")
+    assert failed.endswith("test_the_tables_of_the_documents_are_those_of_the_catalogue[effects.md]")
     done = run(copy, "-m", "tests.effects.tables")
     assert done.returncode == 0, done.stderr
     assert "`cogging_sin_1` part with the sin of harmonic 1" in (copy / "docs/effects.md").read_text(encoding="utf-8")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from exogauge.effects.backlash import between_teeth
 from exogauge.effects.band import relaxed
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.effects.dead_zone import between_teeth
 from exogauge.effects.presliding import bristle
 from exogauge.effects.shaped import AxisSignals, ManyShapes
 from exogauge.search.candidates import grid

@@ -16,6 +16,7 @@ from exogauge.estimation.log_cholesky import (
     to_log_cholesky,
 )
 from exogauge.estimation.physical import solve_physical
+from exogauge.remarks import About, Remark
 
 SPREAD = (((0.4, 0.4), 1), ((-2, 0.3), 3), ((0, 0.02), 3), ((0, 0.1), 3))
 UNITS = np.array([1, 0.1, 0.1, 0.1] + [0.01] * 6)
@@ -163,7 +164,7 @@ def test_an_impossible_reference_is_replaced_and_said() -> None:
     point_mass[0, 4:] = 0.0
     R, z = measured(rng, truth, np.zeros(0), 200, 100.0)
     solution = solve_physical(R, z, point_mass, weight=1e-3)
-    assert "inertia of 0 is not" in solution.warnings[0]
+    assert solution.remarks[0] == Remark(About.REFERENCE_IMPOSSIBLE, ("0",))
     assert all_possible(solution.phi)
     with pytest.raises(PhysicallyImpossible):
         solve_physical(R, z, truth * np.array([[-1.0], [1.0]]))
@@ -174,7 +175,7 @@ def test_undetermined_other_parameters_are_said() -> None:
     truth = bodies(rng, 1)
     R, z = measured(rng, truth, rng.normal(size=2), 50, 10.0)
     solution = solve_physical(np.column_stack([R, np.zeros(len(R))]), z, truth, weight=1.0)
-    assert "1 combinations" in solution.warnings[0]
+    assert solution.remarks[0] == Remark(About.UNDECIDED_COMBINATIONS, numbers=(1,))
     assert solution.other[2] == 0.0
 
 

@@ -133,7 +133,7 @@ def test_a_study_with_slips_is_evaluated_or_refused_with_a_suspect(
         study = write_study(Path(place) / "study", floating, logs, robot[1](robot_yaml(floating)), chosen, steps)
         refused, failed = None, ()
         try:
-            failed = evaluate(study, Path(place) / "out", lambda _fraction, _phrase: None)
+            failed = evaluate(study, Path(place) / "out", lambda *_: None)
         except (BadInput, NotIdentifiable) as error:
             refused = error
         if refused is not None:
@@ -174,7 +174,7 @@ def test_a_current_of_zeros_is_refused_by_its_name(floating: bool, tmp_path: Pat
     logs = recorded(floating)
     logs = logs | {"id_1": logs["id_1"] | {"i.j1": 0.0 * logs["id_1"]["i.j1"]}}
     with pytest.raises(BadInput, match="its current never changes") as refused:
-        evaluate(write_study(tmp_path, floating, logs), tmp_path / "out", lambda _fraction, _phrase: None)
+        evaluate(write_study(tmp_path, floating, logs), tmp_path / "out", lambda *_: None)
     assert [(each.file, each.column) for each in refused.value.faults] == [("id_1.parquet", "i.j1")]
 
 
@@ -182,7 +182,7 @@ def test_the_studies_are_whole_before_anything_is_changed() -> None:
     for floating in (False, True):
         with tempfile.TemporaryDirectory() as place:
             study = write_study(Path(place) / "study", floating, recorded(floating))
-            assert not evaluate(study, Path(place) / "out", lambda _fraction, _phrase: None)
+            assert not evaluate(study, Path(place) / "out", lambda *_: None)
             content = json.loads((Path(place) / "out" / "results.json").read_text())
             assert not [each for each in content["doctor"] if each["severity"] == "error"]
     assert set(recorded(True)) == set(LOGS)

@@ -35,7 +35,7 @@ def cases(only: str, kept: Path, maker: Tree, blind: Path | None) -> list[Case]:
 def _sample(_which: str, kept: Path, maker: Tree, _blind: Path | None) -> Iterator[Case]:
     folder = kept / f"sample-{SAMPLE_SEED}"
     if not (folder / "study.yaml").exists():
-        _make(maker, "sample", str(folder), "--seed", str(SAMPLE_SEED))
+        _make(maker, "sample", str(folder), "--seed", str(SAMPLE_SEED), "--realism", "ideal")
     yield Case("sample", lambda _scratch: folder / "study.yaml")
 
 

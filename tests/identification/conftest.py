@@ -14,8 +14,8 @@ from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 

@@ -10,6 +10,7 @@ from exogauge.identification.bandwidth import LOWEST_HZ, choose_cutoff
 from exogauge.identification.identify import identify
 from exogauge.identification.preparation import suggested_cutoff
 from exogauge.identification.settings import Recording, Settings
+from exogauge.remarks import About
 
 
 @dataclass
@@ -88,4 +89,4 @@ def test_a_slow_periodic_motion_keeps_most_of_it_for_the_fit(make_truth, make_lo
     for each in found.steady:
         assert each.fitted_s > 0.5 * each.fitted_of_s
         assert each.both_directions
-    assert not [each for each in found.warnings if "steady" in each]
+    assert not {each.about for each in found.remarks} & {About.LITTLE_STEADY, About.ONE_DIRECTION}

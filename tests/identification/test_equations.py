@@ -13,8 +13,8 @@ from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.turns import rest_detection
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import WrenchSensor
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import contact_effect, regressor
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.rows import RowType

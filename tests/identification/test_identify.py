@@ -8,6 +8,7 @@ from exogauge.errors import BadLog, BadStudy, NotIdentifiable
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
+from exogauge.remarks import About
 from exogauge.search.baseline import lay_ground
 from exogauge.side_by_side import CORES
 
@@ -103,7 +104,7 @@ def test_friction_that_held_less_in_one_log_is_told_as_a_lower_bound(make_truth,
     def tau_s(*truths):
         recordings = [Recording(make_log(each, 1 + k, noise=3.0), False) for k, each in enumerate(truths)]
         found = identify(truth.robot, recordings, Settings(cutoff_hz=8.0))
-        doubted = " ".join(text.rsplit(" at ", 1)[1] for text in found.warnings if "lower bound" in text)
+        doubted = [name for each in found.remarks if each.about == About.STICKS_UNEQUALLY for name in each.names]
         return by_name(found)["tau_s[j2]"], doubted
 
     same, doubted = tau_s(truth, truth)
@@ -119,7 +120,7 @@ def test_friction_that_held_less_in_one_log_is_told_as_a_lower_bound(make_truth,
 def test_currents_alone_on_a_fixed_robot_do_not_fix_the_scale(make_truth, make_log):
     result = fit(make_truth(floating=False), make_log, noise=0.5)
     assert not any(p.identifiable for p in result.parameters)
-    assert any("common factor" in warning for warning in result.warnings)
+    assert About.FACTOR_OPEN in [each.about for each in result.remarks]
 
 
 @pytest.mark.slow
@@ -199,7 +200,7 @@ def test_no_bit_depends_on_how_many_processors_there_are(make_truth, make_log, m
     for count in ("1", "3"):
         monkeypatch.setenv(CORES, count)
         found = identify(truth.robot, recordings, Settings())
-        ground = lay_ground(found.model, recordings, missing_effects(), lambda _fraction, _phrase: None)
+        ground = lay_ground(found.model, recordings, missing_effects(), lambda *_: None)
         numbers = [[each.value, each.std] for each in found.parameters]
         fits = [[each.rmse_identified, each.noise_floor] for each in found.validation]
         scores = [[each.evidence, each.gain, *each.step] for each in ground.scores]

@@ -11,12 +11,14 @@ import pytest
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
-from exogauge.identification.common_factor import SCALE_UNKNOWN
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.plausibility.examine import examine_against_robot
+from exogauge.remarks import About, Remark
 from exogauge.robots.known_load import KnownLoad
 from exogauge.support.balance import balance
+
+OPEN = Remark(About.FACTOR_OPEN)
 
 SETTINGS = Settings(cutoff_hz=10.0, prior_strength=1.0, consistency="free")
 MASS, STD = 5.0, 0.005  # [kg] as weighed
@@ -109,15 +111,15 @@ def test_torque_constants_come_out_right_and_several_times_surer(arm, identified
     assert np.all(std < gains(arm.truth, without)[1] / 4.0)
     assert with_it.factor.known
     assert not with_it.per_stated
-    assert SCALE_UNKNOWN not in with_it.warnings
-    assert SCALE_UNKNOWN in without.warnings
+    assert OPEN not in with_it.remarks
+    assert OPEN in without.remarks
 
 
 def test_the_open_factor_is_said_once_and_not_as_a_list(arm, identified):
     with_it = identified(carrying(arm.robot, "loaded", "held_out"), "empty", "loaded")
     assert not [name for name in with_it.unidentifiable if name.startswith(("k_T", "load."))]
     without = identified(arm.robot, "empty")
-    assert sum("factor" in warning for warning in without.warnings) == 1
+    assert without.remarks.count(OPEN) == 1
     assert not [name for name in without.unidentifiable if name.startswith("k_T")]
 
 
@@ -152,17 +154,15 @@ def test_a_load_in_every_log_fixes_nothing_and_says_so(arm, logs, identified):
     np.testing.assert_allclose(every.factor.std, of_maker, rtol=0.2)
     np.testing.assert_allclose(every.factor.std, identified(arm.robot, "empty").factor.std, rtol=0.2)
     assert not every.factor.known
-    assert SCALE_UNKNOWN in every.warnings
-    (told,) = [each for each in every.warnings if "known load" in each]
-    assert "in every log" in told
-    assert "Record one without it" in told
+    assert OPEN in every.remarks
+    assert [each.about for each in every.remarks if each.each] == [About.LOAD_IN_EVERY_LOG]
     error, std = gains(arm.truth, every)
     assert np.all(np.abs(error) < 2.5 * std)
 
 
 def test_a_load_that_no_fitted_log_carries_says_so(arm, identified):
     found = identified(carrying(arm.robot, "held_out"), "empty")
-    assert [each for each in found.warnings if "in none of the logs that are fitted" in each]
+    assert About.LOAD_NOT_FITTED in [each.about for each in found.remarks]
     assert not found.factor.known
     np.testing.assert_allclose(found.factor.std, identified(arm.robot, "empty").factor.std, rtol=1e-3)
 
@@ -171,7 +171,9 @@ def test_a_load_too_light_to_be_felt_says_so(arm, identified):
     """20 g, weighed to 15 g: by the differences of the currents nobody knows a factor."""
     found = identified(carrying(arm.robot, "loaded", mass=0.02, std=0.015), "empty", "loaded")
     assert not found.factor.known
-    assert [each for each in found.warnings if "felt too little" in each]
+    (told,) = [each for each in found.remarks if each.about == About.LOAD_FELT_TOO_LITTLE]
+    assert told.each == ((0.02,),)
+    assert told.numbers[1] > 0.5 * told.numbers[0] > 0.0
 
 
 def test_two_masses_fix_it_as_one_and_none(arm, make_log, logs):

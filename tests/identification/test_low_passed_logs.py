@@ -16,8 +16,8 @@ from exogauge.identification.settings import Settings
 from exogauge.identification.turns import RestDetection, TurnsOf
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.cuts import CutRows
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 
 RATE = 200.0

@@ -15,8 +15,8 @@ from exogauge.identification.solution import solve
 from exogauge.identification.turns import RestDetection
 from exogauge.logs.beside import widened, with_beside
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 

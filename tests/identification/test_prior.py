@@ -17,8 +17,8 @@ from exogauge.identification.preparation import prepare
 from exogauge.identification.prior import as_printed, inertial_std, per_parameter, scales
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.turns import rest_detection
-from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.cuts import CutRows
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import regressor
 from exogauge.robots.row_blocks import RowBlocks
 

@@ -13,7 +13,8 @@ from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Parameter
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import LinkSite
-from exogauge.robots.cut_rows import in_sensor, mass_columns
+from exogauge.remarks import About
+from exogauge.robots.cuts import in_sensor, mass_columns
 from exogauge.robots.description import Robot
 from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.regressor import inverse_dynamics
@@ -143,13 +144,14 @@ def test_a_sign_stated_wrongly_is_seen_at_once(identified: Identify) -> None:
     _, found = identified([wrist("sensor_on_payload")], made_with=[wrist("payload_on_sensor")])
     fit = next(each for each in found.validation if each.held_out and each.channel == "ft.wrist.fz")
     assert fit.rmse_prior > 50.0 * fit.noise_floor
-    (warning,) = [each for each in found.warnings if "negative mass of tool" in each]
-    assert "sign of a sensor" in warning
+    (remark,) = [each for each in found.remarks if each.about == About.NEGATIVE_MASS]
+    assert remark.names == ("tool",)
+    assert remark.each[0][0] < 0.0
     assert named(found)["m[tool]"].value > 0.0  # a body all the same
 
 
 def test_a_sign_stated_rightly_is_not_doubted(on_wrist: Identified) -> None:
-    assert not [each for each in on_wrist[1].warnings if "negative mass" in each]
+    assert About.NEGATIVE_MASS not in [each.about for each in on_wrist[1].remarks]
 
 
 def test_held_out_readings_are_predicted_down_to_their_noise(on_wrist: Identified) -> None:

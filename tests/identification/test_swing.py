@@ -8,9 +8,9 @@ from exogauge.effects.catalogue import choose
 from exogauge.identification.axis_signals import inertia_and_slope
 from exogauge.identification.equations import Equations
 from exogauge.identification.settings import Settings
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 

@@ -18,6 +18,7 @@ import time
 from pathlib import Path
 
 from exogauge.errors import BadStudy, Fault
+from exogauge.progress import Stage
 
 LEASE_S = 3.0
 
@@ -29,7 +30,7 @@ def burn(folder: Path, out: Path, progress, settings) -> None:
         print(settings["stdout"], flush=True)
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
-        progress(1.0 - left / seconds, f"{left:.1f} s left")
+        progress(1.0 - left / seconds, f"{left:.1f} s left", Stage.READING)
         time.sleep(0.02)
     mode = settings.get("mode", "ok")
     progress(0.6, f"{mode}: about to")  # said at once after another: too often to be told, but for its end

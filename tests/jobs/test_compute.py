@@ -18,7 +18,7 @@ def child(monkeypatch, request):
     made.kill()
 
 
-def call(child, folder, watch=lambda fraction, message: None, timeout_s=30.0, **settings):
+def call(child, folder, watch=lambda *_: None, timeout_s=30.0, **settings):
     out = folder / "out"
     out.mkdir(exist_ok=True)
     wanted = {"ledger": str(folder / "ledger"), "seconds": 0.05, **settings}
@@ -37,7 +37,7 @@ def test_what_the_computation_raises_is_told_apart_from_defects(child, tmp_path)
 
 
 def test_an_interrupted_request_leaves_no_answer_for_the_next(child, tmp_path):
-    def stop(fraction, message):
+    def stop(fraction, message, stage):
         raise Cancelled("enough")
 
     with pytest.raises(Cancelled):

@@ -14,6 +14,7 @@ def test_a_job_runs_with_progress_and_keeps_what_it_made(staffed):
     half_way = staffed.until(job, lambda now: 0.0 < now.progress < 1.0)
     assert half_way.state == "running"
     assert half_way.message.endswith("s left")
+    assert half_way.stage == "reading"
     done = staffed.ended(job)
     assert (done.state, done.progress, done.attempts) == ("succeeded", 1.0, 1)
     assert staffed.artifacts(job) == ["results.json", "series/a.csv"]
@@ -26,7 +27,7 @@ def test_bad_input_fails_with_what_is_wrong_and_a_defect_with_its_trace(staffed)
     assert done.state == "failed"
     assert "logs/a.csv" in done.reason
     assert "Add it." in done.reason
-    assert done.failure["class"] == "BadStudy"
+    assert (done.failure["class"], done.failure["defect"]) == ("BadStudy", False)
     assert (done.message, done.progress) == ("bad: about to", 0.6)
     assert done.steps[-1]["message"] == "bad: about to"
     assert done.failure["faults"] == [
@@ -37,7 +38,7 @@ def test_bad_input_fails_with_what_is_wrong_and_a_defect_with_its_trace(staffed)
     assert done.state == "failed"
     assert "ZeroDivisionError" in done.reason
     assert "nobody foresaw this" in done.log
-    assert done.failure is None
+    assert done.failure == {"class": "ZeroDivisionError", "faults": [], "defect": True}
     assert staffed.words("bad") == ["start"]  # an answer, however bad, is not asked for again
 
 

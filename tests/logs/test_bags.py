@@ -18,6 +18,7 @@ from exogauge.logs.mapping import read_mapped
 from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
 from exogauge.sandbox import LogRequest, parse_log
+from exogauge.studies.import_log.column_words import Wearer
 from exogauge.studies.import_log.log_preview import preview
 from exogauge.studies.intake.mapping_file import parse_mapping
 
@@ -81,7 +82,7 @@ def write(tmp_path: Path, request: pytest.FixtureRequest) -> Write:
 
 def read(path: Path) -> Log:
     """As a study would, through the mapping that is suggested, in the child that opens uploads."""
-    mapping = parse_mapping(yaml.safe_dump(preview(path, path.name, None)["proposal"]).encode(), "mapping.yaml")
+    mapping = parse_mapping(yaml.safe_dump(preview(path, path.name, Wearer())["proposal"]).encode(), "mapping.yaml")
     joints = ("shoulder", "elbow")
     here = read_mapped({path.name: path}, mapping, joints=joints, motor_from_joint=None, name="log")
     there = parse_log(LogRequest("log", {path.name: path}, mapping, joints))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -27,6 +28,7 @@ from exogauge.payload.dynamics import (
     static_prior,
 )
 from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.statics import Holds, static_stage
 from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
@@ -213,3 +215,25 @@ def test_an_impossible_payload_is_replaced_by_the_likeliest_possible_one() -> No
     assert found.cost > 100.0
     J = pin.Inertia.FromDynamicParameters(found.physical[:10]).toPseudoInertia().toMatrix()
     assert np.linalg.eigvalsh(J).min() > 0
+
+
+def test_the_doubt_of_the_inclination_is_in_that_of_the_motion() -> None:
+    """Few, noisy postures and a quiet motion: without it, what motion says would be too sure of itself."""
+    motion, phi = case(0).motion().inner().rows(slice(None, None, 5)), case(0).phi
+    R = case(0).holds().rotation[::3]
+    rng, noise, quiet = np.random.default_rng(91), np.array([5.0] * 3 + [2.0] * 3), 1e-2 * STD
+    exact = -motion.regressor(tilted()) @ phi
+    still = SensorMotion(np.arange(len(R)), R, *(np.zeros((len(R), 3)),) * 3, np.zeros((len(R), 9, 1)))
+    squares, without = [], []
+    for _ in range(60):
+        held = -still.regressor(tilted()) @ phi + noise * rng.standard_normal((len(R), 6))
+        static = static_stage(Holds(R, held, noise), GRAVITY, -1)
+        wrench = exact + quiet * rng.standard_normal(exact.shape)
+        rows = dynamic_rows(motion, wrench, static.gravity, -1, quiet)
+        prior = static_prior(static)
+        for used, out in ((prior, squares), (replace(prior, lean=np.zeros((18, 2))), without)):
+            found = dynamic_stage(rows, used, "ls", correlated=False)
+            out.append(((found.value[:10] - phi) / found.std[:10]) ** 2)
+    assert np.sqrt(np.mean(squares)) < 1.3
+    assert np.sqrt(np.mean(squares)) > 0.6
+    assert np.sqrt(np.mean(without)) > 2.0

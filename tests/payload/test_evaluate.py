@@ -24,6 +24,7 @@ from exogauge.payload.intake import open_payload
 from exogauge.payload.results import PayloadResults, results
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import gravity_of
+from exogauge.payload.tables import identified_by_method, left_by_method
 from exogauge.synthetic.payload import write_payload
 
 Array = NDArray[np.float64]
@@ -101,6 +102,31 @@ def test_inclination_ignored_leaves_what_the_paper_found_and_all_of_it_leaves_th
     assert found.tests["fast"]["static"].mean[1] > 10 * found.tests["fast"]["all"].mean[1]
 
 
+def test_the_tables_of_the_paper_are_told_in_full(sample: Path, found: PayloadResults, tmp_path: Path) -> None:
+    """Three methods at two speeds, every axis, before and after (44); the norms are those of the axes."""
+    truth = json.loads((sample / "truth.json").read_text())
+    identified = identified_by_method(found)
+    assert set(identified) == {"static", "level", "all"}
+    assert identified["static"]["Ixx"] is None
+    assert abs(identified["all"]["m"] - truth["mass"]) < 0.1 * abs(identified["level"]["m"] - truth["mass"])
+    lines = {tuple(each[:4]): each[5:] for each in left_by_method(found)}
+    assert len(lines) == 2 * 3 * 2 * 8
+    for log in ("fast", "slow"):
+        for way in identified:
+            first = [lines[log, way, "before", axis][0] for axis in ("fx", "fy", "fz")]
+            assert np.linalg.norm(first) == pytest.approx(lines[log, way, "before", "|f|"][0])
+        assert lines[log, "all", "before", "|f|"][1] < lines[log, "level", "before", "|f|"][1]
+        for axis in ("fx", "mz"):  # (44) takes the same off throughout
+            (first, mean, std), (first_44, mean_44, std_44) = (
+                lines[log, "level", state, axis] for state in ("before", "after")
+            )
+            assert first - first_44 == pytest.approx(mean - mean_44)
+            assert std == pytest.approx(std_44)
+    (tmp_path / "results.json").write_text(found.model_dump_json())
+    assert main(["payload", "tables", str(tmp_path), "--out", str(tmp_path / "left.csv")]) == 0
+    assert len((tmp_path / "left.csv").read_text().splitlines()) == 1 + len(lines)
+
+
 def test_pushes_are_found_when_and_as_strong_as_they_were(sample: Path, found: PayloadResults) -> None:
     pushes = json.loads((sample / "truth.json").read_text())["pushes"]
     touches = found.contacts["contact"]
@@ -117,9 +143,8 @@ def test_the_alarm_is_false_as_often_as_it_is_said(sample: Path) -> None:
     evaluation = evaluate(payload)
     from exogauge.payload.prepare import moving, std_of
 
-    assert evaluation.excitation is not None
-    assert evaluation.postures is not None
-    chosen, gravity = evaluation.excitation.chosen, evaluation.postures.chosen.gravity
+    assert evaluation.stages.excitation is not None
+    chosen, gravity = evaluation.stages.excitation.chosen, evaluation.stages.gravity
     compensation = Compensation(chosen.value, chosen.covariance, gravity, evaluation.sign, std_of(payload))
     moved = moving(payload, payload.of("test")[1], gravity, None)
     limit = false_alarm_limit(0.05)
@@ -165,6 +190,7 @@ def test_a_real_run_with_three_clocks_and_an_imu_of_unknown_axes(tmp_path: Path)
     undecided = {v.name for v in found.dynamic.values if not v.identified}
     assert {"Ixx", "Izz"} <= undecided
     assert found.dynamic.mu is None
+    assert (found.missing.verdict, found.missing.reason) == ("undecided", "noise_unknown")
 
 
 def rewritten(path: Path, change: Callable[[dict[str, Array]], None]) -> None:
@@ -175,7 +201,13 @@ def rewritten(path: Path, change: Callable[[dict[str, Array]], None]) -> None:
     pq.write_table(pa.table(columns), path)
 
 
-def scale(names: str, factor: float) -> Change:
+def cut(log: str, samples: int) -> Change:
+    return lambda content, folder: rewritten(
+        folder / "logs" / f"{log}.parquet", lambda c: c.update({k: v[:samples] for k, v in c.items()})
+    )
+
+
+def scale(names: str | tuple[str, ...], factor: float) -> Change:
     def change(content: dict[str, Any], folder: Path) -> None:
         for log in folder.glob("logs/*.parquet"):
             rewritten(log, lambda c: c.update({k: v * factor for k, v in c.items() if k.startswith(names)}))
@@ -217,6 +249,7 @@ def test_postures_alone_tell_mass_centre_and_zero(sample: Path, tmp_path: Path) 
     assert found.dynamic is None
     assert found.static is not None
     assert found.mass_error_kg == pytest.approx(0.0, abs=0.006)
+    assert (found.missing.verdict, found.missing.reason) == ("undecided", "no_motion")
     assert {v.name for v in found.static.values} >= {"m", "cx", "fx0", "mz0", "U", "V"}
 
 
@@ -245,6 +278,16 @@ BAD: dict[str, tuple[Change, str]] = {
         ),
         "excitation",
     ),
+    "no samples": (cut("excitation", 0), "0 samples"),
+    "a few samples": (cut("fast", 5), "5 samples"),
+    "nothing on the sensor": (scale(("fx", "fy", "fz", "mx", "my", "mz"), 0.0), "nothing hangs"),
+    "nothing turned": (
+        broken("excitation", lambda c: c.update({k: np.full(len(v), v[0]) for k, v in c.items() if k[0] == "q"})),
+        "excitation|inertia",
+    ),
+    "one column for two joints": (key("pose", "joints", "a2", value="q.a1"), "twice"),
+    "one column for two axes": (key("sensor", "wrench", value=["fx", "fx", "fz", "mx", "my", "mz"]), "twice"),
+    "negative mass": (key("ground_truth", value={"mass_kg": -3.0}), "greater than 0"),
     "no file": (key("logs", value=[{"file": "logs/none.parquet", "role": "postures"}]), "logs/none.parquet"),
     "a span outside": (
         key("logs", value=[{"file": "logs/postures.parquet", "role": "postures", "span": [500.0, 600.0]}]),
@@ -283,6 +326,15 @@ def test_moments_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
     assert any("moment_unit" in each for each in warnings)
 
 
+def test_forces_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
+    """kgf read as N: no body has such moments, and it was weighed."""
+    folder = tmp_path / "bad"
+    shutil.copytree(sample, folder)
+    scale("f", 1.0 / 9.80665)({}, folder)
+    warnings = evaluate(open_payload(folder)).warnings
+    assert sum("force_unit" in each for each in warnings) == 2
+
+
 def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "pushed"
     shutil.copytree(sample, folder)
@@ -295,6 +347,6 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
     assert any("touched" in each and "4.0" in each for each in evaluation.warnings) or any(
         "touched" in each and "3.8" in each for each in evaluation.warnings
     )
-    assert evaluation.excitation is not None
+    assert evaluation.stages.excitation is not None
     truth = json.loads((sample / "truth.json").read_text())
-    assert evaluation.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
+    assert evaluation.stages.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)

@@ -30,6 +30,12 @@ FLANGE = (0.01, -0.02, 0.045, 10.0, -20.0, 130.0)
 NUMBER = r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?"
 
 
+NOTHING = MissingResults(
+    verdict="none", reason=None, found=[], suspected=[], left={}, in_the_model=False, without=[], candidates=9,
+    said="Nothing is missing.",
+)  # fmt: skip
+
+
 def found(
     body: pin.Inertia = BODY, *, identified: bool = True, covariance: Array | None = None, **more: object
 ) -> PayloadResults:
@@ -51,7 +57,7 @@ def found(
     given = {"name": "Door -- <of> cell\n4", "frame": "axes and origin of the sensor (ft)"} | more
     return PayloadResults(
         version=1, exogauge="0", sees="payload_on_sensor", static=None, dynamic=dynamic, tests={}, contacts={},
-        contact_threshold_n={}, imu=None, mass_error_kg=None, warnings=[], **given,
+        contact_threshold_n={}, imu=None, mass_error_kg=None, warnings=[], **({"missing": NOTHING} | given),
     )  # fmt: skip
 
 
@@ -162,7 +168,8 @@ def test_that_something_is_missing_beside_the_rigid_body_is_said_where_it_is_use
         found=[],
         suspected=[],
         left={},
-        values=[],
+        in_the_model=True,
+        without=[],
         candidates=9,
         said="Missing: a delay.",
     )
@@ -202,3 +209,8 @@ def test_what_cannot_be_exported_is_said_with_advice(tmp_path: Path, capsys: pyt
     file.write_text('{"version": 1}')
     assert main(["payload", "export", str(file), "--format", "ur"]) == 2
     assert "results.json of `exogauge payload run`" in capsys.readouterr().err
+
+
+def test_the_controller_s_frame_is_only_asked_for_where_it_is_another_one() -> None:
+    assert "must be that of the tool flange" in export(found(), "ur")
+    assert "must be" not in export(found(), "ur", FLANGE)

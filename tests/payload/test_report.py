@@ -12,7 +12,7 @@ from pypdf import PdfReader
 from tests.payload.test_exports import found
 
 from exogauge.payload.report import write_report
-from exogauge.payload.schema import ContactResults, PayloadResults, RemainderResults
+from exogauge.payload.schema import ContactResults, FigureResults, PayloadResults, RemainderResults
 from exogauge.studies.words.rounding import with_std
 
 
@@ -46,9 +46,8 @@ def test_what_is_not_decided_is_said_first(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["<script>alert(1)</script>", "長" * 300, "a\u202eb\nc"])
 def test_the_sheet_is_one_sheet_with_any_name_and_any_number_of_logs(name: str, tmp_path: Path) -> None:
-    left = RemainderResults(
-        first=(1, 1), mean=(2, 2), std=(3, 3), rms=[1.0] * 6, most=[1.0] * 6, most_after_zero=[1.0] * 6, zero_helps=1.0
-    )
+    figures = FigureResults(first=(1, 1), mean=(2, 2), std=(3, 3), axes=[[1.0] * 6] * 3, rms=[1.0] * 6, most=[1.0] * 6)
+    left = RemainderResults(**figures.model_dump(), after_zero=figures, zero_helps=1.0)
     touch = ContactResults(start_s=1.0, end_s=2.0, force_n=(1.0, 2.0, 3.0))
     results = found(name=name).model_copy(
         update={

@@ -126,3 +126,10 @@ def test_forgetting_stops_while_nothing_moves(rows: tuple[Array, Array]) -> None
 def test_a_regressor_without_full_rank_is_refused() -> None:
     with pytest.raises(NotIdentifiable):
         solve(triangle(np.column_stack([np.ones(9), np.ones(9), np.arange(9.0)])), only_output(3))
+
+
+def test_an_output_of_nothing_but_zeros_is_explained_by_zeros(rows: tuple[Array, Array]) -> None:
+    """A payload that is believed to hang in the sensor's origin has no moment to measure."""
+    A = rows[0][:, :3]
+    found = solve(triangle(np.column_stack([A, np.zeros(len(A))])), only_output(4))
+    assert found.value == pytest.approx(np.zeros(3), abs=1e-12)

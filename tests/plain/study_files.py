@@ -94,7 +94,7 @@ def write_study(folder: Path, what: Plan) -> None:
         )
         for name, stated in zip(names, stated_k_T, strict=True)
     ]
-    robot: dict[str, Any] = {"version": 1, "urdf": "robot.urdf", "joints": joints}
+    robot: dict[str, Any] = {"version": 1, "uncertainty": "none", "urdf": "robot.urdf", "joints": joints}
     robot["inertial_prior_std"] = {"default": MASS_STD}
     if what.robot.base_link:
         robot |= {

@@ -15,7 +15,7 @@ def test_a_plain_study_stands_at_its_noise_and_lacks_nothing(seed, tmp_path):
     from exogauge.studies.evaluate import evaluate
 
     write_study(tmp_path / "study", plan(seed))
-    evaluate(tmp_path / "study/study.yaml", tmp_path / "out", lambda _fraction, _phrase: None)
+    evaluate(tmp_path / "study/study.yaml", tmp_path / "out", lambda *_: None)
     results = json.loads((tmp_path / "out/results.json").read_bytes())
     found = facts(results, json.loads((tmp_path / "study/truth.json").read_bytes()))
     assert (found["verdict"], found["named"]) == ("none", [])

@@ -34,7 +34,7 @@ def found(request, tmp_path_factory):
             joint |= {"prior": {"k_T": true}, "prior_std": {"k_T": doubt * true}}
         (folder / "study/robot.yaml").write_text(json.dumps(stated))
         with open_study(folder / "study/study.yaml") as study:
-            recordings = admit(study, worn=False, progress=lambda _fraction, _phrase: None).recordings
+            recordings = admit(study, worn=False, progress=lambda *_: None).recordings
             told = identify(study.robot, recordings, study.settings).by_stated_constants()
         k_T = {name: next(p for p in told.parameters if p.name == f"k_T[{name}]") for name in truth}
         errors = {fit.channel: fit.rmse_identified for fit in told.validation if fit.held_out}

@@ -30,7 +30,7 @@ def identification(folder: Path, base_link: str = "root_link", imu: str = "root_
     """Evaluate the study, bodies possible; results.json's `identification`."""
     write(folder, base_link, imu)
     out = folder / f"results_{imu}"
-    evaluate(folder / "study.yaml", out, lambda _fraction, _phrase: None, {"consistency": "physical"})
+    evaluate(folder / "study.yaml", out, lambda *_: None, {"consistency": "physical"})
     found: Mapping[str, Any] = json.loads((out / "results.json").read_text())["identification"]
     return found
 

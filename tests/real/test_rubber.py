@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exogauge.devices.bench_line import BenchLine, bench_line
+from exogauge.devices.bench import BenchLine, bench_line
 from exogauge.devices.device import BenchTest
 from exogauge.studies.intake.bench_table import read_bench
 from exogauge.studies.intake.bundle import Bundle

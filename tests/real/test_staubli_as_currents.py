@@ -24,7 +24,7 @@ def found(recording: Callable[..., Path]) -> dict[float, tuple[np.ndarray, np.nd
     results = {}
     for doubt in DOUBTS:
         write_as_currents(folder, doubt)
-        evaluate(folder / "currents.yaml", folder / "out", lambda _fraction, _phrase: None)
+        evaluate(folder / "currents.yaml", folder / "out", lambda *_: None)
         told = json.loads((folder / "out/results.json").read_text())["identification"]
         errors = {each["channel"]: each["rmse_identified"] for each in told["validation"] if each["held_out"]}
         results[doubt] = (

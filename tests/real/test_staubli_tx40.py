@@ -71,7 +71,7 @@ def test_friction_comes_out_near_the_published_values(results: Path) -> None:
 
 def test_most_of_the_gain_stays_when_the_prediction_does_not_know_the_sign_at_rest(folder: Path) -> None:
     effects = [name for name in Settings().effects if name != "static_friction"]
-    evaluate(folder, folder / "signless", lambda _fraction, _phrase: None, {"effects": effects})
+    evaluate(folder, folder / "signless", lambda *_: None, {"effects": effects})
     assert held_out_rmse(folder / "signless").mean() < 2.6
 
 

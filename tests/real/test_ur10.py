@@ -12,6 +12,7 @@ import yaml
 from tests.real.recordings.ur10 import BAG, FILES, JOINTS, RECORDING, joint_states, write
 
 from exogauge.logs.mapping import read_mapped
+from exogauge.studies.import_log.column_words import Wearer
 from exogauge.studies.import_log.log_preview import preview
 from exogauge.studies.intake.mapping_file import load_mapping
 
@@ -47,7 +48,7 @@ def on_joints(found: Mapping[str, Any]) -> dict[tuple[str, str], Mapping[str, An
 def test_the_bag_itself_is_read_as_the_drafted_mapping_says(recording: Callable[..., Path], ending: str) -> None:
     name = BAG.replace("db3", ending)
     folder = recording("ur10_rosbag2", (BAG, name))
-    drafted = preview(folder / name, name, None)["proposal"]
+    drafted = preview(folder / name, name, Wearer())["proposal"]
     (folder / "mapping.yaml").write_text(yaml.safe_dump(drafted))
     mapping = load_mapping(folder / "mapping.yaml")
     joints = [joint.removesuffix("_joint") for joint in JOINTS]

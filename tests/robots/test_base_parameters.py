@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.parameters import parameter_names, parameter_units
+from exogauge.robots.parameters import find_base_parameters, parameter_names, parameter_units
 from exogauge.robots.regressor import regressor
 from exogauge.robots.urdf import load_tree
 

@@ -7,11 +7,11 @@ import pinocchio as pin
 import pytest
 
 from exogauge.errors import BadRobot
-from exogauge.robots.base_parameters import find_base_parameters
-from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.cuts import CutRows
 from exogauge.robots.export import export_urdf
 from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import cut_regressor, cut_wrench, regressor
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree

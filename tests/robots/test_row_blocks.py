@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exogauge.robots.base_parameters import find_base_parameters
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.regressor import regressor
 from exogauge.robots.row_blocks import RowBlocks
 

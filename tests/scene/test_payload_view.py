@@ -87,8 +87,15 @@ def test_ghosts_end_where_the_sensor_stands_in_each_posture(
     lines = scene.array(message["props"]["points"]["__array"]).reshape(4, -1, 2, 3)
     model = pin.buildModelFromXML(arm[1].decode())
     data, frame = model.createData(), model.getFrameId("ft")
-    for q, line in zip(postures, lines, strict=True):
+    rays, order = (
+        scene.array(scene.message("LineSegmentsMessage", f"/robot/postures/{part}")["props"]["points"]["__array"])
+        for part in ("z", "order")
+    )
+    np.testing.assert_allclose(order.reshape(3, 2, 3)[1:, 0], order.reshape(3, 2, 3)[:-1, 1])
+    for q, line, ray in zip(postures, lines, rays.reshape(4, 2, 3), strict=True):
         pin.framesForwardKinematics(model, data, q)
+        along = (ray[1] - ray[0]) / np.linalg.norm(ray[1] - ray[0])
+        np.testing.assert_allclose(along, data.oMf[frame].rotation[:, 2], atol=1e-5)
         np.testing.assert_allclose(line[-1, 1], data.oMf[frame].translation, atol=1e-5)
         np.testing.assert_allclose(line[0, 0], 0.0, atol=1e-9)
     assert len(scene.header["layers"]["workspace"]) == 2

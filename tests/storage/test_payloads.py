@@ -100,7 +100,7 @@ def test_the_latest_result_of_a_payload_is_no_plan_and_not_a_study_s(storage: St
         assert [job.kind for job in store.jobs.page(None, 9, payload_id=payload).items] == ["payload_plan", "payload"]
         assert [job.kind for job in store.jobs.page(None, 9, payload_id=payload, kind="payload").items] == ["payload"]
         with pytest.raises(NotFound, match="of a payload"):
-            store.studies.of(latest[payload])
+            store.study_of(latest[payload])
 
 
 def test_a_live_stream_counts_while_it_is_open_and_ends_once(storage: Storage) -> None:

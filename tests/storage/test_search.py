@@ -87,8 +87,8 @@ def test_pages_of_what_was_sought_hold_everything_once_newest_first(storage: Sto
 def test_robots_and_devices_are_found_by_their_names_and_a_device_by_its_robots(storage: Storage) -> None:
     with storage.transaction() as store:
         arm, leg = (store.robots.add(name, [], {"name": f"{name} of steel"})[0] for name in ("Arm", "Leg"))
-        strap = store.devices.add("Strap", arm.id, [], {"name": "Strap", "robot": "Arm"})[0]
-        store.devices.add("Strap", leg.id, [], {"name": "Strap", "robot": "Leg"})
+        strap = store.devices.add("Strap", [], {"name": "Strap", "robot": "Arm"}, robot_id=arm.id)[0]
+        store.devices.add("Strap", [], {"name": "Strap", "robot": "Leg"}, robot_id=leg.id)
         assert [robot.id for robot in store.robots.page(None, 9, search="steel arm").items] == [arm.id]
         assert [device.id for device in store.devices.page(None, 9, search="strap arm").items] == [strap.id]
         assert store.devices.page(None, 9, search="strap arm", robot_id=leg.id).items == ()

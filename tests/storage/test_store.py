@@ -48,11 +48,11 @@ def test_robots_added_at_once_all_get_their_own_version(storage: Storage) -> Non
 def test_a_device_is_versioned_by_name_content_and_the_robot_it_was_checked_against(storage: Storage) -> None:
     with storage.transaction() as store:
         arm, leg = (store.robots.add(name, FILES, {})[0].id for name in ("arm", "leg"))
-        first, new = store.devices.add("suit", arm, FILES, {"groups": ["A"]})
-        other, _ = store.devices.add("suit", arm, OTHER, {})
-        elsewhere, elsewhere_new = store.devices.add("suit", leg, FILES, {})
-        again, again_new = store.devices.add("suit", arm, FILES, {})
-        glove, _ = store.devices.add("glove", arm, FILES, {})
+        first, new = store.devices.add("suit", FILES, {"groups": ["A"]}, robot_id=arm)
+        other, _ = store.devices.add("suit", OTHER, {}, robot_id=arm)
+        elsewhere, elsewhere_new = store.devices.add("suit", FILES, {}, robot_id=leg)
+        again, again_new = store.devices.add("suit", FILES, {}, robot_id=arm)
+        glove, _ = store.devices.add("glove", FILES, {}, robot_id=arm)
     assert (new, elsewhere_new, again_new, again.id) == (True, True, False, first.id)
     assert [each.version for each in (first, other, elsewhere, glove)] == [1, 2, 3, 1]
     with storage.reading() as store:
@@ -73,12 +73,12 @@ def test_a_device_is_versioned_by_name_content_and_the_robot_it_was_checked_agai
 def test_a_device_of_a_robot_that_another_lab_has_cannot_be_added(storage: Storage) -> None:
     with storage.transaction() as store:
         robot = store.robots.add("arm", FILES, {})[0].id
-        device = store.devices.add("suit", robot, FILES, {})[0].id
+        device = store.devices.add("suit", FILES, {}, robot_id=robot)[0].id
     other = Storage(storage.engine, storage.blobs, "other")
     with other.transaction() as store:
         assert store.devices.page(None, 9).items == ()
         with pytest.raises(NotFound):
-            store.devices.add("suit", robot, FILES, {})
+            store.devices.add("suit", FILES, {}, robot_id=robot)
         with pytest.raises(NotFound):
             store.devices.file(device, "robot.yaml")
 

@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from exogauge.identification.result import ChannelFit, Identification, Parameter, Prediction
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.open import needed_channels, open_study
 
@@ -198,6 +199,6 @@ def identification(pristine: Path) -> Identification:
         samples=4000,
         cutoff_hz=10.0,
         velocity_threshold=np.array([0.01, 0.02, 0.03]),
-        warnings=("Joint r_elbow never stood still: its static friction stays at the maker's value.",),
+        remarks=(Remark(About.STICKS_UNEQUALLY, ("r_elbow",)),),
         model=None,  # what is written and drawn needs no model
     )

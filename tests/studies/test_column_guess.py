@@ -7,8 +7,8 @@ import math
 import pytest
 import yaml
 
-from exogauge.studies.import_log.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
 from exogauge.studies.import_log.column_guess import guess
+from exogauge.studies.import_log.column_words import Advice, JointFacts, Seen, Suggestion, Wearer
 from exogauge.studies.import_log.mapping_proposal import proposal
 from exogauge.studies.intake.mapping_file import parse_mapping
 

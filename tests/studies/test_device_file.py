@@ -10,7 +10,7 @@ import pytest
 from exogauge.errors import BadStudy, Fault
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.device_doubts import device_doubts
+from exogauge.studies.intake.device_check import device_doubts
 from exogauge.studies.intake.device_file import read_device
 from exogauge.studies.intake.robot_file import load_robot
 

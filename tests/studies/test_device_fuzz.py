@@ -18,8 +18,7 @@ from exogauge.robots.description import Robot
 from exogauge.studies.device_pages.device_picture import draw_device
 from exogauge.studies.device_pages.device_text import device_text
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.device_check import check_device
-from exogauge.studies.intake.device_doubts import device_doubts
+from exogauge.studies.intake.device_check import check_device, device_doubts
 from exogauge.studies.intake.device_file import read_device
 from exogauge.studies.intake.robot_file import load_robot
 
@@ -86,7 +85,9 @@ def is_read_or_refused(bundle: Bundle, robot: Robot, text: bytes) -> None:
     else:
         assert all(doubt.row is not None for doubt in device_doubts(bundle, "device.yaml", robot, device))
         assert fromstring(draw_device(robot, device)).tag.endswith("svg")
-        assert "No fault" in device_text(check_device(robot, device))
+        said = device_text(check_device(robot, device))
+        assert "No fault" in said
+        assert all(band.law in said for band in device.bands)
 
 
 @pytest.mark.slow

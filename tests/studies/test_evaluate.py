@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from exogauge.errors import BadLog, Cancelled
+from exogauge.progress import Stage
 from exogauge.studies.evaluate import evaluate
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.series.recorded_motion import read_logged
@@ -19,11 +20,13 @@ Rewrite = Callable[[str, str, str], Path]
 
 
 def test_a_study_becomes_results_with_growing_progress(folder: Path, tmp_path: Path) -> None:
-    seen: list[tuple[float, str]] = []
-    evaluate(folder / "study.yaml", tmp_path / "out", lambda fraction, phrase: seen.append((fraction, phrase)))
-    fractions = [fraction for fraction, _ in seen]
+    seen: list[tuple[float, str, Stage]] = []
+    evaluate(folder / "study.yaml", tmp_path / "out", lambda *said: seen.append(said))
+    fractions = [fraction for fraction, _, _ in seen]
     assert fractions == sorted(fractions)
     assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert list(dict.fromkeys(stage for *_, stage in seen)) == ["reading", "identify", "discrepancy", "writing"]
+    assert "predicting val_1" in [phrase for _, phrase, _ in seen]
     content = json.loads((tmp_path / "out" / "results.json").read_text(), parse_constant=pytest.fail)
     assert content["steps"][0] == {"step": "identify", "status": "done"}
     assert {each["log"] for each in content["identification"]["validation"]} == {"id_1", "val_1"}
@@ -45,7 +48,7 @@ def test_a_recording_with_a_gap_is_evaluated_in_parts_named_by_their_rows(
         log_writer(path, study.robot, samples=1200)
     table = pq.read_table(path)
     pq.write_table(pa.concat_tables([table.slice(0, 500), table.slice(600)]), path)
-    evaluate(folder, tmp_path / "out", lambda _fraction, _phrase: None)
+    evaluate(folder, tmp_path / "out", lambda *_: None)
     content = json.loads((tmp_path / "out" / "results.json").read_text())
     parts = ["val_1_0_500", "val_1_500_1100"]
     logs = content["configuration"]["logs"]
@@ -60,7 +63,7 @@ def test_a_recording_with_a_gap_is_evaluated_in_parts_named_by_their_rows(
 
 
 def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -> None:
-    def stop(fraction: float, phrase: str) -> None:
+    def stop(fraction: float, *_: str) -> None:
         if fraction > 0.1:
             raise Cancelled("enough")
 
@@ -72,6 +75,6 @@ def test_a_cancelled_evaluation_leaves_no_result(folder: Path, tmp_path: Path) -
 def test_a_bad_log_is_told_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
     (folder / "logs" / "val_1.parquet").write_bytes(b"PAR1 no")
     with pytest.raises(BadLog) as caught:
-        evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)
+        evaluate(folder, tmp_path / "out", lambda *_: None)
     assert caught.value.faults[0].file == "logs/val_1.parquet"
     assert not (tmp_path / "out").exists()

@@ -67,7 +67,7 @@ def test_a_robot_whose_torques_nobody_logs_is_searched_for_missing_effects_too(
     (folder / "robot.yaml").write_text(
         head + "joints:\n" + "".join(f"  - {{name: {name}, actuation: none}}\n" for name in names)
     )
-    assert not steps.evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)
+    assert not steps.evaluate(folder, tmp_path / "out", lambda *_: None)
 
 
 def test_an_older_result_does_not_outlive_a_study_that_cannot_be_opened(folder: Path, tmp_path: Path) -> None:
@@ -77,7 +77,7 @@ def test_an_older_result_does_not_outlive_a_study_that_cannot_be_opened(folder: 
         (out / name).write_text("of an earlier run, or somebody's own")
     (folder / "study.yaml").write_text("version: 1\n")
     with pytest.raises(BadInput):
-        steps.evaluate(folder, out, lambda fraction, phrase: None)
+        steps.evaluate(folder, out, lambda *_: None)
     assert [each.name for each in out.iterdir()] == ["notes.txt"]
 
 
@@ -91,7 +91,7 @@ def test_a_clock_that_no_robot_has_is_refused_by_run_and_by_doctor(
 ) -> None:
     restamped(folder, step_s, rows)
     with pytest.raises(BadLog) as refused:
-        steps.evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)
+        steps.evaluate(folder, tmp_path / "out", lambda *_: None)
     assert {(each.rule, each.column) for each in refused.value.faults} == {(rule, "t")}
     assert {each.file for each in refused.value.faults} == {"logs/id_1.parquet", "logs/val_1.parquet"}
     assert main(["doctor", str(folder)]) == 2
@@ -101,7 +101,7 @@ def test_a_clock_that_no_robot_has_is_refused_by_run_and_by_doctor(
 def test_a_negative_torque_constant_is_refused_where_it_stands(folder: Path, rewrite: Rewrite) -> None:
     rewrite("robot.yaml", "prior: {k_T: 5.0, J_r: 0.3}", "prior: {k_T: -5.0, J_r: 0.3}")
     with pytest.raises(BadInput, match="turned in a mapping") as refused:
-        steps.evaluate(folder, folder / "out", lambda fraction, phrase: None)
+        steps.evaluate(folder, folder / "out", lambda *_: None)
     assert refused.value.faults[0].file == "robot.yaml"
 
 
@@ -110,4 +110,4 @@ def test_a_cut_off_that_a_log_is_too_slow_for_is_refused_before_anything_is_filt
 ) -> None:
     restamped(folder, 0.1)
     with pytest.raises(BadLog, match="too slow for the stated cut-off of 10 Hz"):
-        steps.evaluate(folder, tmp_path / "out", lambda fraction, phrase: None)
+        steps.evaluate(folder, tmp_path / "out", lambda *_: None)

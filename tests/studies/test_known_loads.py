@@ -130,7 +130,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, str]:
     known = [{"link": "tool", "mass_kg": 3.0, "std_kg": 0.005, "logs": ["loaded", "check"]}]
     study = {"version": 1, "name": "arm", "robot": "robot.yaml", "logs": logs, "known": known, "steps": ["identify"]}
     (folder / "study.yaml").write_text(yaml.safe_dump(study | {"settings": {"cutoff_hz": 8.0}}))
-    evaluate(folder / "study.yaml", folder / "out", lambda _f, _p: None)
+    evaluate(folder / "study.yaml", folder / "out", lambda *_: None)
     return json.loads((folder / "out/results.json").read_text()), (folder / "out/report.html").read_text()
 
 

@@ -12,8 +12,7 @@ from exogauge.identification.turns import rest_detection
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.urdf import load_tree
-from exogauge.studies.series.columns import Columns
-from exogauge.studies.series.motion_columns import add_motion
+from exogauge.studies.series.write import Columns, add_motion
 
 CUTOFF_HZ = 6.0
 BODY = (

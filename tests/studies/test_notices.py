@@ -7,24 +7,23 @@ from pathlib import Path
 import pytest
 
 from exogauge.cli import main
+from exogauge.remarks import About, Remark
 from exogauge.studies.words.notices import by_sort, notice, repeats
 
 NAMES = ("torso_yaw", "r.arm[2]", "l_hip/roll", "knee", "ankle_pitch", "neck", "r_hand", "l_hand.x")
 
 
 def test_a_long_list_in_a_sentence_is_cut_and_kept_beside_it() -> None:
-    said = notice(f"No body can have those of {', '.join(NAMES)}. Ask for more, or less, please.")
-    assert (
-        said.text
-        == "No body can have those of torso_yaw, r.arm[2], l_hip/roll and 5 more. Ask for more, or less, please."
-    )
+    said = notice(Remark(About.NO_URDF_OF, NAMES))
+    assert "those of torso_yaw, r.arm[2], l_hip/roll and 5 more. Ask for" in said.short
+    assert ", ".join(NAMES) in said.sentence
     assert said.names == NAMES
 
 
 def test_a_sentence_with_a_short_list_stays_as_it_is() -> None:
-    text = "Held at the edge: torso_yaw, knee, neck. Look at them, one by one, again, and again."
-    assert notice(text).text == text
-    assert notice(text).names == ()
+    said = notice(Remark(About.HELD_AT_EDGE, NAMES[:3]))
+    assert said.short == said.sentence
+    assert said.names == ()
 
 
 def test_findings_of_one_sort_stand_together_errors_first_and_none_is_lost() -> None:

@@ -143,7 +143,7 @@ def test_logs_with_a_device_know_it_and_their_motion(worn: Path) -> None:
             "id_1": None, "val_1": "bend", "plain": "bend", "worn": "bend", "other": None,
         }  # fmt: skip
         assert study.motions["plain"].role == "without_device"
-        assert study.warnings == ()
+        assert study.notices == ()
 
 
 def test_a_worn_log_lacks_no_column_either(worn: Path, log_writer: Callable[..., None]) -> None:

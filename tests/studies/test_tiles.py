@@ -11,10 +11,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from exogauge.errors import BadInput
-from exogauge.studies.series.columns import Columns
-from exogauge.studies.series.file import SeriesFile
+from exogauge.studies.series.file import SeriesFile, window
 from exogauge.studies.series.tiles import BLOCK, BlockCache, Blocks, Tiles, make_blocks, tiles
-from exogauge.studies.series.window import window
+from exogauge.studies.series.write import Columns
 
 SAMPLES, RATE = 100_000, 200.0
 WORDS = ("lowering", "holding", "raising")

@@ -11,11 +11,18 @@ import pyarrow.parquet as pq
 import pytest
 
 from exogauge.cli import main
-from exogauge.devices.band_changes import CopyBand, MirrorBand, RemoveBand
+from exogauge.devices.band_changes import (
+    CopyBand,
+    InsertPoint,
+    MirrorBand,
+    MovePoint,
+    PlacePoint,
+    RemoveBand,
+    RemovePoint,
+)
 from exogauge.devices.bench import Bench
 from exogauge.devices.changes import Change, Law, NaturalLength, Pretension, Stiffness, apply
 from exogauge.devices.device import Device
-from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.devices.what_if import WhatIf, compare
 from exogauge.errors import BadInput, BadLog, BadStudy
 from exogauge.studies.device_pages.change_entries import ChangesFile

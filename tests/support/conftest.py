@@ -15,6 +15,7 @@ import pinocchio as pin
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.catalogue import choose
@@ -25,9 +26,10 @@ from exogauge.identification.predict import Parameters
 from exogauge.identification.result import Prediction
 from exogauge.identification.settings import Settings
 from exogauge.identification.turns import RestDetection
+from exogauge.identification.type_b import TypeB
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot, WrenchSensor
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.support.evidence import Evidence
@@ -252,7 +254,7 @@ class Biped:
         xi = np.column_stack([wrong.get(name, self.xi[name]) for name in XI])
         nothing = np.zeros((equations.size, equations.size))
         maker = np.column_stack([[joint.prior.get(name, 0.0) for joint in self.robot.joints] for name in XI])
-        support_never_asks_for = {each.name: None for each in fields(RobotModel)}
+        support_never_asks_for = {each.name: None for each in fields(RobotModel)} | {"inputs": TypeB()}
         known = {
             "equations": equations,
             "identified": Parameters(self.phi, xi),
@@ -263,6 +265,7 @@ class Biped:
             "cutoff_hz": CUTOFF,
             "prepared": PerLog(),
             "computed": PerLog(),
+            "criteria": Criteria(),
         }
         return RobotModel(**(support_never_asks_for | known))
 

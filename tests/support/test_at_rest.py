@@ -12,11 +12,12 @@ from exogauge.support.at_rest import (
     NEIGHBOURS,
     between_motions,
     bridged,
+    doubt_at_rest,
     scatter_at_rest,
-    stretched_meanwhile,
 )
 from exogauge.support.balance import balance
-from exogauge.support.repeatability import difference, held_friction
+from exogauge.support.difference import difference
+from exogauge.support.repeatability import held_friction
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
@@ -163,17 +164,22 @@ def test_scatter_at_rest_is_the_rms_about_the_line_and_unknown_without_motion():
     assert np.isnan(scatter[1])
 
 
-def test_the_line_is_not_believed_where_another_joint_stretches_the_band_meanwhile():
-    """Joint 0 moves, holds, moves; in the hold joint 1 swings and takes band 0 with it; band 1 is its own."""
+def test_the_line_is_believed_as_far_as_the_band_kept_its_length():
+    """Joint 0 moves, holds, moves, and its torque is 5 N·m per metre; in the hold joint 1 swings and takes band 0 with
+    it; band 1 is its own. Joint 2 never moves."""
     t = np.arange(300)
     steady = np.ones((300, 3), dtype=bool)
     steady[100:200, 0] = steady[:, 2] = False
     own, swing = np.clip(t, 0, 100) + np.clip(t - 200, 0, 100), 60.0 * np.sin(np.pi * (t - 120) / 60.0)
     swing = np.where((t > 120) & (t < 180), swing, 0.0)
     length = 0.6 + 1e-3 * np.column_stack([own + swing, own])
-    both = stretched_meanwhile(length, np.array([[True, True, False], [True, False, True]]), steady)
-    share = np.abs(swing) / np.ptp(own + swing)
-    assert both[share > 0.13, 0].all()
-    assert not both[share < 0.07, 0].any()
-    assert not both[:, 1:].any()  # one moves itself, the other never
-    assert not stretched_meanwhile(length, np.array([[False] * 3, [True] * 3]), steady).any()
+    torque, half = np.outer(5.0 * length[:, 0], [1.0, 1.0, 1.0]), np.full((300, 3), 0.4)
+    acts = np.array([[True, True, False], [True, False, True]])
+    found = doubt_at_rest(torque, steady, half, length, acts)
+    line = 5e-3 * np.abs(swing)  # what the pull changed by beside the line
+    held = np.arange(300)[:, None].repeat(3, axis=1)[:, 0]
+    inside = (held >= 100) & (held < 200)
+    np.testing.assert_allclose(found[inside, 0], np.minimum(line[inside], 0.4 / np.sqrt(3.0)), atol=0.02)
+    assert not found[steady[:, 0], 0].any()
+    assert not found[:, 1].any()
+    np.testing.assert_allclose(found[:, 2], 0.4 / np.sqrt(3.0))

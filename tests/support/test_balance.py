@@ -12,7 +12,7 @@ from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.predict import Parameters, measured_channels, predictions
 from exogauge.support.balance import balance, slopes
-from exogauge.support.repeatability import difference
+from exogauge.support.difference import difference
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 

@@ -8,8 +8,8 @@ from scipy.optimize import least_squares
 from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
 
 from exogauge.devices.device import Band, ViaPoint
-from exogauge.support.band_interval import QUANTILE, interval
 from exogauge.support.band_model import shared
+from exogauge.support.stiffness import QUANTILE, interval
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
 PLAN = shared((Band("back", "back", NOWHERE),))

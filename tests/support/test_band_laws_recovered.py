@@ -16,6 +16,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfiltfilt
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import all_laws
@@ -24,9 +25,10 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.settings import Settings
+from exogauge.identification.type_b import TypeB
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
 from exogauge.robots.description import Joint, Robot
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.urdf import load_tree
 from exogauge.support.evidence import Evidence
@@ -52,6 +54,7 @@ VALUES = {
     "maxwell": {"branch_stiffness": 80.0, "relaxation_time": 0.6, "slow_branch_stiffness": 40.0},
     "via_friction": {"friction": 0.15, "way": 0.001, "n": 1.0},
 }
+NO_INPUTS = {"own_a": {}, "own_b": {}, "own_paired": {}}  # nothing is declared
 
 
 def test_every_law_is_tried():
@@ -138,7 +141,7 @@ def known_robot():
                   np.eye(len(JOINT_NAMES)))  # fmt: skip
     base = find_base_parameters(tree)
     equations = Equations(robot, RowBlocks(tree, base, np.eye(3)), base, choose(Settings().effects))
-    never_asked_for = {each.name: None for each in fields(RobotModel)}
+    never_asked_for = {each.name: None for each in fields(RobotModel)} | {"inputs": TypeB(), "criteria": Criteria()}
     sure = np.zeros((equations.size, equations.size))
     return RobotModel(
         **(never_asked_for | {"equations": equations, "covariance": sure, "cutoff_hz": CUTOFF, "prepared": PerLog()})
@@ -172,7 +175,7 @@ def seen(law, stated, kind, seed):
     moves = always & (np.abs(np.gradient(q[:, columns], time, axis=0)).max(axis=1) > 0.02)[:, None]
     slope = np.zeros((len(kept[::20]), torque.shape[1], model.equations.size), dtype=np.float32)
     log = Log(f"{kind}_{seed}", time, {})
-    known = dict.fromkeys((each.name for each in fields(Evidence)), None) | {
+    known = dict.fromkeys((each.name for each in fields(Evidence)), None) | NO_INPUTS | {
         "worn": WornLog(log, kind, worn), "time": time, "q": q[:, columns], "posture": q, "a": torque, "b": torque,
         "compared": moves, "steady": moves, "rest": ~moves, "kept": kept, "sloped": kept[::20], "slope_a": slope,
         "slope_b": slope, "length": Routing(model.robot.tree, worn.bands).geometry(q).length,

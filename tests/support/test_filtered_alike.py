@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from exogauge.logs.filtering import StoredPass
+from exogauge.remarks import About, Remark
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -66,9 +67,12 @@ def test_bands_come_out_right_by_both_approaches(biped, suit, recorded):
 
 def test_it_is_said_which_logs_were_stored_so_and_which_were_not(biped, suit, recorded):
     plain, worn, _ = recorded
-    both = support(biped, suit, known(plain), known(worn))[0].warnings
-    assert [each for each in both if each.startswith("The signals of plain, worn were low-passed at 3.00 Hz")]
-    one = support(biped, suit, known(plain), worn)[0].warnings
-    assert [each for each in one if each.startswith("The signals of plain were low-passed at 3.00 Hz")]
-    assert [each for each in one if each.startswith("worn with the device were not stored like plain.")]
-    assert not [each for each in support(biped, suit, plain, worn)[0].warnings if "low-passed" in each]
+    both, one, none = (
+        support(biped, suit, *logs)[0].remarks
+        for logs in ((known(plain), known(worn)), (known(plain), worn), (plain, worn))
+    )
+    (low,) = [each for each in both if each.about == About.LOW_PASSED]
+    assert (low.names, low.numbers) == (("plain", "worn"), (pytest.approx(3.0, abs=0.005),))
+    assert [each.names for each in one if each.about == About.LOW_PASSED] == [("plain",)]
+    assert Remark(About.STORED_UNLIKE, ("worn",), beside=("plain",)) in one
+    assert not [each for each in none if each.about in (About.LOW_PASSED, About.STORED_UNLIKE)]

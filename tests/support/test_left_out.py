@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from exogauge.remarks import About, Remark
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -125,11 +126,11 @@ def test_a_push_in_a_log_that_is_not_compared_is_not_spoken_of(biped, suit, reco
     plain, worn = recorded
     elsewhere = replace(plain[1].log, name="id_1", left_out=((3.0, 4.0),))
     logs = [PlainLog(plain[0].log, "stoop", True), PlainLog(elsewhere, None, False)]
-    said = estimate_support(biped.known(), logs, [WornLog(worn[0].log, "stoop", suit)])[0].warnings
-    assert not [each for each in said if "touched" in each]
+    said = estimate_support(biped.known(), logs, [WornLog(worn[0].log, "stoop", suit)])[0].remarks
+    assert About.TOUCHED not in [each.about for each in said]
 
 
 def test_it_is_said(evaluated):
-    said = evaluated["left out"][0].warnings
-    assert [each for each in said if each.startswith("plain0, from 5.10 to 6.10 s: something touched the robot.")]
-    assert not [each for each in evaluated["untouched"][0].warnings if "touched" in each]
+    (told,) = [each for each in evaluated["left out"][0].remarks if "plain0" in each.names]
+    assert told == Remark(About.TOUCHED, ("plain0",), numbers=(pytest.approx(5.1), pytest.approx(6.1)))
+    assert About.TOUCHED not in [each.about for each in evaluated["untouched"][0].remarks]

@@ -7,6 +7,7 @@ import pytest
 
 from exogauge.errors import BadStudy
 from exogauge.logs.model import Log
+from exogauge.studies.words.remark_words import sentence
 from exogauge.support.motions import acted_joints, doubts, pairs, require_same_motions
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
@@ -197,7 +198,7 @@ def test_the_kth_trial_goes_with_the_kth_log_without_the_device(suit):
 
 def test_a_doubt_names_logs_joint_and_size():
     found = matched(run(angles, name="worn"), run(lambda t: angles(t, size=1.25), name="plain"))
-    sentences = doubts({"worn": ("plain", found.equality)}, SETTINGS)
+    sentences = [sentence(each) for each in doubts({"worn": ("plain", found.equality)}, SETTINGS)]
     assert len(sentences) == 2
     assert sentences[0].startswith("worn and plain differ in the motion of a: 20 % ")
     assert not doubts({"worn": ("plain", matched(run(angles), run(angles)).equality)}, SETTINGS)

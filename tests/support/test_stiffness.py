@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
+from exogauge.effects.catalogue import band_effects
+from exogauge.remarks import About, Remark
+from exogauge.support.band_model import SHORTEST, SOFTEST, Added, Wear, at_bounds, shared
 from exogauge.support.stiffness import identify_bands, true_stiffness
 
 SIGMA = np.array([0.3, 0.3])
@@ -102,8 +105,7 @@ def test_a_bend_seen_by_the_bends_torque_alone_ties_left_and_right_and_says_so(
     found = identify_bands(biped.known(), told_nothing(alike), "A", [evidence], SIGMA, [], NAMES)
     assert found.parameters == ("stiffness[back]", "natural_length[back]")
     (note,) = found.notes
-    assert "left and right" in note
-    assert "twist" in note
+    assert note == Remark(About.LENGTHS_TIED, ("left", "right"))
     for estimate in found.bands:
         assert estimate.stiffness.value == pytest.approx(1500.0, rel=0.05)
         assert estimate.natural_length.value == pytest.approx(0.675, abs=2e-3)
@@ -117,6 +119,28 @@ def test_a_twist_unties_them(identified, suit):
     )
 
 
+def test_what_ends_at_a_bound_is_never_identifiable_and_said_so(identified, suit):
+    """Torques of bands longer than they are: only a natural length below zero explains them."""
+    pulls_too_much = replace(suit, bands=tuple(replace(band, natural_length=-0.4) for band in suit.bands))
+    found = identified(device=pulls_too_much, noise=0.1)
+    lengths = [f"natural_length[{band.name}]" for band in suit.bands]
+    for estimate in found.bands:
+        assert estimate.stiffness.std < 0.3 * estimate.stiffness.value, "the doubt alone would not show it"
+        assert not estimate.identifiable
+        assert not estimate.length_identifiable
+        assert estimate.note.about == About.BOUND_REACHED
+        assert lengths[0] in estimate.note.names
+
+
+def test_an_added_laws_bound_and_a_stiffness_at_its_softest_are_seen(suit):
+    hardening = next(each for each in band_effects().values() if each.coefficients[0].low == 0.0)
+    C, none = len(hardening.coefficients), np.zeros
+    wear = Wear(shared(suit.bands), np.array([SOFTEST, 0.6, 0.7]), added=(Added(hardening, 0, (), none(C)),))
+    assert at_bounds(wear).tolist()[:4] == [True, False, False, True]
+    free = replace(wear, springs=np.array([100.0, 0.6, SHORTEST]), added=())
+    assert at_bounds(free).tolist() == [False, False, True]
+
+
 def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, suit):
     worn = replace(suit, bands=(*suit.bands, belly(natural_length=2.0)))
     found = identified(device=worn)
@@ -126,7 +150,7 @@ def test_a_band_that_is_slack_throughout_is_not_decided_and_said_so(identified, 
     assert np.isinf(estimate.stiffness.std)
     assert np.isinf(estimate.natural_length.std)
     assert estimate.stiffness_interval == (0.0, np.inf)
-    assert "slack" in estimate.note
+    assert estimate.note.about == About.PULLS_NOWHERE
     assert np.isnan(estimate.stiffness.value), "no number where any would do"
     assert np.isnan(estimate.natural_length.value)
     assert found.bands[0].stiffness.value == pytest.approx(1500.0, rel=1e-5)
@@ -157,7 +181,7 @@ def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_an
     assert right.longest - 0.03 < low < right.longest, "as stiff as its twin, it would be seen if it began to pull"
     assert np.isinf(high)
     assert not right.length_identifiable
-    assert "right" in right.note
+    assert right.note == Remark(About.PULLS_NOWHERE, ("right",))
     assert not left.note
 
 
@@ -166,8 +190,8 @@ def test_two_bands_on_one_path_cannot_be_told_apart(identified, suit):
     found = identified(device=twins)
     for estimate in found.bands:
         assert not estimate.identifiable
-        assert "stiffness[back]" in estimate.note
-        assert "stiffness[twin]" in estimate.note
+        assert estimate.note.about == About.NOT_TOLD_APART
+        assert {"stiffness[back]", "stiffness[twin]"} <= {*estimate.note.names, *estimate.note.beside}
 
 
 def benched(device, k=1520.0, l_0=0.6755):

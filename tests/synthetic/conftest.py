@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from exogauge.synthetic import motion
+from exogauge.synthetic.disturbances import IDEAL
 from exogauge.synthetic.hidden import parse_hidden
+from exogauge.synthetic.lab import drawn_lab
 from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.log_runs import Bench
 from exogauge.synthetic.mjcf import mujoco_model
@@ -45,7 +47,7 @@ def run(planner: mujoco.MjModel) -> Run:
 def bench(planner: mujoco.MjModel) -> Bench:
     """A drawn robot and both suits on it."""
     suits = {kind: fitted_suit(kind, planner, np.random.default_rng(12)) for kind in ("normal", "modified")}
-    return Bench(3, draw_robot(np.random.default_rng(11)), suits)
+    return Bench(3, draw_robot(np.random.default_rng(11)), suits, drawn_lab(3, IDEAL, ()))
 
 
 @pytest.fixture(scope="session")

@@ -2,14 +2,12 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 import pytest
+from tests.synthetic.balance import balance
 
-from exogauge.synthetic.inertia import PHI_NAMES
 from exogauge.synthetic.mjcf import TIME_STEP
 from exogauge.synthetic.robot_facts import ANKLE_HEIGHT, FEET, JOINT_NAMES, SOLE_SIZE
-from exogauge.synthetic.true_robot import TrueRobot, moving_bodies, truth_record
-from exogauge.synthetic.urdf import robot_urdf
+from exogauge.synthetic.true_robot import TrueRobot, moving_bodies
 
 pytestmark = pytest.mark.slow
 
@@ -75,37 +73,11 @@ def test_true_parameters_explain_the_motion_through_another_dynamics_library(run
     A suit without mass is an internal force: the base's rows are the same with it.
     """
     run = worn["bend", suit] if suit else run
-    recording, truth = run.recording, truth_record(run.robot, [])["parameters"]
-    model = pin.buildModelFromXML(robot_urdf(), pin.JointModelFreeFlyer())
-    assert tuple(sorted(model.names[2:])) == tuple(sorted(JOINT_NAMES))
-    order = [JOINT_NAMES.index(name) for name in model.names[2:]]
-    phi = np.concatenate([[truth[f"{name}[{body}]"] for name in PHI_NAMES] for body in _moved_links(model)])
-    model.gravity = pin.Motion.Zero()
-    data, imu = model.createData(), model.frames[model.getFrameId("imu_link")].placement
-    R, r = imu.rotation, imu.translation
-    kinds = {kind: _values(run.robot, kind)[order] for kind in ("k_T", "k_d", "tau_o", "J_r")}
-    for t in range(0, len(recording.time), 50):
-        q, dq, ddq = recording.q[t, order], recording.dq[t, order], recording.ddq[t, order]
-        w, alpha = R @ recording.gyro[t], recording.gyro_dot[t]
-        f = R @ recording.acc[t] - np.cross(alpha, r) - np.cross(w, np.cross(w, r))
-        configuration = np.r_[np.zeros(6), 1.0, q]
-        Y = pin.computeJointTorqueRegressor(model, data, configuration, np.r_[0, 0, 0, w, dq], np.r_[f, alpha, ddq])
-        F = sum(
-            pin.computeFrameJacobian(model, data, configuration, model.getFrameId(f"{foot}_sensor"), pin.LOCAL).T
-            @ wrench
-            for foot, wrench in zip(FEET, recording.wrench[t], strict=True)
-        )
-        base, joints = (Y @ phi - F)[:6], (Y @ phi - F)[6:]
-        resistance = kinds["k_d"] * (dq + ddq * TIME_STEP / 2) + recording.friction[t, order] + kinds["J_r"] * ddq
-        np.testing.assert_allclose(base, 0.0, atol=1e-3)
-        drive = kinds["k_T"] * recording.current[t, order] + kinds["tau_o"] + recording.band_torque[t, order]
-        np.testing.assert_allclose(joints + resistance, drive, atol=1e-3)
-
-
-def _moved_links(model: pin.Model) -> list[str]:
-    """Name of the link that each joint moves: the frame that lies on it."""
-    names = []
-    for joint in range(1, model.njoints):
-        on_joint = (f for f in model.frames if f.type == pin.BODY and f.parentJoint == joint)
-        names.append(next(f.name for f in on_joint if f.placement.isIdentity(1e-12)))
-    return names
+    recording, robot = run.recording, run.robot
+    kinds = {kind: _values(robot, kind) for kind in ("k_T", "k_d", "tau_o", "J_r")}
+    rows, base, joints = balance(recording, robot)
+    dq, ddq = recording.dq[rows], recording.ddq[rows]
+    resistance = kinds["k_d"] * (dq + ddq * TIME_STEP / 2) + recording.friction[rows] + kinds["J_r"] * ddq
+    np.testing.assert_allclose(base, 0.0, atol=1e-3)
+    drive = kinds["k_T"] * recording.current[rows] + kinds["tau_o"] + recording.band_torque[rows]
+    np.testing.assert_allclose(joints + resistance, drive, atol=1e-3)

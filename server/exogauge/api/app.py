@@ -20,6 +20,7 @@ from exogauge.api import (
     models,
     openapi,
     page,
+    payload_drafts,
     payloads,
     problems,
     raw_series,
@@ -31,8 +32,7 @@ from exogauge.api import (
     uploads_resumable,
     what_if,
 )
-from exogauge.api.body_limit import BodyLimit
-from exogauge.api.guard import Guard
+from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
 from exogauge.api.uploads_resumable import TusHeaders, sweep
@@ -87,6 +87,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         devices.router,
         logs.router,
         studies.router,
+        payload_drafts.router,
         payloads.router,
         live.router,
         what_if.router,

@@ -10,10 +10,9 @@ from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import ReaderDep
-from exogauge.api.result_content import content_of
+from exogauge.api.results import content_of
 from exogauge.storage.store import Store
-from exogauge.studies.results.comparison import compare, verdict
-from exogauge.studies.results.comparison_tables import as_csv, as_latex
+from exogauge.studies.results.comparison import as_csv, as_latex, compare, verdict
 
 router = APIRouter(tags=["compare"])
 MOST_JOBS = 20
@@ -162,7 +161,7 @@ def head(store: Store, job_id: str, content: dict[str, Any]) -> ComparedJob:
     job = store.jobs.get(job_id)
     return ComparedJob(
         id=job.id,
-        study_id=store.studies.of(job).id,
+        study_id=store.study_of(job).id,
         name=content["name"],
         robot=content["robot"],
         kind=job.kind,

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
+from exogauge.api.bundles import give_files, keep
 from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
@@ -22,12 +24,11 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.logs import lay_out_robot
-from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import DeviceList, DeviceOut
-from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
 from exogauge.storage.blobs import copy_out
-from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Storage
 
 router = APIRouter(tags=["devices"])
@@ -56,11 +57,10 @@ def create_device(
     with scratch_folder(settings) as scratch:
         lay_out_robot(robot_id, storage, scratch / "robot")
         lay_out(upload.files, scratch / "device", settings)
-        root = root_of(scratch / "device", DEVICE)
-        summary = checking.check_device(root, scratch / "robot")
-        files = keep_folder(storage.blobs, root)
-    with storage.transaction() as store:
-        device, new = store.devices.add(upload.name or summary["name"], robot_id, files, summary)
+        check = partial(checking.check_device, robot_folder=scratch / "robot")
+        device, files, new = keep(
+            scratch / "device", DEVICE, check, storage, lambda store: store.devices, upload.name, robot_id=robot_id
+        )
     response.status_code = 201 if new else 200
     return DeviceOut.of(device, files)
 
@@ -88,11 +88,7 @@ def get_device(device_id: Id, store: ReaderDep) -> DeviceOut:
     return DeviceOut.of(store.devices.get(str(device_id)), store.devices.files(str(device_id)))
 
 
-@router.get("/devices/{device_id}/files/{path:path}", operation_id="getDeviceFile", responses=ANY_FILE)
-def get_device_file(device_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
-    """One file as it was handed in; ranges and If-None-Match are honoured."""
-    file = store.devices.file(str(device_id), path)
-    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+give_files(router, "device", "devices", lambda store: store.devices)
 
 
 def lay_out_device(device_id: str, number: int, storage: Storage, folder: Path) -> str:

@@ -15,8 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from exogauge.api.dependencies import SettingsDep, StorageDep
 from exogauge.api.logs import MAPPING, receive
-from exogauge.api.payload_shapes import PayloadOut
-from exogauge.api.payloads import keep_payload
+from exogauge.api.payloads import PayloadOut, keep_payload
 from exogauge.api.shapes import LogOut, StudyOut
 from exogauge.api.studies import keep_study
 from exogauge.api.uploads import lay_out, scratch_folder

@@ -3,6 +3,8 @@
 There are no accounts yet, so the service must not be usable from a web page that its user happens to visit: a request
 that changes something must come from our own page or from no page, and a server on the loopback interface answers only
 to names that nobody can register (addresses and names without a dot), against DNS rebinding.
+
+No request body is larger than its limit: announced, it is refused at once; unannounced, it is cut off.
 """
 
 from __future__ import annotations
@@ -110,3 +112,35 @@ def add_headers(headers: MutableHeaders) -> None:
     headers["X-Content-Type-Options"] = "nosniff"
     headers["Referrer-Policy"] = "no-referrer"
     headers["Cross-Origin-Resource-Policy"] = "same-origin"
+
+
+@final
+class BodyLimit:
+    """ASGI middleware. limit: bytes. piece_limit: bytes of a PATCH, which only resumable uploads take and which goes
+    straight to the disk."""
+
+    def __init__(self, app: ASGIApp, limit: int, piece_limit: int) -> None:
+        self.app = app
+        self.limit, self.piece_limit = limit, piece_limit
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        limit = self.piece_limit if scope["method"] == "PATCH" else self.limit
+        refusal = HTTPException(413, f"a request body may have at most {limit} bytes; upload large files in pieces")
+        declared = Headers(scope=scope).get("content-length", "0")
+        if not declared.isdecimal() or int(declared) > limit:
+            await of_http(refusal, scope["path"])(scope, receive, send)
+            return
+        received = 0
+
+        async def receive_counted() -> Message:
+            nonlocal received
+            message = await receive()
+            received += len(message.get("body", b""))
+            if received > limit:
+                raise refusal
+            return message
+
+        await self.app(scope, receive_counted, send)

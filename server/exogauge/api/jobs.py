@@ -18,6 +18,7 @@ from exogauge.errors import BadInput, Fault
 from exogauge.jobs import requests
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
+from exogauge.progress import Stage
 from exogauge.storage.records import JobRecord
 
 router = APIRouter(tags=["jobs"])
@@ -61,21 +62,23 @@ class JobRequest(BaseModel):
 
 @final
 class JobStep(BaseModel):
-    """Something that the present attempt did or does. progress: of the whole job when it began, 0..1. seconds: how long
-    it took; null while it goes on."""
+    """Something that the present attempt did or does. progress: of the whole job when it began, 0..1. stage: of an
+    evaluation, where it belongs. seconds: how long it took; null while it goes on."""
 
     message: str
     progress: float
+    stage: Stage | None
     started_at: datetime
     seconds: float | None
 
 
 @final
 class JobOut(Answer):
-    """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; steps: what it
-    did before, with times. place: where in the queue it is, in words; ahead: how many start before it. reason: why it
-    did not succeed; problem: the same with file, row, column, value and advice, where what was handed in is to blame.
-    revision: grows with every change and is the id of its events."""
+    """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; stage: where in
+    an evaluation that belongs; steps: what it did before, with times. place: where in the queue it is, in words;
+    ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row, column, value
+    and advice, where what was handed in is to blame; defect: exogauge itself is to blame. revision: grows with every
+    change and is the id of its events."""
 
     id: str
     study_id: str | None
@@ -85,11 +88,13 @@ class JobOut(Answer):
     state: State
     progress: float
     message: str
+    stage: Stage | None
     place: str | None = None
     ahead: int | None = None
     steps: list[JobStep] = Field(default_factory=list)
     reason: str | None
     problem: Problem | None = None
+    defect: bool = False
     attempts: int
     cancel_requested: bool
     code_version: str
@@ -114,6 +119,7 @@ class JobOut(Answer):
             if (place := places.get(job.id)) is not None:
                 answer.place, answer.ahead = place.words, place.ahead
             answer.problem = of_failure(job.failure, job.reason)
+            answer.defect = bool((job.failure or {}).get("defect"))
         return answers
 
 
@@ -125,6 +131,7 @@ def steps_of(job: JobRecord) -> list[JobStep]:
         JobStep(
             message=step["message"],
             progress=step["progress"],
+            stage=step.get("stage"),
             started_at=start,
             seconds=None if end is None else max((end - start).total_seconds(), 0.0),
         )

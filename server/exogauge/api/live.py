@@ -12,8 +12,7 @@ from fastapi import APIRouter, Request, Response, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor
-from exogauge.api.live_hub import Hub, Running, greet
-from exogauge.api.live_watch import Watcher
+from exogauge.api.live_hub import Hub, Running, Watcher, greet
 from exogauge.api.problems import of_error
 from exogauge.api.results import ANY_FILE, file_response
 from exogauge.api.shapes import Answer, ListOf

@@ -12,9 +12,9 @@ from fastapi import APIRouter
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import Id, ReaderDep
-from exogauge.api.result_content import content_of
+from exogauge.api.results import content_of
+from exogauge.storage.jobs import RESULTS
 from exogauge.storage.records import JobRecord
-from exogauge.storage.results import RESULTS
 
 router = APIRouter(tags=["models"])
 MOST_JOBS = 50

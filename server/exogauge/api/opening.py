@@ -54,7 +54,7 @@ def study(folder: str) -> dict[str, Any]:
             "name": opened.name,
             "robot": {"file": opened.file.robot, **about(opened.robot)},
             "devices": [{"file": file, **worn_by(opened.robot, each)} for file, each in opened.devices.items()],
-            "warnings": list(opened.warnings),
+            "warnings": [each.sentence for each in opened.notices],
             "logs": logs,
             "steps": [vars(step) for step in opened.steps],
         }
@@ -72,7 +72,7 @@ def robot(folder: str, file: str) -> dict[str, Any]:
 def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:
     """The device `file`, whose via points are on links of the robot that `robot_folder` holds."""
     from exogauge.studies.intake.bundle import Bundle
-    from exogauge.studies.intake.device_doubts import device_doubts
+    from exogauge.studies.intake.device_check import device_doubts
     from exogauge.studies.intake.device_file import read_device
     from exogauge.studies.intake.robot_file import load_robot
 

@@ -17,7 +17,7 @@ def look(folder: str, file: str, robot: str | None, mapping: str | None) -> dict
     """What `log_preview.preview` says of log/`file` in the folder, and `judged` of a mapping. robot: its file there."""
     import pyarrow as pa
 
-    from exogauge.studies.import_log.log_preview import preview
+    from exogauge.studies.import_log.log_preview import preview, wearer
 
     pa.set_cpu_count(1)
     here = Path(folder)
@@ -29,9 +29,9 @@ def look(folder: str, file: str, robot: str | None, mapping: str | None) -> dict
 
         described, entry, _ = read_robot(Bundle(here / "robot", robot), robot)
     if mapping is None:
-        return preview(path, file, described) | {"given": None}
+        return preview(path, file, wearer(described)) | {"given": None}
     given, layout = judge(path, file, described, entry, (here / mapping).read_bytes())
-    return preview(path, file, described, layout) | {"given": given}
+    return preview(path, file, wearer(described), layout) | {"given": given}
 
 
 def judge(path: Path, file: str, described: Any, entry: Any, text: bytes) -> tuple[dict[str, Any], Any]:

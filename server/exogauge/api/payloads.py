@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, Self, final
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi import Path as InPath
+from pydantic import BaseModel
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
+from exogauge.api.bundles import give_files, keep
 from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
@@ -23,13 +27,69 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.jobs import JobOut, QueueDep, located
-from exogauge.api.payload_shapes import PayloadList, PayloadOut, PlanList, PlanOut, PlanRequest
-from exogauge.api.results import ANY_FILE, NOT_MODIFIED, FilePath, file_response
-from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.api.results import NOT_MODIFIED, file_response
+from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part
+from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.jobs import requests
-from exogauge.payload.schema import PayloadResults
-from exogauge.storage.files import keep_folder
+from exogauge.payload.schema import Found, PayloadResults
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.records import ArtifactRecord, JobRecord, PayloadRecord
 from exogauge.storage.store import Storage, Store
+
+
+@final
+class PayloadOut(Answer):
+    """One version of a payload. summary: sensor, pose, logs, what may be planned, the doctor's `findings`. content_hash
+    covers every file; files are given when one payload is asked for."""
+
+    id: str
+    name: str
+    version: int
+    created_at: datetime
+    content_hash: str
+    summary: dict[str, Any]
+    latest_job: LatestJob | None = None
+    files: list[FileOut] | None = None
+
+    @classmethod
+    def of(cls, payload: PayloadRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+        answer = cls.model_validate(payload)
+        answer.latest_job = None if job is None else LatestJob.of(job)
+        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        return answer
+
+
+@final
+class PayloadList(ListOf):
+    items: list[PayloadOut]
+
+
+@final
+class PlanRequest(Part):
+    """What to plan: postures at rest, or the motion that excites."""
+
+    what: Literal["postures", "excitation"]
+
+
+@final
+class PlanOut(BaseModel):
+    """job: that made it; `settings.what` is what is planned. found: what the plan will tell; null until it is made."""
+
+    job: JobOut
+    found: Found | None
+    files: list[ArtifactOut]
+
+    @classmethod
+    def of(cls, job: JobOut, content: bytes, files: Sequence[ArtifactRecord]) -> Self:
+        return cls(job=job, found=Found.model_validate_json(content), files=[ArtifactOut.of(file) for file in files])
+
+
+@final
+class PlanList(BaseModel):
+    """Newest first."""
+
+    items: list[PlanOut]
+
 
 router = APIRouter(tags=["payloads"])
 PAYLOAD = "payload.yaml"
@@ -96,11 +156,7 @@ def get_payload(payload_id: Id, store: ReaderDep) -> PayloadOut:
     return PayloadOut.of(payload, store.jobs.latest([payload.id]).get(payload.id), store.payloads.files(payload.id))
 
 
-@router.get("/payloads/{payload_id}/files/{path:path}", operation_id="getPayloadFile", responses=ANY_FILE)
-def get_payload_file(payload_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
-    """One file as it was handed in; ranges and If-None-Match are honoured."""
-    file = store.payloads.file(str(payload_id), path)
-    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+give_files(router, "payload", "payloads", lambda store: store.payloads)
 
 
 @router.get("/payloads/{payload_id}/results", operation_id="getPayloadResults", responses=RESULTS)
@@ -158,10 +214,13 @@ def plan_of(store: Store, job: JobOut) -> PlanOut:
 
 def keep_payload(folder: Path, storage: Storage) -> tuple[PayloadOut, bool]:
     """The payload below `folder`, checked and stored, and whether it is new."""
-    root = root_of(folder, PAYLOAD)
-    summary = checking.check_payload(root)
-    files = keep_folder(storage.blobs, root)
-    with storage.transaction() as store:
-        payload, new = store.payloads.add(summary["name"], files, summary)
+    payload, files, new = keep(folder, PAYLOAD, examined, storage, lambda store: store.payloads)
+    with storage.reading() as store:
         job = store.jobs.latest([payload.id]).get(payload.id)
     return PayloadOut.of(payload, job, files), new
+
+
+def examined(folder: Path) -> dict[str, Any]:
+    """The summary of a payload that is one, with what the doctor finds in its logs."""
+    summary = checking.check_payload(folder)
+    return summary | {"findings": checking.examine_payload(folder) if summary["logs"] else []}

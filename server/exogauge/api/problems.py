@@ -126,10 +126,10 @@ def problem_of(error: ExogaugeError, instance: str | None = None) -> Problem:
 def of_failure(failure: Mapping[str, Any] | None, reason: str | None) -> Problem | None:
     """The problem that ended a job: what an upload with the same fault would be answered. None where there was none.
 
-    failure: {class, faults} as the job's row keeps it, of an error raised on purpose.
+    failure: {class, faults, defect} as the job's row keeps it.
     """
     kind = next((kind for kind in STATUS if failure is not None and kind.__name__ == failure["class"]), None)
-    if failure is None or kind is None:
+    if failure is None or kind is None or failure.get("defect"):
         return None
     faults = [Fault(**fault) for fault in failure["faults"]]
     return problem_of(kind(faults) if issubclass(kind, BadInput) else kind(reason or ""))

@@ -1,7 +1,11 @@
-"""Results and artifacts: results.json, report.html, series, tables, the identified URDF."""
+"""Results and artifacts: results.json, report.html, series, tables, the identified URDF.
+
+results.json of jobs, read back: written by our own worker, so it may be opened here.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Annotated, Any
 
@@ -10,7 +14,10 @@ from fastapi.responses import FileResponse, Response, StreamingResponse
 
 from exogauge.api.dependencies import Id, ReaderDep
 from exogauge.api.shapes import ArtifactList, ArtifactOut
+from exogauge.errors import BadInput, Fault
 from exogauge.storage.blobs import BlobStore, chunks
+from exogauge.storage.jobs import RESULTS
+from exogauge.storage.store import Store
 from exogauge.studies.results.schema import StudyResults
 
 router = APIRouter(tags=["results"])
@@ -85,3 +92,16 @@ def file_response(blobs: BlobStore, request: Request, sha256: str, name: str, me
 def streamed(blobs: BlobStore, sha256: str) -> Iterator[bytes]:
     with blobs.open(sha256) as stream:
         yield from chunks(stream)
+
+
+def content_of(store: Store, job_id: str) -> dict[str, Any]:
+    """NotFound where the job has no results, BadInput where it made something else (a what-if, a payload's)."""
+    result, job = store.results.of_job(job_id), store.jobs.get(job_id)
+    evaluated = {each.name: each.sha256 for each in store.results.artifacts(job_id)}
+    if evaluated.get(RESULTS) != result.sha256 or job.study_id is None:
+        advice = "Name jobs that evaluate a study."
+        detail = f"a job of kind {job.kind} makes no results.json of a study"
+        raise BadInput(Fault(detail, "no_results", advice, value=job_id))
+    with store.blobs.open(result.sha256) as stream:
+        content: dict[str, Any] = json.load(stream)
+    return content

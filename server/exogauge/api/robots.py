@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
+from exogauge.api.bundles import give_files, keep
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
-from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import RobotList, RobotOut
-from exogauge.api.uploads import lay_out, root_of, scratch_folder
-from exogauge.storage.files import keep_folder
+from exogauge.api.uploads import lay_out, scratch_folder
 
 router = APIRouter(tags=["robots"])
 FORM = bundle_schema("robot.yaml and its URDF, under their relative paths, or one zip of them")
@@ -34,11 +33,9 @@ def create_robot(
     """Check and store a robot. Other files under the same name become its next version."""
     with scratch_folder(settings) as scratch:
         lay_out(upload.files, scratch, settings)
-        root = root_of(scratch, "robot.yaml")
-        summary = checking.check_robot(root)
-        files = keep_folder(storage.blobs, root)
-    with storage.transaction() as store:
-        robot, new = store.robots.add(upload.name or summary["name"], files, summary)
+        robot, files, new = keep(
+            scratch, "robot.yaml", checking.check_robot, storage, lambda store: store.robots, upload.name
+        )
     response.status_code = 201 if new else 200
     return RobotOut.of(robot, files)
 
@@ -54,8 +51,4 @@ def get_robot(robot_id: Id, store: ReaderDep) -> RobotOut:
     return RobotOut.of(store.robots.get(str(robot_id)), store.robots.files(str(robot_id)))
 
 
-@router.get("/robots/{robot_id}/files/{path:path}", operation_id="getRobotFile", responses=ANY_FILE)
-def get_robot_file(robot_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
-    """One file as it was handed in; ranges and If-None-Match are honoured."""
-    file = store.robots.file(str(robot_id), path)
-    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+give_files(router, "robot", "robots", lambda store: store.robots)

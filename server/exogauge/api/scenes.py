@@ -72,7 +72,7 @@ class SceneList(BaseModel):
 def list_scenes(job_id: Id, store: ReaderDep) -> SceneList:
     """The logs that this job evaluated, in the study's order. A recording is drawn when it is first asked for."""
     job = store.jobs.get(str(job_id))
-    study = store.studies.of(job)
+    study = store.study_of(job)
     series = series_of(store, job.id)
     logs = [log for log in study.summary.get("logs", []) if log["name"] in series]
     return SceneList(items=[scene_of(log, opened(store.blobs, series[log["name"]])) for log in logs])
@@ -89,7 +89,7 @@ def get_scene(
     """One log drawn: for the page under `/scenes/player`, which takes it from the page that shows it."""
     with storage.reading() as store:
         job = store.jobs.get(str(job_id))
-        study = store.studies.of(job)
+        study = store.study_of(job)
         series, result = series_of(store, job.id), store.results.of_job(job.id)
     if name not in series or name not in {log["name"] for log in study.summary.get("logs", [])}:
         raise NotFound(f"job {job_id} has evaluated no log of this name")

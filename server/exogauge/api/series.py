@@ -172,7 +172,7 @@ def windowed(
     form: Literal["csv", "parquet"],
 ) -> StreamingResponse:
     """name: of the file that is saved."""
-    from exogauge.studies.series.window import window
+    from exogauge.studies.series.file import window
 
     names = series.checked(channels) or series.names
     parts: Iterator[bytes] = window(series, names, *bounds(series, start, end), form)

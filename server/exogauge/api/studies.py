@@ -7,19 +7,18 @@ from typing import Annotated, Literal
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
+from exogauge.api.bundles import give_files, keep
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
-from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
-from exogauge.api.uploads import lay_out, root_of, scratch_folder
+from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
 from exogauge.storage.blobs import copy_out
-from exogauge.storage.files import keep_folder
 from exogauge.storage.store import Storage
 
 router = APIRouter(tags=["studies"])
@@ -79,20 +78,13 @@ def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
     return StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
 
 
-@router.get("/studies/{study_id}/files/{path:path}", operation_id="getStudyFile", responses=ANY_FILE)
-def get_study_file(study_id: Id, path: FilePath, store: ReaderDep, request: Request) -> Response:
-    """One file as it was handed in; ranges and If-None-Match are honoured."""
-    file = store.studies.file(str(study_id), path)
-    return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")
+give_files(router, "study", "studies", lambda store: store.studies)
 
 
 def keep_study(folder: Path, storage: Storage) -> tuple[StudyOut, bool]:
     """The study below `folder`, checked and stored, and whether it is new."""
-    root = root_of(folder, STUDY)
-    summary = checking.check_study(root)
-    files = keep_folder(storage.blobs, root)
-    with storage.transaction() as store:
-        study, new = store.studies.add(summary["name"], files, summary)
+    study, files, new = keep(folder, STUDY, checking.check_study, storage, lambda store: store.studies)
+    with storage.reading() as store:
         job = store.jobs.latest([study.id]).get(study.id)
     return StudyOut.of(study, job, files), new
 

@@ -101,7 +101,7 @@ def _evaluate(out: Path, case: str, code: str) -> None:
     folder = Path(tempfile.mkdtemp(prefix="exogauge-blind-"))
     start, processor, result, error = time.perf_counter(), time.process_time(), dict[str, Any](), None
     try:
-        failed = evaluate(out / case / "study.yaml", folder, lambda share, what: None)
+        failed = evaluate(out / case / "study.yaml", folder, lambda *_: None)
         error = "\n".join(each.sentence for each in failed) or None
         result = json.loads((folder / "results.json").read_bytes())
     except Exception as problem:

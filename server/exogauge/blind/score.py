@@ -1,19 +1,25 @@
-"""How often an evaluation was right: numbers over all cases that have a result, and the same as text."""
+"""How often an evaluation was right: numbers over all cases that have a result, and the same as text.
+
+The score as tables for a terminal.
+
+How far a count out of few cases can be believed.
+"""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import beta
 
 from exogauge.blind.answers import read_answers
-from exogauge.blind.interval import intervals
 from exogauge.blind.verdict import Verdict, verdict
 from exogauge.errors import BadInput, Fault
+from exogauge.terminal import text_table
 
 NOTHING = "none"
 
@@ -132,3 +138,142 @@ def _spread(values: Sequence[float]) -> dict[str, float | None]:
         "mean": round(float(np.mean(values)), 2),
         "most": round(max(values), 2),
     }
+
+
+def score_text(found: Mapping[str, Any]) -> str:
+    parts = [
+        _head(found),
+        _right(found),
+        _others(found),
+        _effects(found["by_effect"]),
+        _confusion_table(found["confusion"]),
+    ]
+    return "\n\n".join(parts)
+
+
+def _head(found: Mapping[str, Any]) -> str:
+    seconds = found["seconds"]
+    lines = [f"BLIND BENCHMARK, synthetic: {found['cases']} cases"]
+    if seconds["median"] is not None:
+        lines[0] += f", {seconds['median']:.1f} s each (median), {seconds['most']:.1f} s at most"
+    if found.get("missing"):
+        lines.append(f"{found['missing']} cases are not evaluated yet, and not counted")
+    if found["failed"]:
+        lines.append(f"failed, and counted as saying nothing: {', '.join(found['failed'])}")
+    return "\n".join(lines)
+
+
+def _right(found: Mapping[str, Any]) -> str:
+    rows = {
+        "visible (three noise floors)": found["visible"],
+        "visible, no clutter": found["visible_without_clutter"],
+        "visible, clutter": found["visible_with_clutter"],
+        "all": found["all"],
+        "all, no clutter": found["without_clutter"],
+        "all, clutter": found["with_clutter"],
+        **{f"all, {robot}": row for robot, row in found["by_robot"].items()},
+    }
+    columns = (
+        "one effect hidden",
+        "cases",
+        "name and place first",
+        "among three",
+        "or also possible",
+        "nothing else",
+        "silent",
+    )
+    return text_table(columns, [[name, *_shares(row)] for name, row in rows.items()])
+
+
+def _shares(row: Mapping[str, int]) -> list[Any]:
+    keys = ("top1", "top3", "top1_or_also_possible", "exact", "silent")
+    return [row["n"], *(_share(row[key], row["n"]) for key in keys)]
+
+
+def _others(found: Mapping[str, Any]) -> str:
+    clean, pairs, wrong, restored = (found[key] for key in ("clean", "pairs", "wrong_names", "restored"))
+    named = restored["named"]
+    plain, cluttered = clean["without_clutter"], clean["with_clutter"]
+    rows = [
+        ["false alarms where nothing is hidden", _of(clean["false_alarms"], clean["n"])],
+        ["· without clutter", _of(plain["false_alarms"], plain["n"])],
+        ["· with clutter", _of(cluttered["false_alarms"], cluttered["n"])],
+        ["pairs: both named", _of(pairs["both"], pairs["n"])],
+        ["pairs: both and nothing else", _of(pairs["exact"], pairs["n"])],
+        ["where something was named: a wrong name among them", _of(wrong["cases"], wrong["n"])],
+        ["· beside the right one", _of(wrong["beside_the_truth"], wrong["n"])],
+        ["· held-out RMSE back within 1.1 noise floors", _of(named["within_1_1"], named["n"])],
+        ["right: held-out RMSE back within 1.1 noise floors", _of(restored["within_1_1"], restored["n"])],
+    ]
+    return text_table(("", "of cases"), rows, widest=60)
+
+
+def _effects(by_effect: Mapping[str, Mapping[str, int]]) -> str:
+    columns = ("hidden", "cases", "name and place first", "among three", "or also possible", "nothing else", "silent")
+    return text_table(columns, [[effect, *_shares(row)] for effect, row in by_effect.items()])
+
+
+def _confusion_table(entries: list[Mapping[str, Any]]) -> str:
+    rows = [[each["truth"], each["named"], each["n"], each["right_place"]] for each in entries]
+    return text_table(("hidden", "named first", "cases", "right place"), rows)
+
+
+def _share(count: int, n: int) -> str:
+    """`93 % (88-96)`, the interval of 95 %."""
+    if not n:
+        return "–"
+    low, high = interval_95(count, n)
+    return f"{100.0 * count / n:.0f} % ({100.0 * low:.0f}-{100.0 * high:.0f})"
+
+
+def _of(count: int, n: int) -> str:
+    return f"{count} of {n} ({in_words(count, n)})" if n else "–"
+
+
+CONFIDENCE = 0.95
+NO_CASES = ("n", "names")  # keys of a score that count no cases of its n
+
+
+def interval_95(count: int, n: int) -> tuple[float, float]:
+    """The shares that `count` of `n` cases leave possible, by Clopper and Pearson: exact, never too narrow.
+
+    Two-sided, 2.5 % to either side; where none or all were counted one side is certain, and the other one has all 5 %:
+    0 of 50 is below 5.8 %.
+    """
+    if n == 0:
+        return 0.0, 1.0
+    beyond = (1.0 - CONFIDENCE) / (1.0 if count in (0, n) else 2.0)
+    low = 0.0 if count == 0 else float(beta.ppf(beyond, count, n - count + 1))
+    high = 1.0 if count == n else float(beta.ppf(1.0 - beyond, count + 1, n - count))
+    return low, high
+
+
+def intervals(found: Mapping[str, Any]) -> dict[str, Any]:
+    """The interval of every count in `found` that has its number of cases `n` beside it, under the same keys."""
+    told: dict[str, Any] = {}
+    for key, value in found.items():
+        if isinstance(value, Mapping):
+            if inner := intervals(value):
+                told[key] = inner
+        elif found.get("n") and isinstance(value, int) and key not in NO_CASES:
+            told[key] = [round(bound, 4) for bound in interval_95(value, found["n"])]
+    return told
+
+
+def in_words(count: int, n: int) -> str:
+    """`94 %, 83 to 99 %`; `0 %, below 5.8 %`."""
+    low, high = (100.0 * bound for bound in interval_95(count, n))
+    if count == 0:
+        doubt = f"below {_per_cent(high)} %"
+    elif count == n:
+        doubt = f"above {low:.0f} %"
+    else:
+        doubt = f"{_per_cent(low)} to {_per_cent(high)} %"
+    return f"{100.0 * count / n:.0f} %, {doubt}"
+
+
+def _per_cent(value: float) -> str:
+    """Two digits below ten, whole from there on, tenths where it is next to nothing: never a power of ten."""
+    if value < 0.1:
+        return f"{value:.1f}"
+    return f"{value:.2g}" if value < 9.95 else f"{value:.0f}"

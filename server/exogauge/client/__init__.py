@@ -7,7 +7,7 @@
 """
 
 from exogauge.client.client import Client
-from exogauge.client.problem import ClientProblem
 from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf
+from exogauge.client.transport import ClientProblem
 
 __all__ = ["Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Payload", "Robot", "Study", "WhatIf"]

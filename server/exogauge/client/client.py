@@ -12,11 +12,9 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.bundle import zipped, zipped_description
-from exogauge.client.problem import ClientProblem, problem_of_job
-from exogauge.client.resumable import upload
 from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
-from exogauge.client.transport import Transport
+from exogauge.client.transport import ClientProblem, Transport, problem_of_job
+from exogauge.client.uploading import upload, zipped, zipped_description
 from exogauge.terminal import bar
 
 if TYPE_CHECKING:
@@ -192,7 +190,7 @@ class Client:
         with bar("queued", shown=progress) as say:
             while True:
                 now = self.job(job)
-                say(now.progress, now.message or now.place or "", now.state)
+                say(now.progress, now.message or now.place or "", now.stage or now.state)
                 if now.ended:
                     break
                 if until is not None and time.monotonic() > until:

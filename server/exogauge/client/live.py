@@ -15,7 +15,7 @@ from urllib.parse import urlencode, urlsplit, urlunsplit
 import numpy as np
 from numpy.typing import ArrayLike
 
-from exogauge.client.problem import ClientProblem
+from exogauge.client.transport import ClientProblem
 
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
@@ -48,6 +48,7 @@ class LiveStream:
         self._kept = deque[tuple[int, np.ndarray[Any, np.dtype[np.float64]]]](maxlen=KEPT)
         self._waiting = deque[dict[str, Any]]()
         self._line: ClientConnection | None = None
+        self._ended = False
         self._connect()
 
     def send(self, rows: ArrayLike) -> None:
@@ -61,7 +62,7 @@ class LiveStream:
         """What has come; waits for the first of it up to `timeout_s`. Errors of single samples are among it."""
         while self._waiting:
             yield self._waiting.popleft()
-        while (message := self._receive(timeout_s)) is not None:
+        while not self._ended and (message := self._receive(timeout_s)) is not None:
             yield message
             timeout_s = 0.0
 
@@ -76,6 +77,7 @@ class LiveStream:
         while time.monotonic() < until:
             message = self._receive(until - time.monotonic())
             if message is not None and message["type"] == "ended":
+                self._ended = True  # the line may be gone already
                 return message
             if message is not None:
                 self._waiting.append(message)

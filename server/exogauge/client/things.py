@@ -74,11 +74,11 @@ class Payload:
 class Job:
     """study_id, payload_id: one of them is what it is of. state: queued, running, succeeded, failed or cancelled.
 
-    progress: 0..1. place: where in the queue, in words; ahead: how many start before it. steps: [{message, progress,
-    started_at, seconds}] of the present attempt.
+    progress: 0..1. place: where in the queue, in words; ahead: how many start before it. stage: of an evaluation,
+    what it is at. steps: [{message, progress, stage, started_at, seconds}] of the present attempt.
 
     reason: why it did not succeed; problem: the same with `errors` (file, row, column, value, advice), where what was
-    handed in is to blame.
+    handed in is to blame; defect: exogauge itself is.
     """
 
     id: str
@@ -87,12 +87,14 @@ class Job:
     state: str
     progress: float
     message: str
+    stage: str | None = None
     payload_id: str | None = None
     place: str | None = None
     ahead: int | None = None
     steps: Sequence[Mapping[str, Any]] = field(default=(), repr=False)
     reason: str | None = None
     problem: Mapping[str, Any] | None = field(default=None, repr=False)
+    defect: bool = False
     attempts: int = 0
     revision: int = 0
     settings: Mapping[str, Any] = field(default_factory=dict, repr=False)

@@ -13,8 +13,8 @@ RULES = "docs/decisions/0011-rules-of-single-effects.md, contact"
 @final
 @dataclass(frozen=True)
 class Touching:
-    """gain: by which the weighted square error falls with a force at a link. "
-    "level: what its root reaches by chance."""
+    """gain: by which the weighted square error falls with a force at a link.
+    level: what its root reaches by chance."""
 
     durations_s: tuple[float, ...] = criterion(
         (0.25, 0.5, 1.0), "s", "of pushes that are tried first", judgement(RULES)

@@ -1,22 +1,21 @@
-"""Numbers that decide, for one run: the defaults, or those that "
-"`dataclasses.replace` puts in their place."""
+"""Numbers that decide, for one run: the defaults, or those that
+`dataclasses.replace` puts in their place."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import final
 
-from exogauge.criteria.carrying import Carrying
-from exogauge.criteria.comparing import Comparing
 from exogauge.criteria.contact import Touching
-from exogauge.criteria.examining import Examining
+from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.examining import Comparing, Examining
 from exogauge.criteria.identifying import Identifying, Resting
-from exogauge.criteria.judging import Judging
+from exogauge.criteria.judging import Carrying, Judging
 from exogauge.criteria.nominal import Contradicting
-from exogauge.criteria.planning import Planning
+from exogauge.criteria.planning import Planning, Telling
 from exogauge.criteria.searching import Searching
 from exogauge.criteria.stored_filter import StoredFilter
-from exogauge.criteria.telling import Telling
+from exogauge.criteria.supporting import Supporting
 from exogauge.criteria.wearing import Wearing
 
 
@@ -33,8 +32,10 @@ class Criteria:
     contact: Touching = field(default_factory=Touching)
     nominal: Contradicting = field(default_factory=Contradicting)
     telling: Telling = field(default_factory=Telling)
+    support: Supporting = field(default_factory=Supporting)
     device: Wearing = field(default_factory=Wearing)
     planning: Planning = field(default_factory=Planning)
     doctor: Examining = field(default_factory=Examining)
     comparison: Comparing = field(default_factory=Comparing)
+    declared: Declaring = field(default_factory=Declaring)
     payload: Carrying = field(default_factory=Carrying)

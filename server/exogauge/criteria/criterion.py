@@ -1,5 +1,5 @@
-"""A number that decides: its value stands in a field of a frozen "
-"dataclass, its reason and its source beside it."""
+"""A number that decides: its value stands in a field of a frozen
+dataclass, its reason and its source beside it."""
 
 from __future__ import annotations
 

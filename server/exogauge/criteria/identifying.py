@@ -1,5 +1,5 @@
-"""What counts as rest and as steady motion, and when the data, not what "
-"was believed before, decide a number."""
+"""What counts as rest and as steady motion, and when the data, not what
+was believed before, decide a number."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ HERE = "server/exogauge/identification"
 @final
 @dataclass(frozen=True)
 class Resting:
-    """Of one axis in one log. velocity noise: standard deviation of what "
-    "noise of positions makes of a velocity."""
+    """Of one axis in one log. velocity noise: standard deviation of what
+    noise of positions makes of a velocity."""
 
     sigmas: float = criterion(
         3.0, "std", "of the velocity noise: below, an axis counts as at rest", measured("trials: 2 to 3 was best")
@@ -114,4 +114,16 @@ class Identifying:
     )
     enough_steady: float = criterion(
         0.25, "1", "of what a joint moves, in steady motion: below, the reader is warned", judgement(HERE)
+    )
+    no_matter: float = criterion(
+        0.02,
+        "1",
+        "of the best held-out score of the prior's strengths: a smaller difference is of no use to anyone",
+        judgement(HERE),
+    )
+    fewest_folds: int = criterion(
+        2,
+        "parts",
+        "of logs with rows in them; with fewer nothing can be left out, and the maker's word counts as stated",
+        derived("one part to fit, one to judge by"),
     )

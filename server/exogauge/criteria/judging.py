@@ -1,4 +1,7 @@
-"""What a name has to hold wherever it is found, on a robot or on a device, and when a gap counts as one."""
+"""What a name has to hold wherever it is found, on a robot or on a device, and when a gap counts as one.
+
+What is missing beside a rigid payload behind an ideal sensor: what a name has to hold.
+"""
 
 from __future__ import annotations
 
@@ -88,3 +91,49 @@ class Judging:
     def needed_s(self) -> float:
         """[s] of steady held-out motion of a channel, below which nothing is said of it."""
         return self.fewest_blocks * self.block_s
+
+
+PAYLOAD = "docs/payload.md"
+
+
+@final
+@dataclass(frozen=True)
+class Carrying:
+    """evidence: log likelihood, less half the logarithm of the samples for every number, less that of all tried."""
+
+    worth: float = criterion(
+        6.0, "log odds", "odds of four hundred to one beyond the number of candidates", derived("exp 6 = 403")
+    )
+    rival: float = criterion(10.0, "log odds", "a lead of less leaves another explanation as good", judgement(PAYLOAD))
+    most: int = criterion(4, "effects", "more of one payload are a model that does not hold", judgement(PAYLOAD))
+    judged: int = criterion(
+        8, "candidates", "best of a round that are held against what was not fitted", judgement(PAYLOAD)
+    )
+    slow_s: float = criterion(
+        0.2,
+        "s",
+        "means over it hold the motion and hardly the errors of smoothed accelerations, which are faster",
+        measured(f"{PAYLOAD}: the sample's arm, whose smoother errs at 5 to 8 Hz"),
+    )
+    steep_deg: float = criterion(
+        15.0, "°", "a base inclined more than that is a wrong pose, gravity or pair of axes", judgement(PAYLOAD)
+    )
+    far_m: float = criterion(
+        3.0, "m", "no centre of mass is farther from a wrist: moments are in another unit", judgement(PAYLOAD)
+    )
+    no_weight: float = criterion(
+        3.0,
+        "std of a mean",
+        "forces of all postures that differ by less are one: nothing hangs there",
+        judgement(PAYLOAD),
+    )
+    other_mass: float = criterion(
+        0.2, "of the weighed mass", "farther off, a unit is wrong rather than the identification", judgement(PAYLOAD)
+    )
+    impossible: float = criterion(
+        100.0, "χ²", "ten standard deviations to the next body that can exist are no chance", derived("10² = 100")
+    )
+    margin_s: float = criterion(0.2, "s", "left out on either side of a touch", judgement(PAYLOAD))
+    touched: float = criterion(
+        0.3, "of the excitation", "more is no touch but a model that does not hold", judgement(PAYLOAD)
+    )

@@ -1,4 +1,7 @@
-"""Which motion is asked for to tell a finding from what else it may be, and when it is enough."""
+"""Which motion is asked for to tell a finding from what else it may be, and when it is enough.
+
+What is told together, and how well a planned motion has to tell two effects apart.
+"""
 
 from __future__ import annotations
 
@@ -54,4 +57,19 @@ class Planning:
     leads: int = criterion(3, "joints", "that are swept where no joint is in question", judgement(RULES))
     companions: int = criterion(
         2, "joints", "that are moved beside the one in question, one after the other", judgement(RULES)
+    )
+
+
+MISSING = "docs/decisions/0005-missing-effects.md"
+
+
+@final
+@dataclass(frozen=True)
+class Telling:
+    """Of findings that are already made."""
+
+    joints: int = criterion(3, "joints", "an effect with one cause on fewer is told joint by joint", judgement(MISSING))
+    of_joints: float = criterion(0.5, "1", "of all joints, from which on it is told as one", judgement(MISSING))
+    axes: int = criterion(
+        4, "axes", "of a sensor's six, from which on an effect with one cause is told as one", judgement(MISSING)
     )

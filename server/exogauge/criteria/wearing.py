@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import convention, criterion, derived, judgement
 
 RULES = "docs/decisions/0008-effects-of-bands.md"
 
@@ -57,4 +57,41 @@ class Wearing:
         "evidence",
         "of a wire that nobody declared, beyond what the number of tries gives by chance",
         derived("2 ln 20 = 5.99"),
+    )
+    most_effects: int = criterion(
+        4, "effects", "that are named of one device: beyond, the formulas fit what others leave", judgement(RULES)
+    )
+    worth_judging: float = criterion(
+        6.0, "evidence", "of a candidate from which the fits that judge it are spent on it", derived("2 ln 20 = 5.99")
+    )
+    judged: int = criterion(8, "candidates", "with most evidence that are judged in a round", judgement(RULES))
+    remainder: float = criterion(
+        0.2,
+        "1",
+        "of what a named effect explained on a joint: less may be what its formula leaves of a real band",
+        judgement(RULES),
+    )
+    remainder_of_wire: float = criterion(
+        0.5,
+        "1",
+        "the same of a wire that nobody declared: it can run anywhere, and so fits what any formula leaves",
+        judgement(RULES),
+    )
+    clear: float = criterion(
+        1.5,
+        "floors",
+        "that a further band may leave on its joint for others to be looked at beside it",
+        judgement(RULES),
+    )
+    tell_apart: float = criterion(
+        2.0,
+        "std errors",
+        "by which the winner must explain more than a rival that is told not to be it",
+        convention("two standard errors, 95 %"),
+    )
+    nearly_sure: float = criterion(
+        2.0,
+        "std errors",
+        "from which a rival is no worse an answer, though it could not be claimed alone",
+        convention("two standard errors, 95 %"),
     )

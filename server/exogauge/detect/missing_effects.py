@@ -18,19 +18,16 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
+from exogauge.progress import unwatched
+from exogauge.search.afterwards import look_into_odd_logs, remainders, shapes_again, with_final_numbers
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
-from exogauge.search.final_numbers import with_final_numbers
+from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
-from exogauge.search.may_be_named import refused
-from exogauge.search.odd_log import look_into_odd_logs
-from exogauge.search.prune import taken_back
-from exogauge.search.remainders import remainders
 from exogauge.search.residual_correction import Bend, own_curves
 from exogauge.search.rising import Rising, still
-from exogauge.search.search import searched
+from exogauge.search.search import searched, taken_back
 from exogauge.search.shape_doubt import with_doubt_of_shapes
-from exogauge.search.shapes_again import shapes_again
 from exogauge.search.state import Problem, Search
 
 
@@ -63,7 +60,7 @@ def _told(search: Search, current: Identification, with_bends: bool, notes: tupl
     assert last is not None
     equations, left = problem.base.model.equations, last.residuals
     if with_bends:
-        left = lay_ground(current.model, problem.recordings, (), lambda _fraction, _phrase: None).residuals
+        left = lay_ground(current.model, problem.recordings, (), unwatched).residuals
     undecided = {(each.finding.effect, each.finding.place): each.undecided for each in search.steps if each.undecided}
     return Searched(
         recordings=tuple(problem.recordings),

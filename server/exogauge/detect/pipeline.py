@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.detect.chain import lineage, link
 from exogauge.detect.contact.detector import contact, contact_again
 from exogauge.detect.missing_effects import missing_effects
 from exogauge.detect.nominal.detector import nominal_values
-from exogauge.detect.so_far import Detector, Question, SoFar
+from exogauge.detect.so_far import Detector, Question, SoFar, lineage, link
 from exogauge.detect.stored_filter.detector import stored_filter
 from exogauge.experiment.design import with_motions
 from exogauge.findings.as_told import by_importance, merged
 from exogauge.findings.result import ChainStep, Discrepancy, Link
 from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
-from exogauge.identification.settings import Progress, Recording, Settings
+from exogauge.identification.settings import Recording, Settings
+from exogauge.progress import Doing, Progress, unwatched
 
 DETECTORS: tuple[Detector, ...] = (stored_filter, contact, missing_effects, contact_again, nominal_values)
 """What spoils logs or moments of them comes first: it looks like effects. What no residual shows comes last."""
@@ -41,13 +41,13 @@ def find_missing_effects(
     recordings: Sequence[Recording],
     effects: Sequence[Effect],
     settings: Settings,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing."""
     so_far = _asked(Question(found, tuple(recordings), effects, settings, progress))
     while so_far.anew is not None:
         so_far = _asked(so_far.anew)
-    progress(1.0, "compared")
+    progress(1.0, Doing.COMPARED)
     return Found(_discrepancy(so_far), so_far.current, so_far.recordings, so_far.question.settings)
 
 

@@ -2,6 +2,8 @@
 
 What costs time is where the bands run: their lengths and Jacobians. They depend on the via points alone, so they are
 measured once per routing and kept; other stiffnesses, natural lengths and laws need none of it anew.
+
+A force-length test of the bare band as a straight line: stiffness, natural length and how well they are known.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.devices.device import Band, Device, ViaPoint
+from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band import WireMotion
 from exogauge.effects.band_laws import check_values
@@ -145,3 +147,41 @@ def wire_bytes(tree: RigidTree, band: Band, samples: int) -> int:
 def complete(bands: Sequence[Band]) -> tuple[Band, ...]:
     """Those whose stiffness and natural length are known."""
     return tuple(band for band in bands if band.stiffness is not None and band.natural_length is not None)
+
+
+TAUT = 0.02  # of the largest force: below, the band counts as slack
+LEAST_SHARE = 0.01  # of the value: no test bench is taken to be better than that
+
+
+@final
+@dataclass(frozen=True)
+class BenchLine:
+    """force = stiffness (length - natural_length) where taut [N/m, m]; std of both."""
+
+    stiffness: float
+    natural_length: float
+    stiffness_std: float
+    natural_length_std: float
+
+
+def bench_line(test: BenchTest) -> BenchLine:
+    """Least squares over the taut part.
+
+    Implements the fit behind [Evaluator] Figure 5. Raises ValueError with fewer than two taut points.
+    """
+    length, force = np.array(test.length), np.array(test.force)
+    taut = force > TAUT * force.max(initial=0.0)
+    if taut.sum() < 2 or np.ptp(length[taut]) <= 0.0:
+        raise ValueError("a bench test needs two or more lengths at which the band pulls")
+    A = np.column_stack([length[taut], -np.ones(int(taut.sum()))])
+    (k, c), *_ = np.linalg.lstsq(A, force[taut], rcond=None)
+    spare = max(1, len(A) - 2)
+    noise = float(np.sum((force[taut] - A @ [k, c]) ** 2)) / spare
+    covariance = noise * np.linalg.inv(A.T @ A)
+    slope = np.array([-c / k**2, 1.0 / k])  # of l0 = c / k
+    return BenchLine(
+        float(k),
+        float(c / k),
+        float(max(np.sqrt(covariance[0, 0]), LEAST_SHARE * k)),
+        float(max(np.sqrt(slope @ covariance @ slope), LEAST_SHARE * np.ptp(length))),
+    )

@@ -36,7 +36,8 @@ class Band:
 
     group: bands of one group share their stiffness. law: name of a force law (`effects.band_laws`), law_values: its
     other parameters. stiffness [N/m], natural_length [m]: nominal values, None where unknown; true ones where
-    ground_truth.
+    ground_truth. point_std [m]: standard uncertainty of each coordinate of a via point; donning_std [m]: of how much
+    longer the band is in one log than in another, as the device was put on; 0: known.
     """
 
     name: str
@@ -48,6 +49,8 @@ class Band:
     law: str = "linear"
     law_values: Mapping[str, float] = field(default_factory=dict)
     bench: BenchTest | None = None
+    point_std: float = 0.0
+    donning_std: float = 0.0
 
 
 @final

@@ -10,8 +10,10 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.remarks import Remark
+
 Array = NDArray[np.float64]
-Approach = Literal["A", "B", "prior"]
+Approach = Literal["A", "B", "paired", "prior"]
 
 
 @final
@@ -27,13 +29,24 @@ class Estimate:
 
 @final
 @dataclass(frozen=True)
+class Share:
+    """What one source does to a band alone, as standard deviations. source: `scatter` of the logs, what the logs leave
+    open of the `robot`, `null_test`, or a declared uncertainty."""
+
+    source: str
+    stiffness: float
+    natural_length: float
+
+
+@final
+@dataclass(frozen=True)
 class BandEstimate:
     """One band by one approach. stiffness [N/m] (shared in its group), natural_length [m].
 
-    stiffness_interval, natural_length_interval: (low, high), 95 %.
-    true_stiffness, error_percent: None where no truth is known. identifiable, length_identifiable: the data decide it;
-    note: in words, why not, or "". with_effects: with what was named of the bands in the model, not as device.yaml
-    states them alone. longest: [m] in these motions.
+    stiffness_interval, natural_length_interval: (low, high), 95 %. true_stiffness, error_percent: None where no truth
+    is known. identifiable, length_identifiable: the data decide it; note: why not, or None. with_effects: with
+    what was named of the bands in the model, not as device.yaml states them alone. longest: [m] in these motions.
+    budget: what the doubt is made of, largest share of the stiffness first.
     """
 
     band: str
@@ -46,9 +59,35 @@ class BandEstimate:
     error_percent: float | None
     identifiable: bool
     length_identifiable: bool
-    note: str
+    note: Remark | None
     with_effects: bool = False
     longest: float = math.nan
+    budget: tuple[Share, ...] = ()
+
+
+@final
+@dataclass(frozen=True)
+class CrossCheck:
+    """Two numbers that ought to be one: the stiffness of a group [N/m] from each of two parts of the evidence.
+
+    check: `approaches`, `repetitions`, `strokes` or `sides`. between: names of the parts. difference: first minus
+    second, std: of that, what both share taken off. limit: of z, beyond which they disagree.
+    """
+
+    check: str
+    group: str
+    between: tuple[str, str]
+    difference: float
+    std: float
+    limit: float = math.inf
+
+    @property
+    def z(self) -> float:
+        return self.difference / self.std
+
+    @property
+    def agrees(self) -> bool:
+        return abs(self.z) <= self.limit
 
 
 @final
@@ -57,7 +96,7 @@ class StiffnessResult:
     """All bands of one device by one approach, from all its logs together.
 
     parameters: names `stiffness[group]`, `natural_length[band]` in the order of correlation (P, P).
-    rms: [N·m] joint -> what the bands leave unexplained. samples: used. notes: sentences for the user.
+    rms: [N·m] joint -> what the bands leave unexplained. samples: used. notes: what has to be kept in mind.
     """
 
     device: str
@@ -67,4 +106,5 @@ class StiffnessResult:
     correlation: Array
     rms: Mapping[str, float]
     samples: int
-    notes: tuple[str, ...]
+    notes: tuple[Remark, ...]
+    cross_checks: tuple[CrossCheck, ...] = ()

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from exogauge.devices.bench import BandPull, Bench, complete
 from exogauge.devices.device import Band, Device
 from exogauge.errors import BadInput, Fault
+from exogauge.remarks import About, Remark
 from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
@@ -94,7 +95,7 @@ class BandChange:
 class WhatIf:
     """T samples. joints: in the robot's order, all on which one of both devices acts. bands: of both, by name.
 
-    main: the joints the device is for. notes: sentences for the user.
+    main: the joints the device is for. notes: what has to be kept in mind.
     """
 
     device: Device
@@ -104,7 +105,7 @@ class WhatIf:
     bands: tuple[BandChange, ...]
     main: tuple[str, ...]
     interference: tuple[Interference, ...]
-    notes: tuple[str, ...]
+    notes: tuple[Remark, ...]
 
 
 def what_if(
@@ -227,23 +228,16 @@ def _band_load(pull: BandPull, band: Band) -> BandLoad:
     )
 
 
-def _unknown_before(device: Device, known: Sequence[Band]) -> list[str]:
-    left_out = [band.name for band in device.bands if band not in known]
-    if not left_out:
-        return []
-    return [f"Left out of `before`, for their values are not known: {', '.join(left_out)}."]
+def _unknown_before(device: Device, known: Sequence[Band]) -> list[Remark]:
+    left_out = tuple(band.name for band in device.bands if band not in known)
+    return [Remark(About.BANDS_LEFT_OUT, left_out)] if left_out else []
 
 
-def _new_groups(device: Device, changed: Device) -> list[str]:
+def _new_groups(device: Device, changed: Device) -> list[Remark]:
     was = {band.name: band.group for band in device.bands}
     moved = [band for band in changed.bands if was.get(band.name, band.group) != band.group]
-    return [
-        f"Band {band.name} is now a group of its own: bands of group {was[band.name]} share their stiffness and law."
-        for band in moved
-    ]
+    return [Remark(About.OWN_GROUP, (band.name,), beside=(was[band.name],)) for band in moved]
 
 
-def _slack(bands: Sequence[BandChange]) -> list[str]:
-    return [
-        f"Band {each.band} is slack all the time." for each in bands if each.after and each.after.slack_share == 1.0
-    ]
+def _slack(bands: Sequence[BandChange]) -> list[Remark]:
+    return [Remark(About.SLACK, (each.band,)) for each in bands if each.after and each.after.slack_share == 1.0]

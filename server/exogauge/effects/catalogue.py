@@ -17,7 +17,7 @@ from exogauge.effects.link import LinkEffect
 from exogauge.effects.pair import PairEffect
 from exogauge.effects.sensor import SensorEffect
 from exogauge.effects.shaped import MissingEffect, ShapedEffect
-from exogauge.errors import BadInput, Fault
+from exogauge.errors import BadInput, ExogaugeError, Fault
 
 
 @cache
@@ -97,4 +97,15 @@ def _placed(place: str) -> list[Any]:
 
 def _offered() -> list[Any]:
     modules = (importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__))
-    return [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
+    return apart([module.EFFECT for module in modules if hasattr(module, "EFFECT")])
+
+
+def apart(found: list[Any]) -> list[Any]:
+    """Raises ExogaugeError where two have one name: one would hide the other. Effects of the base may."""
+    known = dict[str, Any]()
+    for effect in found:
+        other = known.setdefault(effect.name, effect)
+        if other is not effect and {getattr(each, "place", "") for each in (other, effect)} != {"base"}:
+            files = " and ".join(type(each).__module__ for each in (other, effect))
+            raise ExogaugeError(f"{files} both offer an effect named {effect.name!r}: give one of them another name")
+    return found

@@ -36,17 +36,25 @@ class ImuTilt:
     coordinate = "time"
 
     def changes(self, signals: BaseSignals, shape: tuple[float, ...]) -> list[BaseChange]:
-        r, w, w_dot = signals.imu_at, signals.gyro, signals.gyro_dot
-        f = signals.acc + np.cross(w_dot, r) + np.cross(w, np.cross(w, r))
-        return [self._turned(axis, f, w, w_dot, r) if self.applies(signals) else _nothing(f) for axis in np.eye(3)]
+        still = signals.acc, signals.gyro, signals.gyro_dot
+        if not self.applies(signals):
+            return [_nothing(signals.acc)] * 3
+        return [turned(axis, *still, signals.imu_at) for axis in np.eye(3)]
 
     def applies(self, signals: BaseSignals) -> bool:
         return signals.floating and signals.feet_feel and len(signals.time) > 0
 
-    def _turned(self, delta: Array, f: Array, w: Array, w_dot: Array, r: Array) -> BaseChange:
-        df, dw, dw_dot = (np.cross(delta, each) for each in (f, w, w_dot))
-        acc = df - np.cross(dw_dot, r) - np.cross(dw, np.cross(w, r)) - np.cross(w, np.cross(dw, r))
-        return BaseChange(acc, dw, dw_dot)
+
+def turned(delta: Array, acc: Array, gyro: Array, gyro_dot: Array, imu_at: Array) -> BaseChange:
+    """By how much the base moves otherwise than an IMU says that is turned by delta: (3,) [rad], first order.
+
+    acc, gyro, gyro_dot: (T, 3) of the base, as computed from it; imu_at: (3,) [m].
+    """
+    r, w = imu_at, gyro
+    f = acc + np.cross(gyro_dot, r) + np.cross(w, np.cross(w, r))
+    df, dw, dw_dot = (np.cross(delta, each) for each in (f, w, gyro_dot))
+    at_origin = df - np.cross(dw_dot, r) - np.cross(dw, np.cross(w, r)) - np.cross(w, np.cross(dw, r))
+    return BaseChange(at_origin, dw, dw_dot)
 
 
 def _nothing(like: Array) -> BaseChange:

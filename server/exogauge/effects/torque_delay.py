@@ -1,4 +1,7 @@
-"""A torque that comes later than its log says, or is logged later than it comes."""
+"""A torque that comes later than its log says, or is logged later than it comes.
+
+Rates of change of what a shaped effect sees, zero where a log is too short to have any.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,8 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.rates import rate_of_change, second_rate_of_change
 from exogauge.effects.shaped import Array, AxisSignals, Shape
+from exogauge.logs.derivatives import differentiate, differentiate_twice
 
 
 @final
@@ -45,3 +48,17 @@ class TorqueDelay:
 
 
 EFFECT = TorqueDelay()
+
+
+def rate_of_change(values: Array, time: Array) -> Array:
+    """(T,) d/dt of values (T,), evenly sampled at time (T,) [s]."""
+    return differentiate(values, _rate_hz(time)) if len(time) > 2 else 0.0 * values
+
+
+def second_rate_of_change(values: Array, time: Array) -> Array:
+    """(T,) d²/dt² of values (T,), evenly sampled at time (T,) [s]."""
+    return differentiate_twice(values, _rate_hz(time)) if len(time) > 2 else 0.0 * values
+
+
+def _rate_hz(time: Array) -> float:
+    return (len(time) - 1) / float(time[-1] - time[0])

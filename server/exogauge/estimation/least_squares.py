@@ -1,4 +1,7 @@
-"""Weighted least squares with a prior, in square-root form, from sufficient statistics."""
+"""Weighted least squares with a prior, in square-root form, from sufficient statistics.
+
+Least squares from normal equations, within bounds.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import final
 import numpy as np
 import scipy.linalg as sl
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import SquareRoot
@@ -84,3 +88,15 @@ class PriorLeastSquares:
         singular = np.linalg.svd(self.information[:, live] / norms[live], compute_uv=False)
         rank = int((singular > 1e-8 * singular[0]).sum())
         return float(singular[0] / singular[rank - 1]), rank
+
+
+def bounded_least_squares(H: Array, g: Array, low: Array, high: Array) -> Array:
+    """(C,) argmin ½ xᵀ H x - gᵀ x with low ≤ x ≤ high. H: (C, C) positive definite."""
+    x = np.linalg.solve(H, g)
+    if np.all(x >= low) and np.all(x <= high):
+        return np.asarray(x)
+    if len(x) == 1:
+        return np.clip(x, low, high)
+    L = np.linalg.cholesky(H)
+    found = lsq_linear(L.T, np.linalg.solve(L, g), bounds=(low, high), method="bvls")
+    return np.asarray(np.clip(found.x, low, high))

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from exogauge.errors import PhysicallyImpossible
 from exogauge.estimation.interior_point import minimise
 from exogauge.estimation.log_cholesky import log_det_distance, nearest_possible, relative_margin
+from exogauge.remarks import About, Remark
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -51,7 +52,7 @@ class PhysicalSolution:
     excess: float
     iterations: int
     converged: bool
-    warnings: tuple[str, ...]
+    remarks: tuple[Remark, ...]
 
 
 def solve_physical(
@@ -74,16 +75,16 @@ def solve_physical(
     tolerance: how far above its minimum the objective may end, in units of R's squared rows (squared standard
     deviations); at the default nobody can tell the two apart.
 
-    A reference that no body can have is replaced by the nearest possible one, with a warning; one without positive
+    A reference that no body can have is replaced by the nearest possible one, with a remark; one without positive
     mass has none: `PhysicallyImpossible`.
     """
     bodies = phi_ref.shape[0]
     others = R.shape[1] - 10 * bodies
     if others < 0 or z.shape != (R.shape[0],):
         raise ValueError(f"R {R.shape}, z {z.shape} and {bodies} bodies do not fit together")
-    warnings: list[str] = []
+    remarks: list[Remark] = []
     held = np.all(phi_ref == 0, axis=1) | (np.zeros(bodies, bool) if held is None else held)
-    reference = _possible_references(phi_ref, held, names or tuple(str(k) for k in range(bodies)), warnings)
+    reference = _possible_references(phi_ref, held, names or tuple(str(k) for k in range(bodies)), remarks)
     free = ~held
 
     R_phi, R_other = R[:, : 10 * bodies].reshape(-1, bodies, 10), R[:, 10 * bodies :]
@@ -102,17 +103,14 @@ def solve_physical(
     if weight is None:
         excess += barrier * float(np.sum(4 + np.abs(distance[free]))) if free.any() else 0.0
     if not converged:
-        warnings.append(
-            f"The search among possible bodies stopped after {iterations} steps, {excess:.2g} squared standard "
-            f"deviations above the minimum at most; {tolerance:.2g} was asked for."
-        )
-    other = _least_squares_others(R_other, z_free - np.einsum("mnp,np->m", R_phi[:, free], phi[free]), warnings)
+        remarks.append(Remark(About.NOT_CONVERGED, numbers=(iterations, excess, tolerance)))
+    other = _least_squares_others(R_other, z_free - np.einsum("mnp,np->m", R_phi[:, free], phi[free]), remarks)
     x = np.concatenate([phi.ravel(), other])
     cost = float(np.sum((R @ x - z) ** 2))
-    return PhysicalSolution(phi, other, x, cost, distance, margin, held, excess, iterations, converged, tuple(warnings))
+    return PhysicalSolution(phi, other, x, cost, distance, margin, held, excess, iterations, converged, tuple(remarks))
 
 
-def _possible_references(phi_ref: Array, held: BoolArray, names: tuple[str, ...], warnings: list[str]) -> Array:
+def _possible_references(phi_ref: Array, held: BoolArray, names: tuple[str, ...], remarks: list[Remark]) -> Array:
     massless = [names[k] for k in np.flatnonzero(~held & (phi_ref[:, 0] <= 0))]
     if massless:
         raise PhysicallyImpossible(
@@ -123,10 +121,7 @@ def _possible_references(phi_ref: Array, held: BoolArray, names: tuple[str, ...]
     reference[~held] = nearest_possible(phi_ref[~held])
     raised = [names[k] for k in np.flatnonzero(np.any(reference != phi_ref, axis=1))]
     if raised:
-        warnings.append(
-            f"The a-priori inertia of {', '.join(raised)} is not physically possible, or nearly not: "
-            "the nearest possible one is the reference instead."
-        )
+        remarks.append(Remark(About.REFERENCE_IMPOSSIBLE, tuple(raised)))
     return reference
 
 
@@ -151,13 +146,11 @@ def _without_others(R_phi: Array, z: Array, R_other: Array) -> tuple[Array, Arra
     return rest[:, :-1], rest[:, -1]
 
 
-def _least_squares_others(R_other: Array, z: Array, warnings: list[str]) -> Array:
+def _least_squares_others(R_other: Array, z: Array, remarks: list[Remark]) -> Array:
     if not R_other.shape[1]:
         return np.zeros(0)
     other, _, rank, _ = np.linalg.lstsq(R_other, z, rcond=1e-13)
     if rank < R_other.shape[1]:
-        warnings.append(
-            f"{R_other.shape[1] - int(rank)} combinations of the non-inertial parameters are decided by nothing: "
-            "the smallest values are given."
-        )
+        open_ones = R_other.shape[1] - int(rank)
+        remarks.append(Remark(About.UNDECIDED_COMBINATIONS, numbers=(open_ones,)))
     return np.asarray(other, dtype=np.float64)

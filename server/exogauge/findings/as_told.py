@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exogauge.criteria.telling import Telling
+from exogauge.criteria.planning import Telling
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.flags import common_cause
 from exogauge.findings.result import Finding, Place

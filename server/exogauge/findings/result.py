@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.findings.basis import Basis
-from exogauge.findings.objection import Objection
 from exogauge.findings.planned_motion import Apart, PlannedMotion
-from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, Verdict, decide
+from exogauge.findings.verdict import Caveat, Decision, Facts, Objection, Seen, Verdict, decide
 from exogauge.support.band_fit import NamedBands
 
 Array = NDArray[np.float64]

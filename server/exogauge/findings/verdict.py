@@ -1,16 +1,20 @@
 """What may be said of the gap between model and measurement: the one place that decides it, from plain facts.
 
 Headline, report, page, terminal and comparison read the answer; none of them decides again.
+
+Why a candidate was not named, as data.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Literal, final
 
 from exogauge.criteria.judging import Judging
+from exogauge.devices.result import Estimate
 
 Verdict = Literal["effects", "unexplained", "undecided", "none"]
 Left = Literal["above", "open", "nothing"]
@@ -24,12 +28,13 @@ class Caveat:
     not_held_out; joined: a log had to be fitted. too_short: `value` [s] of the `needed` [s] of
     steady motion, of `others` more channels too little, too; far: `value` noise floors in `seconds` [s], or of a
     channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
-    place). Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course.
+    place). Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course. Of a payload: noise_unknown,
+    no_motion.
     """
 
     why: Literal[
         "not_held_out", "joined", "too_short", "far", "creeping",
-        "no_steady_motion", "nothing_left_out", "unclear_course",
+        "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion",
     ]  # fmt: skip
     of: str = ""
     value: float = math.nan
@@ -112,3 +117,44 @@ def _longest(seen: Sequence[Seen]) -> list[Seen]:
 
 def _is_far(ratio: float, judging: Judging) -> bool:
     return math.isfinite(ratio) and ratio >= judging.above
+
+
+@final
+class Why(StrEnum):
+    """Behind each: what `value`, `beside` and `of` of its objection are."""
+
+    TOO_SHORT = "too_short"  # [s] of steady motion that was not fitted, and that are needed
+    FEW_MOMENTS = "few_moments"  # standard errors by which the fitted logs ask for it
+    LITTLE = "little"  # share of the error that it explains
+    NOT_SURE = "not_sure"  # standard errors by which the held-out error falls, and that are asked for
+    NOT_SURE_ONCE = "not_sure_once"  # the same in the one log that has it
+    WORSE = "worse"  # standard errors by which the error grows; of: a regime
+    NOT_FALLING = "not_falling"  # held-out error without and with it [unit]; of: channel, and the one log that has it
+    NOT_FALLING_AGAIN = "not_falling_again"  # the same, low-passed, with the robot identified again
+    MAY_BE_NONE = "may_be_none"  # sizes: of what may as well be zero
+    SIZE_NOT_SURE = "size_not_sure"  # standard deviations from zero, and that are asked for
+    TOO_SMALL = "too_small"  # RMS that it takes off, and noise floor
+    SMALL_BESIDE = "small_beside"  # of: the effect that was named there, if it is one
+    UNDER_SUPPORT = "under_support"  # share of the support that it would have to be
+    AT_FLOOR = "at_floor"
+    ONCE = "once"
+    BETTERED = "bettered"  # of: effects with which another one explains more
+    NOT_NEEDED = "not_needed"  # of: effects with which it is not needed
+    ALIKE = "alike"
+    LESS = "less"
+    LESS_LIKELY = "less_likely"
+    ONE_FACTOR = "one_factor"  # on every motor's gain
+    ONE_BODY = "one_body"  # a heavier link, and a load fixed to it
+
+
+@final
+@dataclass(frozen=True)
+class Objection:
+    """value, beside [unit], of, sizes: as `Why` says."""
+
+    why: Why
+    value: float = math.nan
+    beside: float = math.nan
+    unit: str = ""
+    of: tuple[str, ...] = ()
+    sizes: Mapping[str, Estimate] = field(default_factory=dict)

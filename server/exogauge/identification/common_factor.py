@@ -7,6 +7,7 @@ some of the fitted logs carry: what the currents are in these logs more than in 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -19,17 +20,10 @@ from exogauge.identification.added_columns import MASS, inseparable_loads
 from exogauge.identification.equations import Equations
 from exogauge.identification.gain_scale import gain_scale
 from exogauge.identification.solution import Solution
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
-
-
-SCALE_UNKNOWN = (
-    "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
-    "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load in "
-    "some of the logs and state it (`known` in study.yaml). What is listed as not identifiable is so even if that "
-    "factor were known; errors are told in N·m by the stated k_T."
-)
 
 
 @final
@@ -82,31 +76,18 @@ def _std(covariance: Array, solution: Solution) -> float:
     return float(np.sqrt(max(float(mean @ covariance[np.ix_(columns, columns)] @ mean), 0.0)))
 
 
-def said_of_the_factor(robot: Robot, factor: CommonFactor, fitted: Sequence[str]) -> list[str]:
-    """Warnings: that it is open, once, and why each load that was stated does not fix it. fitted: recordings."""
+def remarks_on_the_factor(robot: Robot, factor: CommonFactor, fitted: Sequence[str]) -> list[Remark]:
+    """That it is open, once, and why each load that was stated does not fix it. fitted: recordings."""
     if factor.measured:
         return []
-    warnings = [] if factor.known else [SCALE_UNKNOWN]
+    remarks = [] if factor.known else [Remark(About.FACTOR_OPEN)]
     inseparable = inseparable_loads(robot, fitted)
+    taken = tuple(math.nan if each is None else each for each in (factor.unweighed, factor.std))
     for load in robot.loads:
-        what = f"The known load of {load.mass:.4g} kg at {load.name}"
         if not set(load.logs) & set(fitted):
-            advice = "Name one with role identification among its `logs`."
-            warnings.append(f"{what} is in none of the logs that are fitted, so it does not fix that factor. {advice}")
+            remarks.append(Remark(About.LOAD_NOT_FITTED, (load.name,), ((load.mass,),)))
         elif load.name in inseparable:
-            advice = "Record one without it, or with another mass, on the same axes."
-            warnings.append(
-                f"{what} is carried in every log that is fitted: it cannot be told from its link's own mass, counts as "
-                f"uncertain as that, and does not fix that factor. {advice}"
-            )
+            remarks.append(Remark(About.LOAD_IN_EVERY_LOG, (load.name,), ((load.mass,),)))
         elif not factor.known:
-            advice = "Carry a heavier one further out, through postures in which more joints feel it."
-            warnings.append(
-                f"{what} is felt too little to fix that factor: it takes its doubt from {_percent(factor.unweighed)} "
-                f"to {_percent(factor.std)}. {advice}"
-            )
-    return warnings
-
-
-def _percent(share: float | None) -> str:
-    return "unknown" if share is None else f"{100 * share:.2g} %"
+            remarks.append(Remark(About.LOAD_FELT_TOO_LITTLE, (load.name,), ((load.mass,),), numbers=taken))
+    return remarks

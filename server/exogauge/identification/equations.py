@@ -23,11 +23,11 @@ from exogauge.estimation.statistics import Form, Statistics
 from exogauge.identification.added_columns import AddedColumn
 from exogauge.identification.contacts import ContactPaths
 from exogauge.identification.preparation import Prepared, View
-from exogauge.robots.base_parameters import BaseParameters
-from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.cuts import CutRows
 from exogauge.robots.description import Robot
 from exogauge.robots.loads import BodyLoads
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import BaseParameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.rows import RowLayout, RowType
 
@@ -203,7 +203,11 @@ class Equations:
 
     def outside(self, prepared: Prepared, samples: slice | IntArray = EVERY) -> Array:
         """(n, told rows but those of sensors) F: what the contact sensors say of base and axes."""
-        return self._contacts.effect(prepared.motion.q[samples], prepared.wrenches[samples])
+        return self.acting(prepared, prepared.wrenches[samples], samples)
+
+    def acting(self, prepared: Prepared, wrenches: Array, samples: slice | IntArray = EVERY) -> Array:
+        """The same of any wrenches (n, S, 6) at the contact sensors."""
+        return self._contacts.effect(prepared.motion.q[samples], wrenches)
 
     @cached_property
     def _contacts(self) -> ContactPaths:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +19,10 @@ from exogauge.identification.bandwidth import choose_cutoff, quick_fit
 from exogauge.identification.common_factor import (
     CommonFactor,
     common_factor,
-    said_of_the_factor,
+    remarks_on_the_factor,
     scale_is_measured,
 )
+from exogauge.identification.disturbances import type_b
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import AxisSizes, Extension, RobotModel
 from exogauge.identification.noise_bias import NoiseFloor, known_noise, noise_bias
@@ -31,18 +34,21 @@ from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.prior import added_std, joint_prior, per_parameter, relative_std, scales
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
-from exogauge.identification.settings import Progress, Recording, Settings
+from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
-from exogauge.identification.steady import creeping_warnings, steady_shares, steady_warnings
+from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, steady_shares
 from exogauge.identification.turns import RestDetection, rest_detection
+from exogauge.identification.type_b import TypeB
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import fits, noise_floors, predict_log
 from exogauge.logs.model import Log
-from exogauge.robots.base_parameters import find_base_parameters
+from exogauge.progress import Doing, Progress, unwatched
+from exogauge.remarks import About, Remark
 from exogauge.robots.consistency import is_physical
-from exogauge.robots.cut_rows import CutRows
+from exogauge.robots.cuts import CutRows
 from exogauge.robots.description import Robot
+from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.side_by_side import each as side_by_side
 
@@ -56,7 +62,7 @@ def identify(
     robot: Robot,
     recordings: Sequence[Recording],
     settings: Settings,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
     extension: Extension | None = None,
 ) -> Identification:
     """Identify `robot` from the recordings that are not held out; predict all of them.
@@ -67,10 +73,10 @@ def identify(
     """
     fitted_logs = _fitted_logs(recordings)
     names = [log.recording for log in fitted_logs]
-    progress(0.0, "choosing the bandwidth")
+    progress(0.0, Doing.CHOOSING_BANDWIDTH)
     equations = _equations(parts_of_links(robot, names, relative_std(robot)), settings, extension)
     robot, cutoff_hz = equations.robot, _cutoff(equations, recordings, fitted_logs, settings, extension)
-    progress(0.05, "filtering and differentiating")
+    progress(0.05, Doing.FILTERING)
     at_rest = rest_detection(robot, fitted_logs, cutoff_hz, settings.creeping, settings.criteria.resting)
 
     kept = _prepared_alike(extension, robot, cutoff_hz, at_rest)
@@ -86,12 +92,9 @@ def identify(
     solution = solve(equations, fitted, prior, settings, progress)
     _refuse_impossible_gains(equations, solution)
 
-    progress(0.75, "estimating the uncertainty")
-    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    bias = noise_bias(equations, fitted, at_rest, solution, kept)
-    factor = common_factor(equations, solution, meat)
-    doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias)
-    covariance = solution.prior.lift_covariance(doubt)
+    progress(0.75, Doing.ESTIMATING_UNCERTAINTY)
+    doubted = _doubted(equations, fitted, at_rest, solution, kept, cutoff_hz)
+    bias, factor, doubt, covariance = doubted.bias, doubted.factor, doubted.doubt, doubted.covariance
     solution.solved.shift(-bias)
     standard, notes = _standard_parameters(equations, prior, solution, covariance, settings, progress)
     identified, before = split(equations, standard), split(equations, prior.mean)
@@ -102,7 +105,25 @@ def identify(
     condition, rank = solution.solved.condition_and_rank()
     sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
     parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
-    progress(1.0, "identified")
+    model = RobotModel(
+        equations=equations,
+        identified=identified,
+        a_priori=before,
+        covariance=doubt,
+        a_priori_covariance=prior.seen_covariance,
+        at_rest=at_rest,
+        cutoff_hz=cutoff_hz,
+        solution=solution,
+        sizes=sizes,
+        extension=extension,
+        order={recording.log.name: number for number, recording in enumerate(recordings)},
+        known_scale=factor.known,
+        criteria=settings.criteria,
+        prepared=kept,
+        computed=kept.beside(),
+        inputs=doubted.inputs,
+    )
+    progress(1.0, Doing.IDENTIFIED)
     return Identification(
         phi=identified.phi,
         joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
@@ -118,34 +139,49 @@ def identify(
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
-        warnings=(
-            *said_of_the_factor(robot, factor, names),
-            *notes,
-            *_warnings(solution),
-            *creeping_warnings(settings.creeping),
-            *steady_warnings(steady, settings.criteria.identifying),
-        ),
-        model=RobotModel(
-            equations=equations,
-            identified=identified,
-            a_priori=before,
-            covariance=doubt,
-            a_priori_covariance=prior.seen_covariance,
-            at_rest=at_rest,
-            cutoff_hz=cutoff_hz,
-            solution=solution,
-            sizes=sizes,
-            extension=extension,
-            order={recording.log.name: number for number, recording in enumerate(recordings)},
-            known_scale=factor.known,
-            criteria=settings.criteria,
-            prepared=kept,
-            computed=kept.beside(),
-        ),
+        remarks=_remarks(robot, names, settings, solution, factor, notes, steady),
+        model=model,
         steady=steady,
         per_stated={} if factor.known else _per_stated(equations, identified, before),
         factor=factor,
     )
+
+
+@final
+@dataclass(frozen=True)
+class _Doubted:
+    """What is known of the solution's errors.
+
+    bias: (X,) what noise in the regressor pulls the solution by. doubt: (X, X) covariance of the solution, with gains,
+    noise, and what no log shows (inputs). covariance: (S, S) the same of the standard parameters.
+    """
+
+    bias: Array
+    factor: CommonFactor
+    inputs: TypeB
+    doubt: Array
+    covariance: Array
+
+
+def _doubted(
+    equations: Equations,
+    fitted: Sequence[Prepared],
+    at_rest: RestDetection,
+    solution: Solution,
+    kept: PerLog,
+    cutoff_hz: float,
+) -> _Doubted:
+    meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
+    bias = noise_bias(equations, fitted, at_rest, solution, kept)
+    factor = common_factor(equations, solution, meat)
+    inputs = type_b(equations, fitted, solution, motor_gain(equations, split(equations, _lifted(solution))), cutoff_hz)
+    doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias)
+    doubt += sum(inputs.by_log.values(), inputs.alike)
+    return _Doubted(bias, factor, inputs, doubt, solution.prior.lift_covariance(doubt))
+
+
+def _lifted(solution: Solution) -> Array:
+    return solution.solved.prior.lift(solution.solved.x)
 
 
 def _fitted_logs(recordings: Sequence[Recording]) -> list[Log]:
@@ -207,11 +243,11 @@ def _standard_parameters(
     covariance: Array,
     settings: Settings,
     progress: Progress,
-) -> tuple[Array, tuple[str, ...]]:
+) -> tuple[Array, tuple[Remark, ...]]:
     """(S,) [φ; ξ], with static friction filled in and every link possible where that is asked for; and notes."""
-    standard, notes = solution.solved.prior.lift(solution.solved.x), tuple[str, ...]()
+    standard, notes = _lifted(solution), tuple[Remark, ...]()
     if settings.consistency == "physical":
-        progress(0.8, "making every link physically possible")
+        progress(0.8, Doing.MAKING_LINKS_POSSIBLE)
         std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         free, robot = standard, equations.robot
         decided = NO_GAINS if scale_is_measured(robot) else solution.gains.columns
@@ -222,16 +258,24 @@ def _standard_parameters(
     return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes
 
 
-def _warnings(solution: Solution) -> list[str]:
-    warnings = []
-    if solution.held:
-        warnings.append(f"At the edge of what is physically possible, and held there: {', '.join(solution.held)}.")
-    if solution.sticking.lower_bounds:
-        warnings.append(
-            "At rest, friction does not always take its largest value. What is given as tau_s is what is usual there, "
-            f"a lower bound of the static friction, at {', '.join(solution.sticking.lower_bounds)}."
-        )
-    return warnings
+def _remarks(
+    robot: Robot,
+    names: Sequence[str],
+    settings: Settings,
+    solution: Solution,
+    factor: CommonFactor,
+    notes: Sequence[Remark],
+    steady: Sequence[SteadyShare],
+) -> tuple[Remark, ...]:
+    """notes: what making links possible had to say."""
+    told = ((About.HELD_AT_EDGE, solution.held), (About.STICKS_UNEQUALLY, solution.sticking.lower_bounds))
+    return (
+        *remarks_on_the_factor(robot, factor, names),
+        *notes,
+        *(Remark(about, tuple(each)) for about, each in told if each),
+        *remarks_on_creeping(settings.creeping),
+        *remarks_on_steady(steady, settings.criteria.identifying),
+    )
 
 
 def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
@@ -275,9 +319,9 @@ def _validate(
         floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
         return prepared, prediction, fits(prediction, prepared, equations, parameters[0], floors)
 
-    progress(0.85, f"predicting {recordings[0].log.name}")
+    progress(0.85, Doing.PREDICTING, recordings[0].log.name)
     for recording, found in zip(recordings, side_by_side(predicted, recordings), strict=True):
-        progress(0.85 + 0.15 * len(predictions) / len(recordings), f"predicting {recording.log.name}")
+        progress(0.85 + 0.15 * len(predictions) / len(recordings), Doing.PREDICTING, recording.log.name)
         held_out += [found[0]] if recording.held_out else []
         predictions.append(found[1])
         validation += found[2]

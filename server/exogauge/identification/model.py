@@ -19,6 +19,7 @@ from exogauge.identification.predict import Parameters, motor_gain
 from exogauge.identification.preparation import Prepared, prepare
 from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
+from exogauge.identification.type_b import TypeB, by_source, of_covariance
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 
@@ -44,6 +45,7 @@ class RobotModel:
 
     identified, a_priori: the same model with other numbers. covariance, a_priori_covariance: (P, P) of x about the
     truth; static friction is not in them (see `identification.static_friction`). solution: what they come from.
+    inputs: what declared uncertainties have done to x.
     sizes: of the fitted motions. known_scale: something fixes the scale of all torques (`common_factor`).
     criteria: by which it was made, and is judged.
     order: name of a log -> its number in the order of the study, from 0.
@@ -67,6 +69,23 @@ class RobotModel:
     criteria: Criteria = field(default_factory=Criteria)
     prepared: PerLog = field(default_factory=PerLog, repr=False, compare=False)
     computed: PerLog = field(default_factory=PerLog, repr=False, compare=False)
+    inputs: TypeB = field(default_factory=TypeB)
+
+    @property
+    def doubt(self) -> Array:
+        """(P + I, P + I) of x, as it would be without the declared uncertainties that all logs share, and of these."""
+        return of_covariance(self.covariance, self.inputs)
+
+    @property
+    def doubt_by_source(self) -> dict[str, Array]:
+        """Source -> its part of `doubt`."""
+        return by_source(self.covariance, self.inputs)
+
+    @property
+    def a_priori_doubt(self) -> Array:
+        """The same of the maker's values, which no log has moved."""
+        stated = self.a_priori_covariance
+        return of_covariance(stated + self.inputs.alike if self.inputs.names else stated, self.inputs)
 
     @property
     def robot(self) -> Robot:

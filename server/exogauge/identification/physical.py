@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.physical import solve_physical
 from exogauge.identification.prior import relative_std
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
@@ -15,8 +16,8 @@ Array = NDArray[np.float64]
 
 def possible_parameters(
     robot: Robot, solved: PriorLeastSquares, gains: NDArray[np.intp]
-) -> tuple[Array, tuple[str, ...]]:
-    """((S,) [φ; ξ], warnings). Links are tied to the maker's by a log-det distance, joints as in the free solution.
+) -> tuple[Array, tuple[Remark, ...]]:
+    """((S,) [φ; ξ], remarks). Links are tied to the maker's by a log-det distance, joints as in the free solution.
 
     The distance's weight 1/(2 ρ²) costs a link's mass scale as much as a relative standard deviation ρ would.
     gains: of x, the k_T that stay as in the free solution: where nothing measured fixes the scale of all torques, that
@@ -41,11 +42,11 @@ def possible_parameters(
         names=robot.tree.bodies,
     )
     standard[columns] = found.x
-    return standard, found.warnings
+    return standard, found.remarks
 
 
-def asked_for_negative_mass(robot: Robot, free: Array, std: Array, sure: float) -> tuple[str, ...]:
-    """A warning for links that the data alone would give a negative mass: then no possible body explains them.
+def asked_for_negative_mass(robot: Robot, free: Array, std: Array, sure: float) -> tuple[Remark, ...]:
+    """A remark on links that the data alone would give a negative mass: then no possible body explains them.
 
     free, std: (S,) [φ; ξ] as the data and the prior have it without the demand, and its standard deviation.
     """
@@ -54,8 +55,5 @@ def asked_for_negative_mass(robot: Robot, free: Array, std: Array, sure: float) 
     negative = np.flatnonzero(mass + sure * doubt < 0.0)
     if not negative.size:
         return ()
-    said = ", ".join(f"{robot.tree.bodies[k]} ({mass[k]:.3g} ± {doubt[k]:.2g} kg)" for k in negative)
-    return (
-        f"The data ask for a negative mass of {said}, which no body has: what is given is the nearest that can be, and "
-        "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",
-    )
+    names = tuple(robot.tree.bodies[k] for k in negative)
+    return (Remark(About.NEGATIVE_MASS, names, tuple((float(mass[k]), float(doubt[k])) for k in negative)),)

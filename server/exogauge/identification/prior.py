@@ -15,8 +15,8 @@ from exogauge.estimation.statistics import Statistics
 from exogauge.identification.added_columns import AddedColumn
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
-from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.description import Joint, Robot
+from exogauge.robots.parameters import BaseParameters
 
 Array = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.common_factor import CommonFactor
 from exogauge.identification.model import RobotModel
+from exogauge.remarks import Remark
 
 Array = NDArray[np.float64]
 
@@ -123,7 +124,7 @@ class Identification:
     samples: int
     cutoff_hz: float
     velocity_threshold: Array
-    warnings: tuple[str, ...]
+    remarks: tuple[Remark, ...]
     model: RobotModel
     steady: tuple[SteadyShare, ...] = ()
     per_stated: Mapping[str, float] = field(default_factory=dict)

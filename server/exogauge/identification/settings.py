@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, final
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.logs.model import Log
-
-Progress = Callable[[float, str], None]
-"""Called with a fraction 0…1 and a phrase; may raise `Cancelled`."""
 
 
 @final

@@ -126,7 +126,8 @@ class BaseSite:
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             changes: Sequence[BaseChange] = effect.changes(signals, shape)
-            rows = [_response(model, prepared, change) for change in changes]
+            phi = model.bodies_in(prepared.log.recording)
+            rows = [response(model.equations, model.cutoff_hz, phi, prepared, change) for change in changes]
             for each, change in zip(rows, changes, strict=True):
                 if change.first_torque is not None:
                     each[:, layout.told.axis(0)] -= change.first_torque
@@ -262,26 +263,26 @@ def carried(model: RobotModel, prepared: Prepared) -> Array:
     )
 
 
-def _response(model: RobotModel, prepared: Prepared, change: BaseChange) -> Array:
-    """(T, told rows) what the change takes off each per unit: - d(Y φ)/dθ.
+def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepared, change: BaseChange) -> Array:
+    """(T, told rows) what the change takes off each per unit: - d(Y φ)/dθ. phi: (B,) base parameters.
 
     Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
     """
-    samples, phi = prepared.motion.samples, model.bodies_in(prepared.log.recording)
+    samples = prepared.motion.samples
     if not change.acc.any() and change.first_torque is not None:
-        return np.zeros((samples, len(model.equations.layout.told)))
-    stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * model.cutoff_hz)))
+        return np.zeros((samples, len(equations.layout.told)))
+    stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * cutoff_hz)))
     at = np.unique(np.append(np.arange(0, samples, stride), samples - 1))
     m = prepared.motion.rows(at)
     acc, gyro, gyro_dot = (each[at] for each in (change.acc, change.gyro, change.gyro_dot))
 
     def moved(step: float) -> Array:
         base = m.acc + step * acc, m.gyro + step * gyro, m.gyro_dot + step * gyro_dot
-        return model.equations.of_bodies(Motion(m.q, m.dq, m.ddq, *base), phi)
+        return equations.of_bodies(Motion(m.q, m.dq, m.ddq, *base), phi)
 
     if not gyro.any() and not gyro_dot.any():  # then the rows are linear in it
         still = np.zeros_like(m.q)
-        response = -model.equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
+        found = -equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
-        response = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
-    return response if stride == 1 else np.asarray(CubicSpline(at, response)(np.arange(samples)))
+        found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
+    return found if stride == 1 else np.asarray(CubicSpline(at, found)(np.arange(samples)))

@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import Identifying
 from exogauge.errors import NotIdentifiable
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
@@ -20,23 +21,17 @@ from exogauge.identification.gain_scale import GainScale, gain_scale
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.prior import as_printed
 from exogauge.identification.ranges import solve_within_ranges
-from exogauge.identification.settings import Progress, Settings
+from exogauge.identification.settings import Settings
 from exogauge.identification.static_friction import Sticking, fill_static_friction
+from exogauge.progress import Doing, Progress, unwatched
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
 PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
-NOTHING_MOVES = (
-    "no joint moves steadily in any fitted log (every sample is at rest, or near a start, a stop or a turn), and no "
-    "outside force is measured: there is nothing to identify from. Record longer movements in one direction, or raise "
-    "cutoff_hz: a higher one shortens what counts as near."
-)
 FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
 ITERATIONS = 4  # of solving and re-weighting; 3 found noise stds within 3.3 % in trials
 SMALLEST_SHARE = 1e-6  # of the signal: noise-free data must not give infinite weights
-NO_MATTER = 0.02  # of the score: a smaller difference is of no use to anyone
-FEWEST_FOLDS = 2  # with rows in them; otherwise nothing can be left out, and the maker's word counts as stated
 STRENGTHS = {
     "per_parameter": tuple(10.0**e for e in (-2, -1, 0, 1, 2, 3)),
     "as_printed": tuple(10.0**e for e in (-10, -8, -6, -4, -2)),
@@ -86,7 +81,7 @@ def solve(
     fitted: Sequence[Prepared],
     prior: Prior,
     settings: Settings,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
     passes: int = PASSES,
 ) -> Solution:
     """[Evaluator] (15) by `passes` passes over the data, each from what the one before found."""
@@ -99,17 +94,21 @@ def solve(
         collected = side_by_side(partial(equations.collect, x_before=x, folds=FOLDS, form=form), fitted)
         for done, parts in enumerate(collected, number * len(fitted) + 1):
             folds += parts
-            progress(0.1 + 0.65 * done / (passes * len(fitted)), "collecting the equations")
+            progress(0.1 + 0.65 * done / (passes * len(fitted)), Doing.COLLECTING_EQUATIONS)
         total = sum(folds[1:], folds[0])
         if number == 0:
             weights = first_weights(equations, total, prior)
             if not weights.any():
-                raise NotIdentifiable(NOTHING_MOVES)
+                raise NotIdentifiable(
+                    "no joint moves steadily in any fitted log (every sample is at rest, or near a start, a stop or a "
+                    "turn), and no outside force is measured: there is nothing to identify from. Record longer "
+                    "movements in one direction, or raise cutoff_hz: a higher one shortens what counts as near."
+                )
         if settings.prior == "as_printed":
             belief = as_printed(equations, prior, total, weights)
         weights = weigh(total, belief, strength, weights)
         if settings.prior_strength is None and number == passes - 1:
-            strength, curve = choose_strength(folds, weights, belief, settings.prior)
+            strength, curve = choose_strength(folds, weights, belief, settings.prior, settings.criteria.identifying)
             weights = weigh(total, belief, strength, weights)
         data = total.square_root(weights)
         nearest = PriorLeastSquares(data, belief, strength)
@@ -145,7 +144,7 @@ def first_weights(equations: Equations, statistics: Statistics, prior: Prior) ->
 
 
 def choose_strength(
-    folds: Sequence[Statistics], weights: Array, prior: Prior, kind: str
+    folds: Sequence[Statistics], weights: Array, prior: Prior, kind: str, criteria: Identifying
 ) -> tuple[float, tuple[tuple[float, float], ...]]:
     """(strength, ((strength, score), …)); score: mean weighted square residual of the parts left out in turn.
 
@@ -154,7 +153,7 @@ def choose_strength(
     reason to doubt him. Only parts of fitted logs are used; logs held out for validation stay unseen.
     """
     folds = [fold for fold in folds if fold.count @ (weights > 0.0) > 0]
-    if len(folds) < FEWEST_FOLDS:
+    if len(folds) < criteria.fewest_folds:
         return 1.0, ()
     before = itertools.accumulate(folds[:-1], initial=folds[0].cleared())
     behind = list(itertools.accumulate(folds[:0:-1], initial=folds[0].cleared()))[::-1]
@@ -168,7 +167,7 @@ def choose_strength(
     mean = scores @ rows / rows.sum()
     excess = scores - scores[np.argmin(mean)]
     error = excess.std(axis=1, ddof=1) / np.sqrt(len(folds))
-    allowed = np.maximum(error, NO_MATTER * mean.min())
+    allowed = np.maximum(error, criteria.no_matter * mean.min())
     as_good = [s for s, a, m in zip(STRENGTHS[kind], allowed, mean, strict=True) if m - mean.min() <= a]
     curve = tuple((float(s), float(m)) for s, m in zip(STRENGTHS[kind], mean, strict=True))
     return min(as_good, key=lambda s: abs(np.log(s))), curve

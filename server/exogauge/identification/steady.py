@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.identifying import Identifying
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import SteadyShare
+from exogauge.remarks import About, Remark
 
 Array = NDArray[np.float64]
 
@@ -32,34 +33,23 @@ def steady_shares(
     )
 
 
-def steady_warnings(shares: Sequence[SteadyShare], criteria: Identifying) -> list[str]:
+def remarks_on_steady(shares: Sequence[SteadyShare], criteria: Identifying) -> list[Remark]:
     """Joints of which little motion is left to fit, and those that are left one direction."""
     moved = [each for each in shares if each.fitted_of_s >= criteria.moved_s]
     little = [each for each in moved if each.fitted_s < criteria.enough_steady * each.fitted_of_s]
-    warnings = []
+    remarks = []
     if little:
-        said = ", ".join(f"{each.joint} ({each.fitted_s:.1f} of {each.fitted_of_s:.1f} s)" for each in little)
-        warnings.append(
-            f"Of what these joints move, less than a quarter is steady motion, which alone is fitted: {said}. Record "
-            "longer moves in one direction, or raise cutoff_hz: less is left out around every turn then."
-        )
-    one_way = [each.joint for each in moved if not each.both_directions]
-    if one_way:
-        warnings.append(
-            f"Steady in one direction only: {', '.join(one_way)}. Coulomb friction and offset look alike there."
-        )
-    return warnings
+        seconds = tuple((each.fitted_s, each.fitted_of_s) for each in little)
+        asked = (criteria.enough_steady,)
+        remarks.append(Remark(About.LITTLE_STEADY, tuple(each.joint for each in little), seconds, numbers=asked))
+    one_way = tuple(each.joint for each in moved if not each.both_directions)
+    return [*remarks, Remark(About.ONE_DIRECTION, one_way)] if one_way else remarks
 
 
-def creeping_warnings(creeping: Mapping[str, float]) -> list[str]:
+def remarks_on_creeping(creeping: Mapping[str, float]) -> list[Remark]:
     """creeping: as `Settings.creeping`."""
-    if not creeping:
-        return []
-    said = ", ".join(f"{joint} (below {speed:.2g} rad/s)" for joint, speed in creeping.items())
-    return [
-        f"Friction turns round over a span of speeds, not at once, while these joints creep: {said}. What they do "
-        "there is not taken for steady motion: it is neither fitted nor judged."
-    ]
+    speeds = tuple((speed,) for speed in creeping.values())
+    return [Remark(About.CREEPING, tuple(creeping), speeds)] if creeping else []
 
 
 def keeps_most(log: Prepared, criteria: Identifying) -> bool:

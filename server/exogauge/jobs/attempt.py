@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, final
 
@@ -77,7 +78,7 @@ class Runner:
         self._leaving = threading.Event()
         self._looked = 0.0
         self._progress = 0.0
-        self._unsaid: tuple[float, str] | None = None
+        self._unsaid: tuple[float, str, str | None] | None = None
 
     def run(self, job_id: str) -> None:
         """Bring a job to an end, or leave it alone when it is not free."""
@@ -125,7 +126,8 @@ class Runner:
             self._fail(job, str(error))
         except Exception as error:
             log.exception("job %s", job.id)
-            self._fail(job, f"unexpected error ({type(error).__name__}): {error}")
+            failure = {"class": type(error).__name__, "faults": [], "defect": True}
+            self._fail(job, f"unexpected error ({type(error).__name__}): {error}", failure=failure)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
@@ -149,9 +151,7 @@ class Runner:
                 out.mkdir(parents=True)
                 source.mkdir()
             until_it_works(lambda: self._load(job, source), wait=wait)
-            self._child.call(
-                recipe.compute, source, out, job.settings, lambda p, m: self._watch(job, p, m), recipe.timeout_s
-            )
+            self._child.call(recipe.compute, source, out, job.settings, partial(self._watch, job), recipe.timeout_s)
         except DiskFull:
             shutil.rmtree(folder, ignore_errors=True)  # its own part of what is in the way
             raise
@@ -160,7 +160,7 @@ class Runner:
         """Say for what, and hear a wish to cancel or to leave."""
         until = time.monotonic() + pause_s
         while (left := until - time.monotonic()) > 0:
-            self._watch(job, self._progress, f"waits: {error}")
+            self._watch(job, self._progress, f"waits: {error}", None)
             time.sleep(min(LOOK_EVERY_S, left))
 
     def _load(self, job: JobRecord, folder: Path) -> None:
@@ -170,13 +170,13 @@ class Runner:
             elif job.study_id is not None:
                 store.studies.write_to(job.study_id, folder)
 
-    def _watch(self, job: JobRecord, progress: float | None, message: str | None) -> None:
+    def _watch(self, job: JobRecord, progress: float | None, message: str | None, stage: str | None) -> None:
         """Called while the child computes. Best effort: a database that is away stops no computation."""
         if self._leaving.is_set():
             raise Leaving
         if progress is not None:
             self._progress = progress
-            self._unsaid = (progress, message or "")
+            self._unsaid = (progress, message or "", stage)
         now = time.monotonic()
         if now - self._looked < LOOK_EVERY_S:
             return

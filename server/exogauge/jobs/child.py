@@ -3,7 +3,7 @@
 Started by `compute.ComputeChild` with one end of a socket pair. Requests and replies are JSON lines:
 
     <- {"id": 7, "call": "package.module:function", "folder": "...", "out": "...", "settings": {...}}
-    -> {"id": 7, "progress": 0.25, "message": "reading logs"}        any number of times
+    -> {"id": 7, "progress": 0.25, "message": "reading logs", "stage": "reading" | null}    any number of times
     -> {"id": 7, "done": true}  |  {"id": 7, "error": {"class", "message", "faults", "trace"}}
 
 The child leaves as soon as the other end of the socket is gone, even in the middle of a computation:
@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from exogauge.errors import BadInput, DiskFull, ExogaugeError, no_room
+from exogauge.progress import Stage
 
 PROGRESS_INTERVAL_S = 0.1
 
@@ -39,7 +40,7 @@ class Replies:
 
     def __init__(self, channel: socket.socket, request_id: int) -> None:
         self._channel, self._id, self._last = channel, request_id, 0.0
-        self._unsaid: tuple[float, str] | None = None
+        self._unsaid: tuple[float, str, Stage | None] | None = None
 
     def end(self, **body: Any) -> None:
         """With where it ended, before: who reads how a job failed wants to know at what."""
@@ -50,14 +51,14 @@ class Replies:
     def _send(self, **body: Any) -> None:
         self._channel.sendall(json.dumps({"id": self._id, **body}).encode() + b"\n")
 
-    def progress(self, fraction: float, message: str) -> None:
-        self._unsaid = (fraction, message)
+    def progress(self, fraction: float, message: str, stage: Stage | None = None) -> None:
+        self._unsaid = (fraction, message, stage)
         if time.monotonic() - self._last >= PROGRESS_INTERVAL_S:
-            self._say(fraction, message)
+            self._say(fraction, message, stage)
 
-    def _say(self, fraction: float, message: str) -> None:
+    def _say(self, fraction: float, message: str, stage: Stage | None) -> None:
         self._last, self._unsaid = time.monotonic(), None
-        self._send(progress=min(max(float(fraction), 0.0), 1.0), message=str(message))
+        self._send(progress=min(max(float(fraction), 0.0), 1.0), message=str(message), stage=stage)
 
 
 def resolve(name: str) -> Callable[..., None]:

@@ -68,6 +68,7 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
         "attempts": Job.attempts + 1,
         "progress": 0.0,
         "message": "",
+        "stage": None,
         "steps": None,
         "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
     }
@@ -77,9 +78,10 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
     return as_record(JobRecord, row)
 
 
-def report(session: Session, job_id: str, worker: str, progress: float, message: str) -> bool:
+def report(session: Session, job_id: str, worker: str, progress: float, message: str, stage: str | None = None) -> bool:
     """Say how far the job is; False when it is no longer this worker's. Another message begins another step."""
-    said: dict[str, Any] = {"progress": min(max(progress, 0.0), 1.0), "message": printable(message)[:1000]}
+    share, text = min(max(progress, 0.0), 1.0), printable(message)[:1000]
+    said: dict[str, Any] = {"progress": share, "message": text, "stage": stage}
     steps = session.scalar(sa.select(Job.steps).where(held_by(job_id, worker))) or []
     if message and len(steps) < MOST_STEPS and (not steps or steps[-1]["message"] != said["message"]):
         said["steps"] = [*steps, {**said, "at": database_now(session).isoformat()}]
@@ -100,12 +102,13 @@ def cancel_wanted(session: Session, job_id: str, worker: str) -> bool | None:
 
 
 def fail(session: Session, job_id: str, worker: str, reason: str, failure: Mapping[str, Any] | None = None) -> bool:
-    """End the job with the reason why; failure: {class, faults} where what was handed in is to blame."""
+    """End the job with the reason why; failure: {class, faults, defect} where an error ended it."""
     ended = {"state": "failed", "reason": printable(reason), "finished_at": database_now(session)}
     if failure is not None:
         ended["failure"] = {
             "class": failure["class"],
             "faults": [kept(fault) for fault in failure["faults"][:MOST_FAULTS]],
+            "defect": failure.get("defect", False),
         }
     return change(session, held_by(job_id, worker), ended) == 1
 
@@ -122,7 +125,7 @@ def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: S
     main = next((file for file in files if file.path == wanted), None)
     if main is None:
         raise ExogaugeError(f"the computation made no {wanted}")
-    ended = {"state": "succeeded", "progress": 1.0, "message": "", "finished_at": database_now(session)}
+    ended = {"state": "succeeded", "progress": 1.0, "message": "", "stage": None, "finished_at": database_now(session)}
     if not change(session, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": lab_id, "job_id": job.id}
@@ -136,7 +139,7 @@ def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: S
 
 def release(session: Session, worker: str) -> int:
     """Put back what runs here: the worker leaves of its own will, so this was no attempt."""
-    nothing = {"worker": None, "progress": 0.0, "message": "", "steps": None}
+    nothing = {"worker": None, "progress": 0.0, "message": "", "stage": None, "steps": None}
     back = {"state": "queued", "attempts": Job.attempts - 1, **nothing}
     return change(session, sa.and_(Job.state == "running", Job.worker == worker), back)
 

@@ -23,6 +23,8 @@ from exogauge.errors import DiskFull, ExogaugeError
 from exogauge.storage.blobs import disk
 
 POLL_S = 0.1
+Watch = Callable[[float | None, str | None, str | None], None]
+"""Called with share, message and stage."""
 STDERR_TAIL = 4000  # characters of the child's stderr kept for the job's log
 
 
@@ -52,9 +54,9 @@ class ComputeFailed(ExogaugeError):
         return self.trace is None
 
     @property
-    def failure(self) -> dict[str, Any] | None:
-        """What was wrong with what was handed in, as the job's row keeps it; None for a defect."""
-        return {"class": self.kind, "faults": self.faults} if self.expected else None
+    def failure(self) -> dict[str, Any]:
+        """What was wrong with what was handed in, or with exogauge itself, as the job's row keeps it."""
+        return {"class": self.kind, "faults": self.faults, "defect": not self.expected}
 
 
 @final
@@ -63,7 +65,7 @@ class ComputeChild:
 
     >>> child.call("package.module:function", folder, out, settings, watch, timeout_s=60)  # doctest: +SKIP
 
-    `watch(fraction, message)` is called on every progress line and at least every 0.1 s (then with None, None);
+    `watch(fraction, message, stage)` is called on every progress line and at least every 0.1 s (then with None);
     it raises to stop the computation.
     """
 
@@ -99,7 +101,7 @@ class ComputeChild:
         folder: Path,
         out: Path,
         settings: Mapping[str, Any],
-        watch: Callable[[float | None, str | None], None],
+        watch: Watch,
         timeout_s: float,
     ) -> None:
         """Run `call(folder, out, progress, settings)` in the child.
@@ -118,9 +120,7 @@ class ComputeChild:
             self.kill()
             raise
 
-    def _converse(
-        self, request: bytes, watch: Callable[[float | None, str | None], None], deadline: float, timeout_s: float
-    ) -> None:
+    def _converse(self, request: bytes, watch: Watch, deadline: float, timeout_s: float) -> None:
         channel = self._channel
         assert channel is not None
         buffer = b""
@@ -131,7 +131,7 @@ class ComputeChild:
                     raise ComputeTimeout(f"stopped after {timeout_s:.0f} s, the limit for this kind of job")
                 readable, _, _ = select.select([channel], [], [], POLL_S)
                 if not readable:
-                    watch(None, None)
+                    watch(None, None, None)
                     continue
                 received = channel.recv(1 << 16)
                 if not received:
@@ -142,7 +142,7 @@ class ComputeChild:
         except (BrokenPipeError, ConnectionResetError) as error:
             raise self._died() from error
 
-    def _take(self, reply: dict[str, Any], watch: Callable[[float | None, str | None], None]) -> bool:
+    def _take(self, reply: dict[str, Any], watch: Watch) -> bool:
         """Act on one reply; True when it is the last one."""
         if reply["id"] != self._request_id:
             raise ComputeChildDied(f"reply {reply['id']} to request {self._request_id}")
@@ -151,7 +151,7 @@ class ComputeChild:
                 raise DiskFull(f"cannot compute now: {reply['error']['message']}")
             raise ComputeFailed(reply["error"])
         if "progress" in reply:
-            watch(reply["progress"], reply["message"])
+            watch(reply["progress"], reply["message"], reply["stage"])
         return "done" in reply
 
     def _died(self) -> ComputeChildDied:

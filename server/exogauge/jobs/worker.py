@@ -9,8 +9,7 @@ import threading
 
 from exogauge.jobs.attempt import Runner
 from exogauge.jobs.engine import JobQueue, take_jobs
-from exogauge.jobs.leases import Lease, new_worker_id
-from exogauge.jobs.reaper import Reaper
+from exogauge.jobs.leases import Lease, Reaper, new_worker_id
 from exogauge.jobs.supervisor import leave_with_parent
 from exogauge.settings import Settings
 from exogauge.storage import migrate

@@ -18,8 +18,7 @@ def low_passed_at(low_pass: LowPass, channels: Array, samples: IntArray) -> Arra
 
     The same steps in the same order; nothing between the wanted samples is written down.
     """
-    from exogauge.loops.passes import both_ways
-    from exogauge.loops.side_by_side import extended, picked
+    from exogauge.loops.passes import both_ways, extended, picked
 
     beyond, length = low_pass.settle_samples, channels.shape[1]
     if low_pass.stored is not None or beyond >= length:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from exogauge.logs import band_rules, body_rules, clock_rules, joint_rules, signal_rules
+from exogauge.logs import body_rules, joint_rules, signal_rules
 from exogauge.logs.findings import Expectation, Finding, JointLimits, Rule, Severity, kind_of
 from exogauge.logs.model import Log
 
 __all__ = ["Expectation", "Finding", "JointLimits", "Severity", "examine"]
 
 RULES: tuple[Rule, ...] = (
-    clock_rules.what_was_done,
-    clock_rules.rate_differs,
-    clock_rules.clock_jitters,
-    clock_rules.clock_has_gaps,
+    signal_rules.what_was_done,
+    signal_rules.rate_differs,
+    signal_rules.clock_jitters,
+    signal_rules.clock_has_gaps,
     signal_rules.not_finite,
     signal_rules.dead,
     signal_rules.frozen,
     signal_rules.saturated,
     signal_rules.coarse,
     signal_rules.noisier_than_declared,
-    band_rules.stored_low_passed,
+    signal_rules.stored_low_passed,
     joint_rules.joint_missing,
     joint_rules.beyond_limits,
     joint_rules.beyond_speed,
@@ -40,7 +40,7 @@ def examine(log: Log, expectation: Expectation | None = None) -> tuple[Finding, 
     the only finding.
     """
     expected = expectation or Expectation()
-    stopped = tuple(clock_rules.unusable_clock(log, expected))
+    stopped = tuple(signal_rules.unusable_clock(log, expected))
     if stopped:
         return stopped
     findings = [finding for rule in RULES for finding in rule(log, expected)]

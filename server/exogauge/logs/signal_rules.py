@@ -1,4 +1,9 @@
-"""Doctor's rules on single channels, whatever they measure: missing, dead, frozen, clipped, coarse."""
+"""Doctor's rules on single channels, whatever they measure: missing, dead, frozen, clipped, coarse.
+
+Doctor's rules on the clock: rate, jitter, gaps.
+
+Doctor's rule on what is not in a log: signals that were low-passed before they were stored.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.examining import Examining
-from exogauge.logs.findings import Expectation, Finding, first_row, kind_of, longest_run, runs, varies
+from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, kind_of, longest_run, runs, varies
 from exogauge.logs.model import Log
 from exogauge.logs.noise import quantisation_step, white_noise_std
+from exogauge.logs.stored_band import stored_edge
 
 Array = NDArray[np.float64]
 
@@ -139,3 +145,91 @@ def _clipped(values: Array, distance: Array, criteria: Examining) -> bool:
         criteria.clipped_speed * usual * (criteria.approach + 1) / 2, 1.5 * nearest
     )  # or step by step, as a coarse channel does
     return bool(starts.size and np.median(approach) > slow)
+
+
+def unusable_clock(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Nothing else can be examined if time does not run."""
+    if log.samples < 3:
+        yield Finding("error", "t", "too_short", f"the log has {log.samples} samples", "record at least some seconds")
+        return
+    backwards = ~(np.diff(log.time) > 0.0)
+    if backwards.any():
+        row = int(np.argmax(backwards)) + 2
+        detail = f"time does not increase at {int(backwards.sum())} places, first at {log.time[row - 1]:.6g} s"
+        advice = "sort the rows by time and drop repeated ones; a clock that was reset needs two logs"
+        yield Finding("error", "t", "time_not_increasing", detail, advice, row, float(log.time[row - 1]))
+
+
+def rate_differs(log: Log, expected: Expectation) -> Iterator[Finding]:
+    if expected.rate_hz is None:
+        return
+    ratio = log.rate_hz / expected.rate_hz
+    if abs(ratio - 1.0) > expected.criteria.rate:
+        detail = f"sampled at {log.rate_hz:.4g} Hz, declared {expected.rate_hz:.4g} Hz"
+        advice = "is t in seconds? Otherwise correct the declared rate"
+        severe = abs(ratio - 1.0) > expected.criteria.rate_wrong
+        yield Finding("error" if severe else "warning", "t", "rate_differs", detail, advice, value=log.rate_hz)
+
+
+def clock_jitters(log: Log, expected: Expectation) -> Iterator[Finding]:
+    periods = np.diff(log.time)
+    median = float(np.median(periods))
+    whole = periods[periods <= expected.criteria.gap * median]
+    low, high = np.quantile(whole, [0.01, 0.99])
+    late = np.abs(whole / median - 1.0) > expected.criteria.late
+    advice = "the log is resampled to an even clock; if only the stamps jitter, give a rate instead of them"
+    if high - low > expected.criteria.jitter * median:
+        detail = f"sample periods vary from {1e3 * low:.3g} to {1e3 * high:.3g} ms (median {1e3 * median:.3g} ms)"
+        yield Finding("warning", "t", "clock_jitters", detail, advice, value=float(high - low) / median)
+    elif late.any():
+        row = (
+            int(
+                np.argmax(
+                    (np.abs(periods / median - 1.0) > expected.criteria.late)
+                    & (periods <= expected.criteria.gap * median)
+                )
+            )
+            + 1
+        )
+        detail = (
+            f"{int(late.sum())} sample periods are more than half off the median of {1e3 * median:.3g} ms, "
+            f"the longest {1e3 * float(whole.max()):.3g} ms"
+        )
+        yield Finding("warning", "t", "clock_jitters", detail, advice, row, float(late.mean()))
+
+
+def clock_has_gaps(log: Log, expected: Expectation) -> Iterator[Finding]:
+    periods = np.diff(log.time)
+    gaps = periods > expected.criteria.gap * np.median(periods)
+    if gaps.any():
+        row = int(np.argmax(periods)) + 1
+        detail = (
+            f"{int(gaps.sum())} gap(s) without samples, the longest {periods[row - 1]:.3g} s "
+            f"after t = {log.time[row - 1]:.6g} s"
+        )
+        advice = "a study cuts the log there: filters and derivatives would reach across a gap"
+        yield Finding("warning", "t", "clock_has_gaps", detail, advice, row, float(periods[row - 1]))
+
+
+def what_was_done(log: Log, expected: Expectation) -> Iterator[Finding]:
+    for note in log.notes:
+        yield Finding("warning", "t", note.rule, note.detail, note.advice, note.row)
+
+
+def stored_low_passed(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """One finding for all efforts: a recorder filters them alike."""
+    edge = stored_edge(log)
+    if edge is None:
+        return
+    kind = max(("tau.*", "i.*"), key=lambda each: len(joint_channels(log, each.partition(".")[0])))
+    steep = (
+        f"end at about {edge.hz:.2g} Hz: within an octave and a half their spectra fall by {edge.fall_db:.0f} dB, "
+        "and no sensor's noise is left above"
+    )
+    gentle = f"fade with the positions: above {edge.hz:.2g} Hz the sensors' noise falls by {edge.fall_db:.0f} dB in all"
+    detail = steep if edge.steep else gentle
+    advice = (
+        "log the signals as they are sampled. If these were low-passed before they were stored, friction looks soft "
+        "where a joint turns round: run the step `discrepancy`, which filters the model alike, before you name anything"
+    )
+    yield Finding("warning", kind, "stored_low_passed", detail, advice, value=edge.hz)

@@ -15,7 +15,7 @@ Ints = NDArray[np.intp]
 Bools = NDArray[np.bool_]
 
 TILE = 64  # samples
-TINY = 1e-150  # as in `wire_sweep`
+TINY = 1e-150  # as in `devices.wire_layout`
 
 
 # In the kernels: m samples of a tile; x, y, z run over `axes`, a table that the compiler must not see, or it unrolls

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -31,6 +31,16 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
+Part = TypeVar("Part", bound=_Part)
+
+
+def _distinct(part: Part, key: str, columns: tuple[str, ...]) -> Part:
+    twice = next((each for each in columns if columns.count(each) > 1), None)
+    if twice is not None:
+        raise ValueError(f"`{key}` names the column {twice!r} twice")
+    return part
+
+
 class WrenchNoise(_Part):
     """Standard deviation of one sample."""
 
@@ -56,6 +66,10 @@ class SensorEntry(_Part):
     moment_unit: Name = "Nm"
     noise: WrenchNoise
     range: RatedRange | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        return _distinct(self, "wrench", self.wrench)
 
 
 class PoseEntry(_Part):
@@ -85,7 +99,9 @@ class PoseEntry(_Part):
             raise ValueError("joint angles need `urdf` and `base_link`")
         if self.quaternion is not None and self.quaternion_order is None:
             raise ValueError("a quaternion needs `quaternion_order`: xyzw or wxyz")
-        return self
+        return _distinct(
+            self, ways[0], tuple(getattr(self, ways[0])) if self.joints is None else (*self.joints.values(),)
+        )
 
 
 class ImuEntry(_Part):

@@ -42,7 +42,7 @@ def examine(payload: Payload) -> list[tuple[str, Finding]]:
         evaluation = evaluate(payload)
     except (BadInput, NotIdentifiable) as problem:
         return [*found, ("all", Finding("error", "ft", "not_identifiable", str(problem), "see what is said there"))]
-    gravity = evaluation.postures.chosen.gravity if evaluation.postures else np.array(payload.file.gravity)
+    gravity = evaluation.stages.gravity
     for each in payload.of("excitation"):
         moved = moving(payload, each, gravity, evaluation.imu)
         rows = dynamic_rows(moved.motion, moved.wrench, gravity, evaluation.sign, std_of(payload))

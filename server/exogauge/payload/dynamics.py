@@ -5,7 +5,7 @@ x = [m, m c, I (6, as `RigidTree.phi`), F_0 (6)]; rows of s A Φ + F_0 = F_raw, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 import numpy as np
@@ -16,7 +16,7 @@ from exogauge.estimation.log_cholesky import nearest_possible, pseudo_inertia
 from exogauge.estimation.physical import solve_physical
 from exogauge.loops.payload_rows import fill
 from exogauge.payload.sensor_motion import SensorMotion
-from exogauge.payload.statics import StaticSolution
+from exogauge.payload.statics import StaticSolution, upright
 from exogauge.payload.total_least_squares import Recursion, only_output, solve, triangle
 from exogauge.robots.regressor import wrench_columns
 
@@ -31,6 +31,7 @@ DECIDED = 0.1  # of the std that was believed before: what the data leave less s
 MEMORIES = (
     24.0  # correlation times over which coloured residuals are summed: errors of smoothed accelerations swing back
 )
+RESOLVED = 1e-12  # of the largest eigenvalue of a correlation: rounding
 AGREE = 2.0  # standard deviations within which LS and GTLS count as one
 
 
@@ -38,25 +39,36 @@ AGREE = 2.0  # standard deviations within which LS and GTLS count as one
 @dataclass(frozen=True)
 class Rows:
     """z: (T, 6, n+1) rows [A b] divided by the noise of b. noise: (T, n+1, n+1) covariance of their errors, summed over
-    the six. std: (6,) [N, N·m] that they were divided by. sign: s."""
+    the six. std: (6,) [N, N·m] that they were divided by. sign: s. tipped: (T, 3, 2) [m/s²] change of a - g in {S} by a
+    turn of gravity by 1 rad about two axes across it; None where that is not asked."""
 
     z: Array
     noise: Array
     std: Array
     sign: int
+    tipped: Array | None = None
 
     @property
     def size(self) -> int:
         return int(self.z.shape[2]) - 1
 
+    def tilting(self, x: Array) -> Array:
+        """(T, 6, 2) of a turn of gravity by 1 rad, as `z`, for a payload x (16,)."""
+        if self.tipped is None:
+            return np.zeros((len(self.z), 6, 2))
+        moment = np.cross(x[1:4], self.tipped, axisb=1, axisc=1)
+        return np.asarray(self.sign * np.hstack([x[0] * self.tipped, moment]) / self.std[:, None])
+
 
 @final
 @dataclass(frozen=True)
 class Prior:
-    """What was known of x: (16,) value and (16, 16) covariance."""
+    """What was known of x: (16,) value and (16, 16) covariance. lean: (18, 2) covariance of [x, turn of gravity] with
+    that turn, in which the direction of gravity, which the rows take as given, errs."""
 
     value: Array
     covariance: Array
+    lean: Array = field(default_factory=lambda: np.zeros((18, 2)))
 
     @property
     def rows(self) -> Array:
@@ -91,6 +103,12 @@ class DynamicSolution:
     def std(self) -> Array:
         return np.sqrt(np.diag(self.covariance))
 
+    def doubted(self, doubt: Array) -> DynamicSolution:
+        """With (16, 16) more doubt."""
+        covariance = self.covariance + doubt
+        decided = np.sqrt(np.diag(covariance)) < DECIDED * self.prior_std
+        return replace(self, covariance=covariance, decided=decided)
+
 
 def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array) -> Rows:
     """wrench: (T, 6) as read. gravity: (3,) [m/s²] in {B}, as the static stage left it. std: (6,) of the wrench.
@@ -99,7 +117,8 @@ def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int,
     """
     z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
     fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
-    return Rows(z, noise, std, sign)
+    turned = np.stack([np.cross(axis, gravity) for axis in upright(gravity)[:2]], axis=1)
+    return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned)
 
 
 def regressor_slopes(omega: Array) -> Array:
@@ -121,7 +140,10 @@ def static_prior(static: StaticSolution | None, mass_scale: float = 50.0) -> Pri
     if static is None:
         covariance[known, known] = np.array([m**2, *[m**2] * 3, *[1000.0**2] * 3, *[1000.0**2] * 3])
     else:
-        value[known], covariance[np.ix_(known, known)] = static.moments
+        value[known], moments = static.moments
+        covariance[np.ix_(known, known)], lean = moments[:10, :10], np.zeros((18, 2))
+        lean[known], lean[16:] = moments[:10, 10:], moments[10:, 10:]
+        return Prior(value, covariance, lean)
     return Prior(value, covariance)
 
 
@@ -137,7 +159,7 @@ def dynamic_stage(rows: Rows, prior: Prior, method: Method = "gtls", *, correlat
     scores = _scores(rows, found, left, method)
     meat = _coloured(scores, left) if correlated else scores.T @ scores
     inverse = np.linalg.inv(H)
-    covariance = inverse @ (meat + prior_information(prior)) @ inverse
+    covariance = inverse @ (meat + _of_prior(rows, x, prior)) @ inverse
     before = np.sqrt(np.diag(prior.covariance))
     decided = np.sqrt(np.diag(covariance)) < DECIDED * before
     residual = left * rows.std
@@ -198,6 +220,18 @@ def prior_information(prior: Prior) -> Array:
     return np.asarray(root.T @ root)
 
 
+def _of_prior(rows: Rows, x: Array, prior: Prior) -> Array:
+    """(16, 16) spread that errors of what was known bring into the estimate's equations: of x, and of the direction of
+    gravity, which the rows take as given and which errs together with x."""
+    joint = np.block([[prior.covariance, prior.lean[:16]], [prior.lean.T]])
+    scale = np.sqrt(np.maximum(np.diag(joint), 1e-300))
+    value, vectors = np.linalg.eigh(joint / np.outer(scale, scale))
+    root = scale[:, None] * vectors * np.sqrt(np.maximum(value, 0.0))
+    AT = np.einsum("tip,tik->pk", rows.z[:, :, :-1], rows.tilting(x))
+    spread = np.hstack([prior_information(prior), -AT]) @ root
+    return np.asarray(spread @ spread.T)
+
+
 def _scores(rows: Rows, found: Fit, left: Array, method: Method) -> Array:
     """(T, 16) half the derivative of the cost by x, sample by sample: Aᵀe, and what the errors of A make of it."""
     scores: Array = np.einsum("tip,ti->tp", rows.z[:, :, :-1], left)
@@ -239,23 +273,28 @@ def _possible(x: Array, covariance: Array, prior: Prior) -> tuple[Array, float]:
     """The likeliest (16,) whose body can exist, and its squared distance."""
     if np.linalg.eigvalsh(pseudo_inertia(x[:10])).min() > 0:
         return x, 0.0
-    root = np.linalg.inv(np.linalg.cholesky(covariance))
+    scale = np.sqrt(np.diag(covariance))
+    value, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    # What is not decided at all is known by rounding alone.
+    root = (vectors / np.sqrt(np.maximum(value, RESOLVED * value[-1]))).T / scale
     reference = x[:10].copy()
     reference[0] = max(reference[0], 1e-6)
     solution = solve_physical(root, root @ x, nearest_possible(reference)[None])
     return solution.x, solution.cost
 
 
-def reading_of_mu(mu: float, std: float) -> str | None:
-    """What a μ beside 1 says, or None where chance explains it."""
+UNKNOWN_CAUSE = (
+    "the kinematics lag behind the wrench (a causal filter, a delayed channel), an effect is missing, or the noise is "
+    "stated too small"
+)
+
+
+def reading_of_mu(mu: float, std: float, cause: str = UNKNOWN_CAUSE) -> str | None:
+    """What a μ beside 1 says, or None where chance explains it. cause: of one above."""
     if abs(mu - 1.0) < max(MU_STDS * std, MU_FLOOR):
         return None
-    if mu > 1.0:
-        return (
-            f"The residual is {mu:.3g} times what the stated noise explains: the kinematics lag behind the wrench "
-            "(a causal filter, a delayed channel), an effect is missing, or the noise is stated too small."
-        )
-    return f"The residual is {mu:.3g} times what the stated noise explains: the noise is stated too large."
+    said = f"The residual is {mu:.3g} times what the stated noise explains: "
+    return f"{said}{cause if mu > 1.0 else 'the noise is stated too large'}."
 
 
 def enough(ls: DynamicSolution, gtls: DynamicSolution) -> bool:

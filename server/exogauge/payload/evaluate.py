@@ -1,4 +1,4 @@
-"""The recipe: postures, then motion, then what is left of wrenches where nothing, or something, touches the payload."""
+"""The recipe: postures, motion, what is missing, then what is left of wrenches where nothing, or something, touches."""
 
 from __future__ import annotations
 
@@ -10,92 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
-from exogauge.errors import BadStudy, Fault, NotIdentifiable
-from exogauge.payload.contact import Compensation, second_zero
-from exogauge.payload.dynamics import (
-    DynamicSolution,
-    Method,
-    Prior,
-    batch,
-    dynamic_stage,
-    reading_of_mu,
-    recursive,
-    require_excitation,
-    static_prior,
-)
+from exogauge.errors import BadStudy, Fault
+from exogauge.findings.verdict import Caveat
+from exogauge.payload.contact import Compensation
+from exogauge.payload.contract import Role
+from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
 from exogauge.payload.intake import Payload
 from exogauge.payload.missing.effect import Frame
-from exogauge.payload.missing.search import Missing, find_missing
-from exogauge.payload.missing.stretch import moving_stretch, still_stretch
+from exogauge.payload.missing.search import Missing, find_missing, unjudged
+from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
+from exogauge.payload.missing.words import cause_of_residual
 from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
-from exogauge.payload.sensor_motion import SensorMotion
-from exogauge.payload.statics import (
-    Holds,
-    LeftOut,
-    StaticSolution,
-    further_posture,
-    leave_one_out,
-    misread_rotation,
-    static_stage,
-    told_sign,
-)
-from exogauge.studies.intake.robot_file import SIGN
+from exogauge.payload.remainder import Remainder, remainder
+from exogauge.payload.stages import Excitation, Postures, excitation_stage, postures_stage, prior_of, stated_sign
+from exogauge.payload.statics import Holds, static_stage
 
 Array = NDArray[np.float64]
 
-METHODS: tuple[Method, ...] = ("ls", "tls", "gtls")
-STEEP = np.radians(15.0)  # a base inclined more than that is a wrong pose, gravity or pair of axes
-LONG = 3.0  # m from the sensor to a centre of mass: beyond, moments are in other units
-PUSH_MARGIN_S = 0.2  # left out on either side of a contact
-MOST_PUSHED = 0.3  # of the excitation: more is no contact but a model that does not hold
-RELEASED = 1000.0  # N, N·m: std of a zero that is not that of the postures
-
-
-@final
-@dataclass(frozen=True)
-class Postures:
-    """holds; level, inclined: errors in left-out postures without and with U, V, None where one cannot be missed;
-    chosen: the solution used; by_method: the same by LS, TLS, GTLS; further: gravity's direction in {S} and std (12,)
-    with one more posture. acceleration: (K, 3) the IMU's mean in each, if there is one."""
-
-    holds: Holds
-    level: LeftOut | None
-    inclined: LeftOut | None
-    chosen: StaticSolution
-    by_method: Mapping[Method, StaticSolution]
-    further: tuple[Array, Array]
-    acceleration: Array | None
-
-
-@final
-@dataclass(frozen=True)
-class Excitation:
-    """by_method: solutions; chosen: the one used. recursion: what the recursion ends with, (16,); mass_alone: mass and
-    its std from motion, without the postures' mass. noise_known: whether μ may be read. density: of each channel."""
-
-    by_method: Mapping[Method, DynamicSolution]
-    chosen: DynamicSolution
-    recursion: Array
-    mass_alone: tuple[float, float]
-    noise_known: bool
-    density: Array
-    left_out: tuple[tuple[float, float], ...]
-
-
-@final
-@dataclass(frozen=True)
-class Remainder:
-    """What compensation leaves in a log without contact: at t = 0, mean, std of |f| and |τ|; rms and largest per axis;
-    largest after the secondary zero, where it helps, and the share of time in which it does."""
-
-    first: tuple[float, float]
-    mean: tuple[float, float]
-    std: tuple[float, float]
-    rms: Array
-    most: Array
-    most_after_zero: Array
-    zero_helps: float
+NO_DOUBT = np.zeros((18, 18))
 
 
 @final
@@ -110,56 +43,184 @@ class Touch:
 
 @final
 @dataclass(frozen=True)
-class Evaluation:
-    payload: Payload
-    sign: int
+class Stages:
+    """What both stages say, of wrenches as read or with what was named missing taken out of them."""
+
     postures: Postures | None
     excitation: Excitation | None
+    gravity: Array
+    compensation: Compensation
+    warnings: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True)
+class Evaluation:
+    """stages: what is told. rigid: the same of a rigid body behind an ideal sensor alone, where `stages` holds what was
+    named missing. level: what is found where the base is taken to be level; None without postures or excitation."""
+
+    payload: Payload
+    sign: int
+    stages: Stages
+    rigid: Stages | None
+    level: Compensation | None
     tests: Mapping[str, Mapping[str, Remainder]]
     touches: Mapping[str, tuple[Touch, ...]]
     thresholds: Mapping[str, float]
     imu: ImuFrame | None
-    missing: Missing | None
+    missing: Missing
     warnings: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True)
+class _Logs:
+    """What was read, on one clock each; acceleration: (K, 3) of the IMU in the postures."""
+
+    holds: Holds | None
+    acceleration: Array | None
+    excitation: Sequence[Moved]
+    test: Sequence[Moved]
+    contact: Sequence[Moved]
+
+    def without(self, wrenches: Sequence[Array]) -> _Logs:
+        """wrenches: (T, 6) of what is taken out, of the postures first, if there are any."""
+        parts = list(wrenches)
+        holds = self.holds and replace(self.holds, wrench=self.holds.wrench - parts.pop(0))
+        excitation, test, contact = (
+            [replace(each, wrench=each.wrench - parts.pop(0)) for each in logs]
+            for logs in (self.excitation, self.test, self.contact)
+        )
+        return _Logs(holds, self.acceleration, excitation, test, contact)
 
 
 def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda share, doing: None) -> Evaluation:
     """progress: share done and what is being done. Raises BadInput, NotIdentifiable."""
     progress(0.0, "postures")
-    warnings: list[str] = []
-    gravity, imu = np.array(payload.file.gravity), None
-    postures = _postures(payload, warnings) if payload.of("postures") else None
-    sign = postures.chosen.sign if postures else stated_sign(payload)
-    if postures:
-        gravity = postures.chosen.gravity
-    if payload.file.imu is not None and postures:
-        imu = _imu(payload, postures, gravity)
-    excitation = None
-    progress(0.1, "excitation")
-    moved = [moving(payload, recording, gravity, imu) for recording in payload.of("excitation")]
-    if moved:
-        excitation = _excitation(payload, postures, moved, gravity, sign, warnings)
-    elif postures is None:
+    if not payload.of("postures") and not payload.of("excitation"):
         advice = "Give a log the role `postures` (the arm stops here and there) or `excitation`."
         raise BadStudy(Fault("no log identifies the payload", "no_role", advice, payload.name, None, "logs"))
-    tests: dict[str, dict[str, Remainder]] = {}
+    holds, acceleration = holds_of(payload) if payload.of("postures") else (None, None)
+    postures, said = _still(payload, holds, acceleration)
+    sign = postures.chosen.sign if postures else stated_sign(payload)
+    gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
+    imu = _imu(payload, postures, gravity) if payload.file.imu is not None and postures else None
+    progress(0.1, "excitation")
+    excitation, test, contact = (
+        [moving(payload, recording, gravity, imu) for recording in payload.of(role)]
+        for role in ("excitation", "test", "contact")
+    )  # fmt: skip
+    logs = _Logs(holds, acceleration, excitation, test, contact)
+    stages, rigid = _stages(payload, logs, sign, postures, said), None
+    progress(0.5, "what is missing")
+    missing = _missing(payload, stages, logs, sign)
+    clean = logs
+    if missing.in_the_model:
+        clean, rigid = logs.without(missing.courses), stages
+        if missing.of_body:
+            again = _still(payload, clean.holds, clean.acceleration)
+            stages = _stages(payload, clean, sign, *again, missing.doubt)
+    progress(0.8, "what is left")
+    touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign)
+    warnings = [*stages.warnings, *_doubts(stages, rigid, missing)]
+    level = _level(payload, (rigid or stages).postures, logs.excitation)
+    return Evaluation(
+        payload, sign, stages, rigid, level, _tests(payload, stages, rigid, level, logs, clean), touches, thresholds,
+        imu, missing, tuple(dict.fromkeys(warnings)),
+    )  # fmt: skip
+
+
+def _still(payload: Payload, holds: Holds | None, acceleration: Array | None) -> tuple[Postures | None, list[str]]:
+    warnings: list[str] = []
+    return None if holds is None else postures_stage(payload, holds, acceleration, warnings), warnings
+
+
+def _stages(
+    payload: Payload, logs: _Logs, sign: int, postures: Postures | None, said: Sequence[str], doubt: Array = NO_DOUBT
+) -> Stages:  # fmt: skip
+    warnings = list(said)
+    gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
+    excitation = None
+    if logs.excitation:
+        excitation = excitation_stage(payload, postures, logs.excitation, gravity, sign, warnings)
+        excitation = replace(excitation, chosen=excitation.chosen.doubted(doubt[:16, :16]))
+    if postures:
+        postures = replace(postures, chosen=postures.chosen.doubted(doubt))
+    return Stages(
+        postures, excitation, gravity, _compensation(payload, postures, excitation, gravity, sign), tuple(warnings)
+    )
+
+
+def _doubts(stages: Stages, rigid: Stages | None, missing: Missing) -> list[str]:
+    """What the motion's residual says, and where something touched."""
+    excitation, out = stages.excitation, list[str]()
+    if excitation is None:
+        return out
+    if excitation.noise_known:
+        reading = reading_of_mu(excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing))
+        out += [reading] if reading else []
+    if excitation.left_out and (rigid is not None or not missing.found):
+        spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
+        out.append(f"Something touched the payload in the excitation; left out: {spans}.")
+    return out
+
+
+def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int) -> Missing:
+    """What was left out as a touch is looked at too: it may be what is missing. Undecided where the noise is not known:
+    then nothing says how much may be left."""
+    postures, excitation, std = stages.postures, stages.excitation, std_of(payload)
+    if excitation is None:
+        return unjudged(Caveat("no_motion"))
+    if not excitation.noise_known:
+        return unjudged(Caveat("noise_unknown"))
+    body, gravity = excitation.chosen.value[:10], stages.gravity
+
+    def stretches(role: Role, moved: Sequence[Moved]) -> list[Stretch]:
+        return [
+            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std)
+            for recording, each in zip(payload.of(role), moved, strict=True)
+        ]
+
+    fitted, held_out = stretches("excitation", logs.excitation), stretches("test", logs.test)
+    others = stretches("contact", logs.contact)
+    still = [still_stretch(postures.holds, gravity, sign)] if postures else []
+    frame = Frame(gravity, sign, body)
+    inclined = postures is not None and postures.chosen.inclined
+    whole = find_missing([*still, *fitted], held_out, others, frame, inclined, Criteria())
+    if whole.found or not excitation.left_out:
+        return whole
+    untouched = [each.without(excitation.left_out) for each in fitted]
+    return find_missing([*still, *untouched], held_out, others, frame, inclined, Criteria())
+
+
+def _tests(
+    payload: Payload, stages: Stages, rigid: Stages | None, level: Compensation | None, logs: _Logs, clean: _Logs
+) -> dict[str, dict[str, Remainder]]:
+    """By log and way. `all`: everything taken out; `rigid`: but what was named missing; `level`, `static`: the first
+    two methods of [Payload] V, of wrenches as read."""
+    out: dict[str, dict[str, Remainder]] = {}
+    plain = rigid or stages
+    for recording, read, test in zip(payload.of("test"), logs.test, clean.test, strict=True):
+        ways = {"all": stages.compensation.external(test.motion, test.wrench)}
+        if rigid is not None:
+            ways["rigid"] = rigid.compensation.external(read.motion, read.wrench)
+        if level is not None and plain.postures is not None:
+            ways["level"] = level.external(read.motion, read.wrench)
+            ways["static"] = read.wrench - plain.postures.by_method["tls"].predict(read.motion.rotation)
+        inner, passed = _slow(payload, test.motion.time)
+        out[recording.name] = {
+            name: remainder(passed(left)[inner], test.motion.rows(inner), stages.gravity) for name, left in ways.items()
+        }
+    return out
+
+
+def _touches(
+    payload: Payload, compensation: Compensation, contact: Sequence[Moved], sign: int
+) -> tuple[dict[str, tuple[Touch, ...]], dict[str, float]]:
+    """Contacts by log, and the force [N] that counts as one."""
     touches: dict[str, tuple[Touch, ...]] = {}
     thresholds: dict[str, float] = {}
-    progress(0.7, "what is left")
-    compensation = _compensation(payload, postures, excitation, gravity, sign)
-    ignoring = _level(payload, postures, moved) if payload.of("test") else None
-    tested = [moving(payload, recording, gravity, imu) for recording in payload.of("test")]
-    for recording, test in zip(payload.of("test"), tested, strict=True):
-        ways = {"all": compensation.external(test.motion, test.wrench)}
-        if ignoring is not None and postures is not None:
-            ways["level"] = ignoring.external(test.motion, test.wrench)
-            ways["static"] = test.wrench - postures.by_method["tls"].predict(test.motion.rotation)
-        inner, passed = _slow(payload, test.motion.time)
-        tests[recording.name] = {
-            name: remainder(passed(left)[inner], test.motion.rows(inner), gravity) for name, left in ways.items()
-        }
-    for recording in payload.of("contact"):
-        touched = moving(payload, recording, gravity, imu)
+    for recording, touched in zip(payload.of("contact"), contact, strict=True):
         rate = payload.file.settings.false_alarms_per_hour
         external = compensation.external(touched.motion, touched.wrench)
         touches[recording.name] = tuple(
@@ -169,39 +230,7 @@ def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda s
         period = float(np.median(np.diff(touched.motion.time)))
         limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
         thresholds[recording.name] = float(limit.max())
-    missing = _missing(payload, postures, excitation, moved, tested, gravity, sign) if excitation else None
-    if excitation and excitation.left_out and not (missing and missing.found):
-        spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
-        warnings.append(f"Something touched the payload in the excitation; left out: {spans}.")
-    return Evaluation(
-        payload, sign, postures, excitation, tests, touches, thresholds, imu, missing, tuple(dict.fromkeys(warnings))
-    )  # fmt: skip
-
-
-def _missing(
-    payload: Payload, postures: Postures | None, excitation: Excitation, moved: Sequence[Moved],
-    tested: Sequence[Moved], gravity: Array, sign: int,
-) -> Missing | None:  # fmt: skip
-    """None where the noise is not known: then nothing says how much may be left. What was left out as a touch is looked
-    at too: it may be what is missing. moved, tested: logs of these roles."""
-    if not excitation.noise_known:
-        return None
-    std = std_of(payload)
-    fitted, held_out = (
-        [
-            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, excitation.chosen.value[:10], std)
-            for recording, each in zip(recordings, motions, strict=True)
-        ]
-        for recordings, motions in ((payload.of("excitation"), moved), (payload.of("test"), tested))
-    )
-    still = [still_stretch(postures.holds, gravity, sign)] if postures else []
-    frame = Frame(gravity, sign, excitation.chosen.value[:10])
-    inclined = postures is not None and postures.chosen.inclined
-    whole = find_missing([*still, *fitted], held_out, frame, inclined, Criteria())
-    if whole.found or not excitation.left_out:
-        return whole
-    untouched = [each.without(excitation.left_out) for each in fitted]
-    return find_missing([*still, *untouched], held_out, frame, inclined, Criteria())
+    return touches, thresholds
 
 
 def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array]]:
@@ -210,136 +239,6 @@ def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array
     if low_pass is None:
         return slice(None), lambda values: values
     return slice(low_pass.settle_samples, len(time) - low_pass.settle_samples), low_pass.apply
-
-
-def remainder(left: Array, motion: SensorMotion, gravity: Array) -> Remainder:
-    """left: (T, 6) of a log without contact, below the cut-off if there is one."""
-    f, tau = np.linalg.norm(left[:, :3], axis=1), np.linalg.norm(left[:, 3:], axis=1)
-    zeroed, helps = second_zero(motion, left, gravity)
-    return Remainder(
-        (float(f[0]), float(tau[0])), (float(f.mean()), float(tau.mean())), (float(f.std()), float(tau.std())),
-        np.sqrt(np.mean(left**2, axis=0)), np.abs(left).max(axis=0),
-        np.abs(zeroed[helps]).max(axis=0), float(helps.mean()),
-    )  # fmt: skip
-
-
-def _postures(payload: Payload, warnings: list[str]) -> Postures:
-    holds, acceleration = holds_of(payload)
-    gravity, settings = np.array(payload.file.gravity), payload.file.settings
-    misread = misread_rotation(holds, gravity)
-    if misread is not None:
-        detail, advice = {
-            "transposed": ("the postures fit the transpose of this pose", "Give R_base_sensor: its columns are the "
-                           "sensor's axes in the base. Check the order of a quaternion too."),
-            "world_axes": ("the postures fit wrenches in the base's axes", "Say `sensor.axes: base`."),
-            "sensor_axes": ("the postures fit wrenches in the sensor's own axes", "Say `sensor.axes: sensor`."),
-            "unexplained": ("no weight explains the forces of these postures", "Check that nothing touched the "
-                            "payload, that it does not shift, and the order and axes of pose and wrench."),
-        }[misread]  # fmt: skip
-        raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
-    sign = told_sign(holds, gravity)
-    stated = payload.file.sensor.sees
-    if stated is not None and _sign(stated) != sign:
-        other = next(name for name in ("payload_on_sensor", "sensor_on_payload") if name != stated)
-        detail = "the weight points the other way than `sensor.sees` and `gravity` say"
-        advice = f"Say `sees: {other}`, or turn `gravity` round."
-        raise BadStudy(Fault(detail, "sees_contradicted", advice, payload.name, None, "sensor.sees", stated))
-    errors: list[LeftOut | None] = []
-    for inclined in (False, True):
-        try:
-            errors.append(leave_one_out(holds, gravity, sign, inclined=inclined))
-        except NotIdentifiable:
-            errors.append(None)
-    level, tilted = errors
-    better = level is None or tilted is None or tilted.force < level.force
-    fit = {"fit": True, "ignore": False, "auto": better and tilted is not None}[settings.inclination]
-    by_method = {method: static_stage(holds, gravity, sign, inclined=fit, method=method) for method in METHODS}
-    chosen = by_method["ls"]
-    if float(np.abs(chosen.tilt).max()) > STEEP:
-        degrees = np.degrees(chosen.tilt)
-        warnings.append(
-            f"The base comes out inclined by {degrees[0]:.3g}° and {degrees[1]:.3g}°: the pose, `gravity` or the "
-            "sensor's axes are wrong, or the base really leans."
-        )
-    if float(np.linalg.norm(chosen.centre)) > LONG:
-        warnings.append(
-            f"The centre of mass comes out {np.linalg.norm(chosen.centre):.3g} m from the sensor: check "
-            "`sensor.moment_unit`."
-        )
-    return Postures(holds, level, tilted, chosen, by_method, further_posture(holds, chosen), acceleration)
-
-
-def _excitation(
-    payload: Payload, postures: Postures | None, moved: Sequence[Moved], gravity: Array, sign: int, warnings: list[str]
-) -> Excitation:
-    settings, prior = payload.file.settings, prior_of(payload, postures)
-    known = all(each.noise_known for each in moved) and settings.cutoff_hz is None
-    method: Method = settings.method if known else "ls"
-    if settings.method != method:
-        warnings.append(
-            "Several clocks, an IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not "
-            "read."
-        )
-
-    rows = rows_of(payload, moved, gravity, sign)
-    solution = dynamic_stage(rows, prior, method)
-    pushed: list[tuple[float, float]] = []
-    if settings.cutoff_hz is None and known:
-        keep, pushed = _without_contact(payload, moved, solution, gravity, sign)
-        if pushed:
-            rows = rows_of(payload, moved, gravity, sign, keep)
-            solution = dynamic_stage(rows, prior, method)
-    require_excitation(solution)
-    by_method = {method: solution}
-    by_method |= {each: dynamic_stage(rows, prior, each) for each in METHODS if known and each != method}
-    if known:
-        reading = reading_of_mu(solution.mu, solution.mu_std)
-        warnings += [reading] if reading else []
-    free = prior.covariance.copy()
-    free[0], free[:, 0] = 0.0, 0.0
-    free[0, 0] = max(prior.value[0], 1.0) ** 2
-    alone = dynamic_stage(rows, Prior(prior.value, free), method)
-    track, _ = recursive(rows, prior, method)
-    return Excitation(
-        by_method, solution, track[-1], (float(alone.value[0]), float(alone.std[0])), known,
-        np.concatenate([np.zeros(0) if m.motion.density is None else m.motion.density for m in moved]), tuple(pushed),
-    )  # fmt: skip
-
-
-def prior_of(payload: Payload, postures: Postures | None) -> Prior:
-    """From the postures, with what the settings release: a zero that drifted since, moments that motion decides."""
-    prior = static_prior(postures.chosen if postures else None)
-    settings, covariance = payload.file.settings, prior.covariance.copy()
-    released = []
-    if settings.zero == "drifted":
-        released += [(k, RELEASED) for k in range(10, 16)]
-    if settings.moments == "from_motion":
-        released += [(k, max(float(prior.value[0]), 1.0)) for k in range(1, 4)]
-    for k, std in released:
-        covariance[k], covariance[:, k] = 0.0, 0.0
-        covariance[k, k] = std**2
-    return Prior(prior.value, covariance)
-
-
-def _without_contact(
-    payload: Payload, moved: Sequence[Moved], solution: DynamicSolution, gravity: Array, sign: int
-) -> tuple[list[NDArray[np.bool_]], list[tuple[float, float]]]:
-    """Which samples nothing touched, and the contacts; all samples where so many stand out that the model is wrong."""
-    compensation = Compensation(solution.value, solution.covariance, gravity, sign, std_of(payload))
-    keep, found = [], list[tuple[float, float]]()
-    for each in moved:
-        touched = [
-            (a - PUSH_MARGIN_S, b + PUSH_MARGIN_S)
-            for a, b in compensation.contacts(each.motion, each.wrench, payload.file.settings.false_alarms_per_hour)
-            if b - a > PUSH_MARGIN_S / 4
-        ]
-        time = each.motion.time
-        free = ~np.any([(time >= a) & (time <= b) for a, b in touched], axis=0) if touched else np.ones(len(time), bool)
-        keep.append(np.asarray(free, dtype=bool))
-        found += touched
-    if np.mean(np.concatenate(keep)) < 1.0 - MOST_PUSHED:
-        return [np.ones(len(each.wrench), dtype=bool) for each in moved], []
-    return keep, found
 
 
 def _level(payload: Payload, postures: Postures | None, moved: Sequence[Moved]) -> Compensation | None:
@@ -392,16 +291,3 @@ def _imu(payload: Payload, postures: Postures, gravity: Array) -> ImuFrame | Non
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
     return find_lag(frame, rows) if carrying else frame
-
-
-def _sign(sees: str) -> int:
-    """s of [Payload]: +1 where the sensor reads what it does to the payload; `role: cut` counts the other way round."""
-    return -int(SIGN[sees])
-
-
-def stated_sign(payload: Payload) -> int:
-    """s of [Payload], where no posture tells it."""
-    if payload.file.sensor.sees is None:
-        advice = "Say payload_on_sensor or sensor_on_payload, or hand in postures, which tell it."
-        raise BadStudy(Fault("without postures the sign is not known", "no_sign", advice, payload.name, None, "sensor"))
-    return _sign(payload.file.sensor.sees)

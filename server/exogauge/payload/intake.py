@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 ROLES: tuple[Role, ...] = get_args(Role)
 ORTHONORMAL = 1e-3  # of RᵀR: four printed digits
+FEWEST = 20  # samples of a log: fewer hold no motion that a filter settles in
 MOST_TURN = 8.0  # rad: more than any joint has; 30 in degrees is more
 
 
@@ -171,6 +172,9 @@ def _clocks(tables: Sequence[Table], file: PayloadFile) -> dict[str, Array]:
         if column not in read_names(table):
             raise BadStudy(_no_column(column, [table], "Name it in `time.column`, or say `each_row: true`."))
         raw[table.file] = as_vector(table.read([column], exact=(column,))[column], table.file, column)
+        if len(raw[table.file]) < FEWEST:
+            detail, advice = f"the log has {len(raw[table.file])} samples", "Record a few seconds at least."
+            raise BadStudy(Fault(detail, "too_few_samples", advice, table.file))
         refuse(time_faults(raw[table.file], table.file, column))
     first = min(values[0] for values in raw.values())
     return {name: np.asarray(values - first, np.float64) * factor for name, values in raw.items()}

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import Prior, static_prior
-from exogauge.payload.evaluate import evaluate, prior_of, stated_sign
+from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import Payload, Recording, Stream, open_payload
 from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
 from exogauge.payload.prepare import std_of
 from exogauge.payload.sensor_motion import Chain
 from exogauge.payload.smoothing import STILL, likeliest
+from exogauge.payload.stages import prior_of, stated_sign
 
 Array = NDArray[np.float64]
 
@@ -44,13 +45,13 @@ def start_of(payload: Payload) -> Start:
     believed = np.sqrt(np.diag(prior.covariance))
     if payload.recordings:
         found = evaluate(replace(payload, recordings=tuple(_identifying(payload))))
-        sign = found.sign
-        if found.postures is not None:
-            gravity = found.postures.chosen.gravity
-            prior = prior_of(payload, found.postures)
+        sign, stages = found.sign, found.rigid or found.stages  # what was named missing is not taken out live
+        gravity = stages.gravity
+        if stages.postures is not None:
+            prior = prior_of(payload, stages.postures)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
-        if found.excitation is not None:
-            prior = _after(found.excitation.chosen.value, found.excitation.chosen.covariance, prior, settings.zero)
+        if stages.excitation is not None:
+            prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
     else:
         sign = stated_sign(payload)
     std, density = _channels(payload)

@@ -12,7 +12,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.loops.fixed_lag import flush, slide
+from exogauge.loops.jerk_filter import flush, slide
 from exogauge.payload.sensor_motion import Chain, SensorMotion, pose_motion
 from exogauge.payload.smoothing import LAG_S, MEMORY, error_root, memory
 

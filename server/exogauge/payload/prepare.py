@@ -134,8 +134,12 @@ def rows_of(
         for each in moved
     ]
     if keep is not None and cutoff_hz is None:
-        parts = [Rows(part.z[k], part.noise[k], std, sign) for part, k in zip(parts, keep, strict=True)]
-    return Rows(np.concatenate([p.z for p in parts]), np.concatenate([p.noise for p in parts]), std, sign)
+        parts = [
+            Rows(part.z[k], part.noise[k], std, sign, None if part.tipped is None else part.tipped[k])
+            for part, k in zip(parts, keep, strict=True)
+        ]
+    tipped = np.concatenate([p.tipped for p in parts if p.tipped is not None])
+    return Rows(np.concatenate([p.z for p in parts]), np.concatenate([p.noise for p in parts]), std, sign, tipped)
 
 
 def low_passed(rows: Rows, time: Array, cutoff_hz: float | None) -> Rows:
@@ -147,7 +151,8 @@ def low_passed(rows: Rows, time: Array, cutoff_hz: float | None) -> Rows:
     z = low_pass.apply(rows.z.reshape(len(time), -1)).reshape(rows.z.shape)[edge:-edge]
     noise = np.zeros((len(z), *rows.noise.shape[1:]))
     noise[:, -1, -1] = 6.0
-    return Rows(z, noise, rows.std, rows.sign)
+    tipped = None if rows.tipped is None else low_pass.apply(rows.tipped.reshape(len(time), -1))[edge:-edge]
+    return Rows(z, noise, rows.std, rows.sign, None if tipped is None else tipped.reshape(len(z), 3, 2))
 
 
 def low_pass_of(cutoff_hz: float | None, time: Array) -> LowPass | None:

@@ -7,20 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from exogauge.payload.schema import MissingResults, PayloadResults, Value
+from exogauge.payload.tables import CHANNELS, STATES, WAYS
 from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.report.summary_content import LABEL
-from exogauge.studies.report.summary_html import render_html
-from exogauge.studies.report.summary_page import SCALES
+from exogauge.studies.report.summary_page import SCALES, render_html
 from exogauge.studies.report.summary_pdf import render_pdf
-from exogauge.studies.results.study_record import says_synthetic
+from exogauge.studies.results.configuration import says_synthetic
 from exogauge.studies.words.rounding import between, significant, with_std
 
 METHODS = ("ls", "tls", "gtls")
-WAYS = {
-    "static": "postures alone, inertia ignored",
-    "level": "base taken to be level",
-    "all": "everything taken out",
-}
 NAMES = {
     "m": "mass m", "mx": "m c_x", "my": "m c_y", "mz": "m c_z", "cx": "centre c_x", "cy": "centre c_y",
     "cz": "centre c_z", "fx0": "zero f_x", "fy0": "zero f_y", "fz0": "zero f_z", "mx0": "zero τ_x", "my0": "zero τ_y",
@@ -47,10 +42,10 @@ def _page(found: PayloadResults, *, whole: bool) -> Page:
     rows = [Row((_head(found),)), Row((_values(found, whole=whole),))]
     if found.tests:
         rows.append(Row((_left(found, whole=whole),)))
+        rows += [Row((_left_by_axis(found),))] if whole else []
     if found.contacts:
         rows.append(Row((_contacts(found, whole=whole),)))
-    if found.missing is not None:
-        rows.append(Row((_missing(found.missing, whole=whole),)))
+    rows.append(Row((_missing(found.missing, whole=whole),)))
     rows.append(Row((_facts(found), _warnings(found, whole=whole)), (0.5, 0.5)))
     return Page(
         title=plain(found.name, 90), kicker="exogauge · payload behind a wrist force/torque sensor",
@@ -107,14 +102,29 @@ def _left(found: PayloadResults, *, whole: bool) -> Block:
         for way, words in WAYS.items():
             if (left := ways.get(way)) is None:
                 continue
-            cells = [x for k in (0, 1) for x in (left.first[k], left.mean[k], left.std[k])]
-            rows.append((plain(log, 30), words, *(significant(cell) for cell in cells)))
+            for after, each in (("", left), ("; after (44)", left.after_zero))[: 2 if whole else 1]:
+                cells = [x for k in (0, 1) for x in (each.first[k], each.mean[k], each.std[k])]
+                rows.append((plain(log, 30), words + after, *(significant(cell) for cell in cells)))
     heads = ("Log", "Compensated by", "|f| at t = 0", "mean", "std", "|τ| at t = 0", "mean", "std")
     shares = (0.14, 0.26, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1)
     columns = tuple(Column(head, share, k > 1) for k, (head, share) in enumerate(zip(heads, shares, strict=True)))
     more = "" if whole or len(logs) <= MOST_LOGS else f" {len(logs) - MOST_LOGS} more logs: results.json."
     caption = f"Length of what is left of the wrench where nothing touches [N], [N·m].{more}"
     return Block("What is left", table=Table(caption, columns, tuple(rows)))
+
+
+def _left_by_axis(found: PayloadResults) -> Block:
+    rows = [
+        (plain(log, 30), WAYS[way], state, *(f"{significant(mean, 2)} ± {significant(std, 2)}" for mean, std in
+                                             zip(each.axes[1], each.axes[2], strict=True)))
+        for log, ways in found.tests.items() for way in WAYS if way in ways
+        for state, each in zip(STATES, (ways[way], ways[way].after_zero), strict=True)
+    ]  # fmt: skip
+    heads = ("Log", "Compensated by", "(44)", *CHANNELS)
+    shares = (0.1, 0.22, 0.08, *(0.1,) * 6)
+    columns = tuple(Column(head, share, k > 2) for k, (head, share) in enumerate(zip(heads, shares, strict=True)))
+    caption = "Mean ± std of every axis [N], [N·m]; after: the secondary zero (44), where gravity is within 60° of it."
+    return Block("What is left, per axis", table=Table(caption, columns, tuple(rows)))
 
 
 def _missing(missing: MissingResults, *, whole: bool) -> Block:

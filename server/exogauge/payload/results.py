@@ -10,14 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge import __version__
+from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
-from exogauge.payload.evaluate import Evaluation, Remainder
-from exogauge.payload.missing.search import Finding, Missing
+from exogauge.payload.evaluate import Evaluation, Stages
+from exogauge.payload.missing.search import Finding
 from exogauge.payload.missing.words import said_of, verdict_of
+from exogauge.payload.remainder import Figures, Remainder
 from exogauge.payload.schema import (
     ChannelRatios,
     ContactResults,
     DynamicResults,
+    FigureResults,
     Further,
     ImuResults,
     LeftOutErrors,
@@ -40,21 +43,21 @@ ZERO_UNITS = ("N",) * 3 + ("N·m",) * 3
 
 def results(evaluation: Evaluation) -> PayloadResults:
     """What was found, in the schema's shape."""
-    file = evaluation.payload.file
-    mass = (evaluation.excitation.chosen.value[0] if evaluation.excitation
-            else evaluation.postures.chosen.mass if evaluation.postures else np.nan)  # fmt: skip
+    file, stages = evaluation.payload.file, evaluation.stages
+    mass = (stages.excitation.chosen.value[0] if stages.excitation
+            else stages.postures.chosen.mass if stages.postures else np.nan)  # fmt: skip
     truth = file.ground_truth.mass_kg
     return PayloadResults(
         version=1, exogauge=__version__, name=file.name,
         frame=f"axes and origin of the sensor{f' ({file.sensor.frame})' if file.sensor.frame else ''}",
         sees="payload_on_sensor" if evaluation.sign < 0 else "sensor_on_payload",
-        static=_static(evaluation), dynamic=_dynamic(evaluation),
+        static=_static(stages), dynamic=_dynamic(stages, evaluation.level),
         tests={log: {way: _remainder(each) for way, each in ways.items()} for log, ways in evaluation.tests.items()},
         contacts={
             log: [ContactResults(start_s=t.start, end_s=t.end, force_n=tuple(t.force)) for t in touches]
             for log, touches in evaluation.touches.items()
         },
-        contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation), missing=_missing(evaluation.missing),
+        contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation), missing=_missing(evaluation),
         mass_error_kg=None if truth is None else float(mass - truth), warnings=list(evaluation.warnings),
     )  # fmt: skip
 
@@ -84,7 +87,7 @@ def summary(found: PayloadResults) -> str:
             f"Error in a left-out posture: {level} level, {inclined} inclined: "
             f"inclination {'taken' if s.inclined else 'left out'}."
         )
-    values = [*(found.dynamic.values if found.dynamic else []), *_of_static(found)]
+    values = _told_of(found.dynamic, found.static)
     rows = [[v.name, f"{v.value:.6g}", f"{v.std:.2g}", v.unit, "" if v.identified else "not decided"] for v in values]
     parts.append(text_table(("", "value", "±", "unit", ""), rows))
     if found.dynamic and found.dynamic.mu is not None:
@@ -104,19 +107,17 @@ def summary(found: PayloadResults) -> str:
     for log, touches in found.contacts.items():
         parts.append(f"{log}: contact from {found.contact_threshold_n[log]:.3g} N on")
         parts += [f"  {t.start_s:.2f} to {t.end_s:.2f} s, up to {np.linalg.norm(t.force_n):.3g} N" for t in touches]
-    if found.missing is not None:
-        parts.append(found.missing.said)
-        parts += [f"  {each.said}" for each in (*found.missing.found, *found.missing.suspected)]
+    parts.append(found.missing.said)
+    parts += [f"  {each.said}" for each in (*found.missing.found, *found.missing.suspected)]
     if found.mass_error_kg is not None:
         parts.append(f"mass against the weighed one: {1e3 * found.mass_error_kg:+.1f} g")
     return "\n".join([*parts, *(f"warning: {each}" for each in found.warnings)])
 
 
-def _of_static(found: PayloadResults) -> list[Value]:
-    if found.static is None:
-        return []
-    shown = ("U", "V") if found.dynamic else tuple(v.name for v in found.static.values)
-    return [v for v in found.static.values if v.name in shown]
+def _told_of(moved: DynamicResults | None, still: StaticResults | None) -> list[Value]:
+    """Those of motion, where there is any, and of postures what motion does not tell."""
+    shown = [] if still is None else [each for each in still.values if moved is None or each.name in "UV"]
+    return [*(moved.values if moved else []), *shown]
 
 
 def _value(name: str, unit: str, value: float, std: float, identified: bool = True) -> Value:
@@ -126,10 +127,10 @@ def _value(name: str, unit: str, value: float, std: float, identified: bool = Tr
     )  # fmt: skip
 
 
-def _static(evaluation: Evaluation) -> StaticResults | None:
-    if evaluation.postures is None:
+def _static(stages: Stages) -> StaticResults | None:
+    if stages.postures is None:
         return None
-    postures, found = evaluation.postures, evaluation.postures.chosen
+    postures, found = stages.postures, stages.postures.chosen
     names = ("m", "cx", "cy", "cz", *ZERO_NAMES, "U", "V")
     units = ("kg", *("m",) * 3, *ZERO_UNITS, "°", "°")
     scale = np.array([1.0] * 10 + [np.degrees(1.0)] * 2)
@@ -157,14 +158,14 @@ def _static(evaluation: Evaluation) -> StaticResults | None:
     )  # fmt: skip
 
 
-def _dynamic(evaluation: Evaluation) -> DynamicResults | None:
-    if evaluation.excitation is None:
+def _dynamic(stages: Stages, level: Compensation | None = None) -> DynamicResults | None:
+    if stages.excitation is None:
         return None
-    excitation, found = evaluation.excitation, evaluation.excitation.chosen
+    excitation, found = stages.excitation, stages.excitation.chosen
     names = (*NAMES, *ZERO_NAMES)
     units = (*UNITS, *ZERO_UNITS)
     surer = found.decided.copy()
-    if evaluation.postures is not None:  # postures decided these before
+    if stages.postures is not None:  # postures decided these before
         surer[[0, 1, 2, 3, *range(10, 16)]] |= found.prior_std[[0, 1, 2, 3, *range(10, 16)]] < 1.0
 
     def named(x: Array) -> dict[str, float]:
@@ -179,15 +180,15 @@ def _dynamic(evaluation: Evaluation) -> DynamicResults | None:
         by_method={m: named(s.value) for m, s in methods.items()}, recursion=named(excitation.recursion),
         least_squares_would_do=enough(methods["ls"], methods["gtls"]) if known else None,
         mass_from_motion_alone=_value("m", "kg", *excitation.mass_alone),
+        level=None if level is None else named(level.x),
         possible=named(found.physical) if found.cost > 0 else None, cost_of_possible=found.cost,
         residual_rms=list(map(float, np.sqrt(np.mean(found.residual**2, axis=0)))),
         jerk_density=list(map(float, excitation.density)), left_out_s=list(excitation.left_out),
     )  # fmt: skip
 
 
-def _missing(missing: Missing | None) -> MissingResults | None:
-    if missing is None:
-        return None
+def _missing(evaluation: Evaluation) -> MissingResults:
+    missing, rigid = evaluation.missing, evaluation.rigid
 
     def told(each: Finding) -> MissingEffect:
         parameters = [MissingParameter(name=p.name, unit=p.unit, value=p.value, std=p.std) for p in each.parameters]
@@ -196,9 +197,8 @@ def _missing(missing: Missing | None) -> MissingResults | None:
             after=each.after, rivals=list(each.rivals), said=said_of(each),
         )  # fmt: skip
 
-    names, units = (*NAMES, *ZERO_NAMES), (*UNITS, *ZERO_UNITS)
-    stds = np.sqrt(np.diag(missing.covariance))
     decision = missing.decision
+    moved, still = (None, None) if rigid is None else (_dynamic(rigid), _static(rigid))
     return MissingResults(
         verdict=decision.verdict, reason=None if decision.reason is None else decision.reason.why,
         found=[told(each) for each in missing.found], suspected=[told(each) for each in missing.suspected],
@@ -206,17 +206,21 @@ def _missing(missing: Missing | None) -> MissingResults | None:
             log: ChannelRatios(before=list(map(float, before)), after=list(map(float, missing.after[log])))
             for log, before in missing.before.items()
         },
-        values=[_value(*each) for each in zip(names, units, missing.x[:16], stds[:16], strict=True)],
+        in_the_model=missing.in_the_model, without=_told_of(moved, still),
         candidates=missing.tried, said=verdict_of(missing),
     )  # fmt: skip
 
 
 def _remainder(each: Remainder) -> RemainderResults:
-    return RemainderResults(
-        first=each.first, mean=each.mean, std=each.std, rms=list(map(float, each.rms)),
-        most=list(map(float, each.most)), most_after_zero=list(map(float, each.most_after_zero)),
-        zero_helps=each.zero_helps,
-    )  # fmt: skip
+    return RemainderResults(**_figures(each.before), after_zero=FigureResults(**_figures(each.after)),
+                            zero_helps=each.helps)  # fmt: skip
+
+
+def _figures(each: Figures) -> dict[str, Any]:
+    return {
+        "first": tuple(each.first), "mean": tuple(each.mean), "std": tuple(each.std), "axes": each.axes.tolist(),
+        "rms": each.rms.tolist(), "most": each.most.tolist(),
+    }  # fmt: skip
 
 
 def _imu(evaluation: Evaluation) -> ImuResults | None:

@@ -59,7 +59,8 @@ class StaticResults(_Part):
 class DynamicResults(_Part):
     """covariance: of `values`, in their order and units. mu: residual over what the stated noise explains; None where
     that is not known. least_squares_would_do: None where only LS was run. possible: values of the likeliest body that
-    can exist, where the estimate is none."""
+    can exist, where the estimate is none. level: values where the base is taken to be level, by TLS where the
+    noise is known; None without postures."""
 
     method: str
     mu: float | None
@@ -70,6 +71,7 @@ class DynamicResults(_Part):
     recursion: dict[str, float]
     least_squares_would_do: bool | None
     mass_from_motion_alone: Value
+    level: dict[str, float] | None = None
     possible: dict[str, float] | None
     cost_of_possible: float
     residual_rms: list[float]
@@ -77,16 +79,22 @@ class DynamicResults(_Part):
     left_out_s: list[tuple[float, float]]
 
 
-class RemainderResults(_Part):
-    """Force [N], then moment [N·m]: norm at t = 0, its mean and std; per axis rms, largest, and largest after the
-    secondary zero."""
+class FigureResults(_Part):
+    """Force [N], then moment [N·m]: norm at t = 0, its mean and std; axes: at t = 0, mean, std of each axis with its
+    sign; rms, most: of each axis, root mean square and largest size."""
 
     first: tuple[float, float]
     mean: tuple[float, float]
     std: tuple[float, float]
+    axes: list[list[float]]
     rms: list[float]
     most: list[float]
-    most_after_zero: list[float]
+
+
+class RemainderResults(FigureResults):
+    """after_zero: the same after the secondary zero, where it helps; zero_helps: the share of time in which it does."""
+
+    after_zero: FigureResults
     zero_helps: float
 
 
@@ -138,21 +146,22 @@ class ChannelRatios(_Part):
 
 class MissingResults(_Part):
     """verdict: effects, unexplained, undecided, none. found: what was named. suspected: what takes something off, while
-    more is left that nothing explains. values: of the body, the zero and the inclination with what was found. reason:
-    why it is undecided. said: in a sentence."""
+    more is left that nothing explains. in_the_model: whether all other numbers are with what was found; without: then
+    those of a rigid body behind an ideal sensor alone. reason: why it is undecided. said: in a sentence."""
 
     verdict: Literal["effects", "unexplained", "undecided", "none"]
     reason: str | None
     found: list[MissingEffect]
     suspected: list[MissingEffect]
     left: dict[str, ChannelRatios]
-    values: list[Value]
+    in_the_model: bool
+    without: list[Value]
     candidates: int
     said: str
 
 
 class PayloadResults(_Part):
-    """frame: of every vector. sees: told from the data. missing: None where noise or excitation is not known."""
+    """frame: of every vector. sees: told from the data."""
 
     version: Literal[1]
     exogauge: str
@@ -165,7 +174,7 @@ class PayloadResults(_Part):
     contacts: dict[str, list[ContactResults]]
     contact_threshold_n: dict[str, float]
     imu: ImuResults | None
-    missing: MissingResults | None = None
+    missing: MissingResults
     mass_error_kg: float | None
     warnings: list[str]
 

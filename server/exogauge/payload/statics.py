@@ -6,7 +6,7 @@ s = +1 where the sensor reads what it does to the payload, -1 where it reads wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
@@ -79,11 +79,19 @@ class StaticSolution:
 
     @property
     def moments(self) -> tuple[Array, Array]:
-        """(10,) [m, m c, zero] and (10, 10) its covariance: the prior of the dynamic stage."""
-        J = np.eye(10, 12)
+        """(10,) [m, m c, zero], and (12, 12) covariance of it and of the turn of gravity about two axes across it: the
+        prior of the dynamic stage."""
+        J = np.diag([1.0] * 10 + [-1.0] * 2)  # gravity turns the other way than the base
         J[1:4, 0], J[1:4, 1:4] = self.centre, self.mass * np.eye(3)
         value = np.concatenate([[self.mass], self.mass * self.centre, self.zero])
         return value, J @ self.covariance @ J.T
+
+    def doubted(self, doubt: Array) -> StaticSolution:
+        """With more doubt: (18, 18) of [m, m c, I, F_0, turn of gravity about x, y where it is upright]."""
+        J = np.zeros((12, 18))
+        J[0, 0], J[1:4, 0], J[1:4, 1:4] = 1.0, -self.centre / self.mass, np.eye(3) / self.mass
+        J[4:10, 10:16], J[10:, 16:] = np.eye(6), -np.eye(2)  # gravity turns the other way than the base
+        return replace(self, covariance=self.covariance + J @ doubt @ J.T)
 
     def predict(self, rotation: Array) -> Array:
         """(K, 6) wrench in postures R_BS (K, 3, 3)."""
@@ -168,8 +176,8 @@ def static_stage(
 
     mass = float(np.linalg.norm(kappa)) / g
     d = -sign * kappa / np.linalg.norm(kappa)
-    upright = _upright(gravity)
-    tilt = inclination(upright @ kappa, sign) if inclined else np.zeros(2)
+    stand = upright(gravity)
+    tilt = inclination(stand @ kappa, sign) if inclined else np.zeros(2)
     zero = np.concatenate([f_0, torque_zero(iota, c, f_0)])
     J = np.zeros((12, len(x) + 6))  # of [mass, centre, zero, U, V] by [x, c, ι]
     first = len(x) - 3
@@ -177,7 +185,7 @@ def static_stage(
         J[0, :3] = kappa / (np.linalg.norm(kappa) * g)
         h = 1e-6 * float(np.linalg.norm(kappa))
         for k, e in enumerate(np.eye(3)):
-            J[10:, k] = inclination(upright @ (kappa + h * e), sign) - inclination(upright @ (kappa - h * e), sign)
+            J[10:, k] = inclination(stand @ (kappa + h * e), sign) - inclination(stand @ (kappa - h * e), sign)
         J[10:, :3] /= 2 * h
     else:
         J[0, 0] = 1.0
@@ -301,8 +309,8 @@ def _moment_noise(holds: Holds, B: Array) -> Array:
     return P
 
 
-def _upright(gravity: Array) -> Array:
-    """(3, 3) the least turn that takes the stated gravity to -z."""
+def upright(gravity: Array) -> Array:
+    """(3, 3) the least turn that takes gravity, (3,) in {B}, to -z."""
     return np.asarray(
         pin.Quaternion.FromTwoVectors(gravity / np.linalg.norm(gravity), -np.eye(3)[2]).toRotationMatrix()
     )

@@ -62,6 +62,7 @@ def solve(R: Array, P: Array) -> Solution:
     n = len(R) - 1
     if not np.all(scale[:n] > 0) or np.linalg.cond(R[:n, :n] / scale[:n]) > 1e10:
         raise NotIdentifiable("the rows do not decide every parameter")
+    scale[n] = scale[n] or 1.0  # nothing but zeros was measured: they are explained as well
     R_s, P_s = R / scale, P / np.outer(scale, scale)
     # [A b] may be exact: then b has no part of its own, and the last entry of R would be divided by.
     R_s[n, n] = np.copysign(max(abs(R_s[n, n]), 1e-14), R_s[n, n] or 1.0)

@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.comparing import Comparing
+from exogauge.criteria.examining import Comparing
 
 Array = NDArray[np.float64]
 

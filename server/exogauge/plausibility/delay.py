@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.comparing import Comparing
+from exogauge.criteria.examining import Comparing
 from exogauge.plausibility.axis_fit import AS_DESCRIBED
 from exogauge.plausibility.expectation import Expected, on_axes
 from exogauge.plausibility.search import together

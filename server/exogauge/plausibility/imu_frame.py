@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.criteria.comparing import Comparing
+from exogauge.criteria.examining import Comparing
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.findings import Finding
 from exogauge.plausibility.axis_fit import INDEPENDENT

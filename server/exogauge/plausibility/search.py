@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.comparing import Comparing
+from exogauge.criteria.examining import Comparing
 from exogauge.plausibility.axis_fit import GAINS, Likelihood
 from exogauge.plausibility.expectation import Expected
 from exogauge.plausibility.remedies import Remedy, exchanged, misread_positions, reversals, scaled_effort

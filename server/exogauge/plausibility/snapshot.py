@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.comparing import Comparing
+from exogauge.criteria.examining import Comparing
 from exogauge.identification.preparation import DRIVE, base_motion, needed_channels, wrench_channels
 from exogauge.identification.prior import joint_prior
 from exogauge.logs.bandwidth import suggest_cutoff

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.robots.declared import EXACT, Declared
 from exogauge.robots.known_load import KnownLoad
 from exogauge.robots.rows import RowLayout
 from exogauge.robots.tree import RigidTree
@@ -65,7 +66,7 @@ class Robot:
     nothing is coupled. Joint torque = C.T @ axis torque. Friction, k_T and rotor inertia act on the axes.
     noise: std per channel kind (`q`, `i`, `tau`, `acc`, `gyro`, `force`, `moment`) where the maker gives it.
     inertial_std: relative std of the a-priori inertial parameters, by link name, "" = every other link.
-    loads: weighed, and fixed to a link in some logs.
+    loads: weighed, and fixed to a link in some logs. declared: what its logs cannot show of themselves.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Robot:
     noise: Mapping[str, float] = field(default_factory=dict)
     inertial_std: Mapping[str, float] = field(default_factory=dict)
     loads: tuple[KnownLoad, ...] = ()
+    declared: Declared = EXACT
 
     def __post_init__(self) -> None:
         names = tuple(joint.name for joint in self.joints)

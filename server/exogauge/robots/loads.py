@@ -8,9 +8,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.kinematics import Kinematics
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import BaseParameters
 from exogauge.robots.row_blocks import AXES, signals_of, tree_arrays
 from exogauge.robots.tree import RigidTree
 

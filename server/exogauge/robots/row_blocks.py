@@ -18,9 +18,9 @@ from typing import TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.robots.base_parameters import BaseParameters
 from exogauge.robots.kinematics import Kinematics, subtree
 from exogauge.robots.motion import Motion
+from exogauge.robots.parameters import BaseParameters
 from exogauge.robots.rows import RowLayout
 from exogauge.robots.tree import IntArray, RigidTree
 

@@ -50,6 +50,13 @@ def load_tree(
     )
 
 
+def load_whole(urdf: bytes, file: str = "robot.urdf") -> RigidTree:
+    """All that moves, on the root link: what a URDF offers before anybody says which joints count. Raises BadRobot."""
+    described = _Description.of(read_urdf(urdf, file), file)
+    joints = [joint.name for joint in described.joints.values() if joint.kind in MOVING_TYPES and not joint.mimics]
+    return load_tree(urdf, joints=joints, base_link=described.root, floating=False, file=file)
+
+
 def _beyond(described: _Description, tree: RigidTree, frame: str, base_link: str, dropped: set[str]) -> Beyond:
     near = base_link if tree.floating else described.root
     links, joints = described.carried(frame, near, set(tree.joints))

@@ -13,6 +13,7 @@ import numpy as np
 from defusedxml import DefusedXmlException
 
 from exogauge.errors import BadRobot, Fault
+from exogauge.remarks import About, Remark
 
 MAX_BYTES = 20_000_000
 MAX_LINKS = 500
@@ -58,17 +59,14 @@ def read_urdf(urdf: bytes, file: str = "robot.urdf") -> Element:
     return robot
 
 
-def raised_inertias(urdf: bytes, file: str = "robot.urdf") -> tuple[str, ...]:
-    """A warning that names the links whose inertia had to be raised to that of a body; rounded zeros are not told."""
+def raised_inertias(urdf: bytes, file: str = "robot.urdf") -> tuple[Remark, ...]:
+    """Which links' inertia had to be raised to that of a body; rounded zeros are not told."""
     raised = [each for each in _raise_slightly_impossible(_parse(urdf, file)) if each[1] > ROUNDED]
     if not raised:
         return ()
     link, short, moments = max(raised, key=lambda each: each[1])
-    links = ", ".join(repr(name) for name, _, _ in raised)
-    return (
-        f"{file}: no body has the inertia of {links}; at {link!r} it misses by {short:.2g} kg·m² ({moments}). "
-        "The nearest possible one is taken: correct the URDF if it matters.",
-    )
+    names = tuple(name for name, _, _ in raised)
+    return (Remark(About.INERTIA_RAISED, names, beside=(file, link), numbers=(short, *moments)),)
 
 
 def numbers(text: str) -> list[float]:
@@ -180,7 +178,7 @@ def _inertial_faults(link: Element, moved: bool, file: str) -> Iterator[Fault]:
                     value=moments)  # fmt: skip
 
 
-def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, str]]:
+def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, tuple[float, ...]]]:
     """Write the nearest possible inertia where a link's misses it by little; (link, by how much, its moments).
 
     The principal second moments ∫ r² dm that are negative become 0, which moves the inertia least; mass, centre and
@@ -205,8 +203,7 @@ def _raise_slightly_impossible(robot: Element) -> list[tuple[str, float, str]]:
         places = {"ixx": (0, 0), "ixy": (0, 1), "iyy": (1, 1), "ixz": (0, 2), "iyz": (1, 2), "izz": (2, 2)}
         for name, place in places.items():
             inertia.set(name, repr(float(possible[place])))  # type: ignore[union-attr]
-        moments = f"principal moments {principal[0]:.4g}, {principal[1]:.4g}, {principal[2]:.4g}"
-        raised.append((link.get("name", ""), short, moments))
+        raised.append((link.get("name", ""), short, tuple(map(float, principal))))
     return raised
 
 

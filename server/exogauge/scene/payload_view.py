@@ -54,8 +54,8 @@ def draw_payload(
         axes = ", ".join(sorted({"xyz"[cap.axis] for cap in caps}))
         legend.append(_entry("workspace", f"where {axes} may point", AXES[caps[0].axis]))
     if postures is not None and len(postures):
-        _add_ghosts(stage, robot, carrier, T, postures)
-        legend.append(_entry("postures", "planned postures", SLACK, f"{len(postures)}"))
+        _add_ghosts(stage, robot, carrier, T, postures, ARROW * view.size)
+        legend.append(_entry("postures", "planned postures", SLACK, f"{len(postures)}; where z points, in their order"))
     if body is not None:
         notes += _add_body(stage, view, sensor, body, legend)
     aim(stage, view)
@@ -97,8 +97,9 @@ def _add_cap(stage: Stage, view: RobotView, cap: Cap, k: int, origin: Array) -> 
     return name
 
 
-def _add_ghosts(stage: Stage, robot: Robot, carrier: int, T: pin.SE3, postures: Array) -> None:
-    """Each posture as lines from the base through the joints to the sensor."""
+def _add_ghosts(stage: Stage, robot: Robot, carrier: int, T: pin.SE3, postures: Array, reach: float) -> None:
+    """Each posture as lines from the base through the joints to the sensor and along its z, whose ends are joined in
+    the order of the postures. A wrist alone turns in most plans: only z tells its postures apart."""
     in_base, chain, body = InBase.of(robot.tree, postures), list[int](), carrier
     while body >= 0:
         chain.insert(0, body)
@@ -109,7 +110,15 @@ def _add_ghosts(stage: Stage, robot: Robot, carrier: int, T: pin.SE3, postures: 
     lines = np.stack([way[:, :-1], way[:, 1:]], axis=2).reshape(-1, 2, 3)
     name = f"{ROOT}/postures"
     stage.scene.add_line_segments(name, lines.astype(np.float32), SLACK, thickness=1.5, thickness_units="screen")
-    stage.layers["postures"] = [name]
+    tips = in_base.points(carrier, np.asarray(T.act(np.array([0.0, 0.0, reach]))))
+    pointing, order = f"{ROOT}/postures/z", f"{ROOT}/postures/order"
+    rays = np.stack([way[:, -1], tips], axis=1).astype(np.float32)
+    stage.scene.add_line_segments(pointing, rays, AXES[2], thickness=3.0, thickness_units="screen")
+    stage.layers["postures"] = [name, pointing]
+    if len(tips) > 1:
+        joined = np.stack([tips[:-1], tips[1:]], axis=1).astype(np.float32)
+        stage.scene.add_line_segments(order, joined, SLACK, thickness=1.5, thickness_units="screen")
+        stage.layers["postures"].append(order)
 
 
 def _add_body(stage: Stage, view: RobotView, sensor: str, body: Body, legend: list[dict[str, Any]]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -15,13 +15,13 @@ from exogauge.effects.shaped import AxisSignals
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite, seen_by
+from exogauge.progress import Doing, Progress
 from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
 from exogauge.search.sums import Sums
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
-Tick = Callable[[float, str], None]
 
 SLOW = 3  # order of the polynomial that a drift over a log is taken for
 FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
@@ -72,7 +72,7 @@ def lay_ground(
     model: RobotModel,
     recordings: Sequence[Recording],
     effects: Sequence[Effect],
-    tick: Tick,
+    tick: Progress,
     only: int | None = None,
     at: Site | None = None,
 ) -> Ground:
@@ -102,7 +102,7 @@ def lay_ground(
         return applying, sums, LogResiduals(recording.log.name, recording.held_out, time, left, moved)
 
     for number, (applying, sums, left) in enumerate(side_by_side(of_log, order)):
-        tick(number / len(order), f"trying what may be missing in {left.log}")
+        tick(number / len(order), Doing.TRYING_EFFECTS, left.log)
         fitted.join(sums)
         residuals.append(left)
         for site, names in applying.items():

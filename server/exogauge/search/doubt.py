@@ -1,13 +1,20 @@
-"""How well an effect's numbers are known: coefficients and shapes together, the baseline fitted beside them."""
+"""How well an effect's numbers are known: coefficients and shapes together, the baseline fitted beside them.
+
+What is worth a name: it matters beside the sensors' noise, and is no part of what was named at its place.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.searching import Searching
 from exogauge.devices.result import Estimate
+from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.model import Effect, RobotModel
 from exogauge.search.score import Score, residual_memory
 from exogauge.search.site_rows import SiteRows
@@ -80,3 +87,28 @@ def shape_slopes(
         below, above = (rows.columns(effect, (*shape[:k], end, *shape[k + 1 :])) for end in (low, high))
         slopes.append({kind: ((above[kind] - below[kind]) @ coefficients / (high - low))[:, None] for kind in above})
     return slopes
+
+
+def gone(before: float, after: float) -> float:
+    """RMS that goes with an effect; before, after: RMSE without and with it."""
+    return float(np.sqrt(max(before**2 - after**2, 0.0)))
+
+
+@final
+@dataclass(frozen=True)
+class Named:
+    """An effect at the same place, and the RMS that it took off. same_curve: it depends on the same coordinate."""
+
+    effect: str
+    took: float
+    same_curve: bool
+
+
+def not_worth(size: float, floor: float, named: Sequence[Named], criteria: Searching) -> Objection | None:
+    """Why an effect that takes this much off the held-out error is not worth a name. floor: of the same channel."""
+    if size < criteria.matters * floor:
+        return Objection(Why.TOO_SMALL, size, floor)
+    for each in named:
+        if size < (criteria.of_the_curve if each.same_curve else criteria.remainder) * each.took:
+            return Objection(Why.SMALL_BESIDE, of=(each.effect,))
+    return None

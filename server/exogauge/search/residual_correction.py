@@ -18,8 +18,7 @@ from exogauge.identification.model import AddedEffect
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.search.candidates import Candidate
-from exogauge.search.doubt import parameters
-from exogauge.search.effect_size import gone
+from exogauge.search.doubt import gone, parameters
 from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled

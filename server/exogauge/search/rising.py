@@ -5,21 +5,21 @@ from __future__ import annotations
 from functools import partial
 from typing import final
 
-from exogauge.identification.settings import Progress
+from exogauge.progress import Doing, Progress
 
 ALMOST = 0.99  # all is done when the search has ended, and not before
 
 
 @final
 class Rising:
-    """Called with a share of the work and a phrase."""
+    """Called as `Progress` is."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress, self._done = progress, 0.0
 
-    def __call__(self, share: float, phrase: str) -> None:
+    def __call__(self, share: float, doing: Doing, of: str = "") -> None:
         self._done = max(self._done, min(share, ALMOST))
-        self._progress(self._done, phrase)
+        self._progress(self._done, doing, of)
 
 
 def still(progress: Progress) -> Progress:
@@ -27,5 +27,5 @@ def still(progress: Progress) -> Progress:
     return partial(_still, progress)
 
 
-def _still(progress: Progress, _fraction: float, phrase: str) -> None:
-    progress(ALMOST, phrase)
+def _still(progress: Progress, _share: float, doing: Doing, of: str = "") -> None:
+    progress(ALMOST, doing, of)

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.identification.model import RobotModel
 from exogauge.search.candidates import Candidate
 from exogauge.search.sums import KindSums

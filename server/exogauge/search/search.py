@@ -1,18 +1,40 @@
 """Forward step by step: try everything, add what explains most, identify again; then doubt what was added first.
 
+Every effect and site that is worth it is screened by its best shape, refined and judged; shapes that a grid cannot
+hold, such as the order of a ripple, are read off the residuals. The best candidate that may be claimed is added, and
+the robot is identified again with it.
+
 Two effects at one place can look like a third before both are in the model. So where a place holds several, each of
 the earlier ones is taken out once more, and whatever explains most beside the others takes its place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol, runtime_checkable
 
-from exogauge.search.add import with_the_best
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.findings.verdict import Objection, Why
+from exogauge.identification.model import AddedEffect, Effect, Site
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording
+from exogauge.identification.sites import AxisSite
+from exogauge.progress import Doing
 from exogauge.search.baseline import Ground
-from exogauge.search.prune import identified_again, without_the_first_betters, without_what_is_not_needed
+from exogauge.search.candidates import Candidate
+from exogauge.search.creeping import creeping, is_soft
+from exogauge.search.doubt import Named, gone, not_worth
+from exogauge.search.finding import channel_of, low_passed, name_effect, objection, rejection
+from exogauge.search.judge import Judgement, judge, not_named
+from exogauge.search.locate import channels, pooled
+from exogauge.search.refine import closely, closest, refined
+from exogauge.search.score import Score, score
+from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Problem, Search, Step
+from exogauge.side_by_side import each as side_by_side
 
 
 def searched(problem: Problem) -> Search:
@@ -37,3 +59,257 @@ def _forward(search: Search) -> Search:
         search = replace(search, last=ground)
         search, ground = with_the_best(search, ground)
     return search
+
+
+def with_the_best(search: Search, ground: Ground) -> tuple[Search, Ground | None]:
+    """The search with the best candidate that may be claimed, and the next ground; None where there is none."""
+    problem = search.problem
+    judged, rows = judge_best(ground, problem.recordings, problem.effects)
+    named = [each.site for each in search.added]
+    search = replace(search, creeping=creeping(search.current, judged, problem.settings.creeping, named))
+    if search.creeping.below:
+        return search, None
+    judged = [_weighed(search, each) for each in judged if not is_soft(each)]
+    rejected = tuple(rejection(ground.model, each, each.objection) for each in judged if each.objection)
+    search = replace(search, rejected=rejected)
+    criteria = problem.settings.criteria
+    claimed = [each for each in judged if not each.objection and each.score.candidate.key not in search.failed]
+    for first in claimed if len(search.steps) < criteria.search.most_effects else []:
+        winner = _weighed(search, with_closest_shape(ground, first, rows))
+        judged = [winner if each is first else each for each in judged]
+        candidate = winner.score.candidate
+        problem.tell(0.0, Doing.ADDING_EFFECT, candidate.effect.name)
+        added = as_added(candidate)
+        found = search.identified([*search.added, added])
+        search, following = search.screened(found)
+        kind = _kind_that_gains(search, winner, ground, following)
+        without, with_it = (low_passed(each, kind, winner.logs) for each in (ground, following))
+        size = gone(without, with_it)
+        rank = len(search.steps) + 1
+        finding, undecided = name_effect(rank, ground, winner, judged, search.current, found, rows, kind)
+        refused = objection(finding, without, with_it, criteria.judging) or _not_worth(search, winner, kind, size)
+        if not refused:
+            step = Step(added, finding, found, size, undecided)
+            return replace(search, steps=(*search.steps, step)), following
+        search = search.having_failed(candidate.key, rejection(ground.model, winner, refused))
+    return search, None
+
+
+def _weighed(search: Search, judged: Judgement) -> Judgement:
+    """With an objection where the effect is real and not worth a name. What other rows gain is seen once the robot is
+    identified with it."""
+    if judged.objection or judged.score.elsewhere:
+        return judged
+    judged = judged.shown_by(_clearest(search, judged))
+    return replace(judged, objection=_not_worth(search, judged, judged.kind, gone(judged.before, judged.after)))
+
+
+def _clearest(search: Search, judged: Judgement) -> int:
+    """Of the rows that it acts on those that gain most against their noise: of these that lack most, the weights know
+    little."""
+    told = {judged.kind, *_told(search)}
+    floors = {kind: _floor(search, kind) for kind in judged.of_kinds if kind in told}
+    sizes = {k: gone(*judged.of_kinds[k]) / floor for k, floor in floors.items() if floor > 0.0}
+    return max([judged.kind, *sizes], key=lambda kind: sizes.get(kind, 0.0))
+
+
+def _kind_that_gains(search: Search, winner: Judgement, before: Ground, after: Ground) -> int:
+    """Its own, or where most of the gain lies elsewhere the one that gains most against its noise."""
+    if not winner.score.elsewhere:
+        return winner.kind
+    others = (kind for kind in _told(search) if _floor(search, kind) > 0.0 and _is_seen(before, kind, winner))
+
+    def size(kind: int) -> float:
+        return gone(*(low_passed(each, kind, winner.logs) for each in (before, after))) / _floor(search, kind)
+
+    return max([winner.kind, *others], key=size)
+
+
+def _told(search: Search) -> Sequence[int]:
+    """Kinds of rows that have a channel of their own, which rows at rest have not."""
+    return list(channels(search.problem.base.model.equations))
+
+
+def _floor(search: Search, kind: int) -> float:
+    base = search.problem.base
+    channel = channel_of(base.model.equations, kind)
+    return pooled([fit for fit in base.validation if fit.held_out and fit.channel == channel])[1]
+
+
+def _not_worth(search: Search, judged: Judgement, kind: int, size: float) -> Objection | None:
+    candidate, criteria = judged.score.candidate, search.problem.settings.criteria.search
+    everywhere = [each for each in search.steps if each.added.effect.name == candidate.effect.name]
+    named = [
+        Named(each.finding.effect, each.gone, each.added.effect.coordinate == candidate.effect.coordinate)
+        for each in search.steps
+        if each.added.site == candidate.site and len(everywhere) < criteria.common
+    ]
+    return not_worth(size, _floor(search, kind), named, criteria)
+
+
+def _is_seen(ground: Ground, kind: int, judged: Judgement) -> bool:
+    """Whether the logs that it was judged on have rows of this kind."""
+    return any(np.isfinite(each.residual[kind]).any() for each in ground.residuals
+               if each.log in judged.logs and kind in each.residual)  # fmt: skip
+
+
+def judge_best(
+    ground: Ground, recordings: Sequence[Recording], effects: Sequence[Effect], only: Site | None = None
+) -> tuple[list[Judgement], Mapping[Site, Sequence[SiteRows]]]:
+    """The best shape of every effect and site that is worth it, refined and judged, most evidence first; and the rows
+    of their sites. only: at one site."""
+    best: dict[tuple[str, Site], list[Score]] = {}
+    least, most = ground.model.criteria.judging.worth_judging, ground.model.criteria.search.judged
+    for each in ground.scores:
+        key = each.candidate.key
+        wanted = only is None or each.candidate.site == only
+        if wanted and each.evidence > least and (key in best or len(best) < most):
+            best.setdefault(key, []).append(each)
+    hints = [each for each in hinted(ground, effects) if only is None or each.site == only]
+    rows = collect_rows(
+        ground.model, recordings, list(dict.fromkeys([site for _, site in best] + [h.site for h in hints]))
+    )
+    for candidate in hints:
+        sums = sums_of(rows[candidate.site], candidate.effect, candidate.shape)
+        tried = score(ground.model, candidate, sums, ground.memory)
+        known = best[candidate.key][0].evidence if candidate.key in best else least
+        if tried is not None and tried.evidence > known:
+            best[candidate.key] = [tried]
+
+    def judged(scores: Sequence[Score]) -> Judgement:
+        own = rows[scores[0].candidate.site]
+        return judge(ground.model, closest(ground.model, scores, own, ground.memory), own)
+
+    return sorted(side_by_side(judged, best.values()), key=lambda one: -one.score.evidence), rows
+
+
+def with_closest_shape(ground: Ground, judged: Judgement, rows: Mapping[Site, Sequence[SiteRows]]) -> Judgement:
+    """What is to be added, its shapes searched to the end, if that may still be claimed."""
+    own = rows[judged.score.candidate.site]
+    closer = judge(
+        ground.model,
+        refined(ground.model, judged.score, own, ground.memory, closely(ground.model.criteria.search)),
+        own,
+    )
+    return judged if closer.objection else closer
+
+
+def as_added(candidate: Candidate) -> AddedEffect:
+    return AddedEffect(candidate.effect, candidate.site, candidate.shape)
+
+
+Array = NDArray[np.float64]
+
+
+@runtime_checkable
+class Promising(Protocol):
+    """An effect that can read candidates for its first shape off residuals over the position."""
+
+    def promising(self, position: Array, residual: Array, span: float) -> Sequence[float]: ...
+
+
+def hinted(ground: Ground, effects: Sequence[Effect]) -> Iterator[Candidate]:
+    """Candidates whose shape the fitted residuals suggest, where they would explain more than chance."""
+    least = ground.model.criteria.search.hint
+    fitted = [each for each in ground.residuals if not each.held_out]
+    for effect in effects:
+        if not isinstance(effect, Promising):
+            continue
+        for site in ground.candidates:
+            if not isinstance(site, AxisSite) or not any(each.effect is effect for each in ground.candidates[site]):
+                continue
+            kind = ground.model.equations.layout.axis(site.axis)
+            known = [each for each in fitted if kind in each.residual]
+            if not known:
+                continue
+            residual = np.concatenate([each.residual[kind] for each in known])
+            position = np.concatenate([each.axes[site.axis].position for each in known])
+            ok, span = np.isfinite(residual), float(ground.model.sizes.range[site.axis])
+            if ok.sum() < 100:
+                continue
+            for cycles in effect.promising(position[ok], residual[ok], span):
+                if _gain(position[ok], residual[ok], 2.0 * np.pi * cycles / span, ground.memory[kind]) > least:
+                    yield Candidate(effect, site, (cycles,))
+
+
+def _gain(position: Array, residual: Array, order: float, memory: float) -> float:
+    """Twice the log likelihood gained by a sine and a cosine of the position, with coloured residuals."""
+    waves = np.column_stack([np.sin(order * position), np.cos(order * position), np.ones_like(position)])
+    left = residual - waves @ np.linalg.lstsq(waves, residual, rcond=None)[0]
+    centred = residual - residual.mean()
+    return float(len(residual) / memory * np.log(max(centred @ centred, 1e-300) / max(left @ left, 1e-300)))
+
+
+def without_the_first_betters(search: Search) -> Search | None:
+    """Without the first step whose place another effect takes better, once the later ones are there; None where all
+    hold."""
+    for number in range(len(search.steps)):
+        why = _bettered(search, number)
+        if why is not None:
+            return taken_out(search, number, why)
+    return None
+
+
+def _bettered(search: Search, number: int) -> Objection | None:
+    """Whether another effect at the same place explains more than this step's."""
+    problem, step, others = search.problem, search.steps[number], search.without(number)
+    site = step.added.site
+    if not any(each.added.site == site for each in others):
+        return None
+    _, ground = search.screened(search.identified([each.added for each in others]), site)
+    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
+    named = next((each for each in judged if each.score.candidate.effect.name == step.added.effect.name), None)
+    best = next((each for each in judged if not each.objection), None)
+    if best is None or best is named or best.score.candidate.key in search.failed:
+        return None
+    lead = problem.settings.criteria.search.better
+    if named is not None and best.score.evidence < named.score.evidence + lead:
+        return None
+    return Objection(Why.BETTERED, of=_effects(others))
+
+
+def without_what_is_not_needed(search: Search) -> Search:
+    """An earlier effect that a later one explains too goes: at its place, or at one that is nearly alike, such as
+    another axis of a sensor on a body that turns."""
+    criteria, number = search.problem.settings.criteria.search, 0
+    while number < len(search.steps) - 1:
+        step, kept = search.steps[number], search.without(number)
+        without = search.identified([each.added for each in kept])
+        channel = step.finding.held_out.channel
+        now, then = (_held_out_rmse(each, channel) for each in (search.current, without))
+        if then > criteria.not_needed * now:
+            number += 1
+        else:
+            search = taken_out(search, number, Objection(Why.NOT_NEEDED, of=_effects(kept[-1:])))
+    return search
+
+
+def taken_back(search: Search, number: int, objection: Objection) -> Search:
+    """Without one that turned out not to be worth its name once all others were there."""
+    search = taken_out(search, number, objection)
+    search, ground = search.screened(search.current)
+    return replace(search, last=ground)
+
+
+def taken_out(search: Search, number: int, objection: Objection) -> Search:
+    step = search.steps[number]
+    search = search.having_failed((step.added.effect.name, step.added.site), not_named(step.finding, objection))
+    return identified_again(search, search.without(number))
+
+
+def identified_again(search: Search, kept: Sequence[Step]) -> Search:
+    """With these steps, one after the other; their findings keep what was said of them."""
+    search = replace(search, steps=())
+    for rank, each in enumerate(kept, 1):
+        found = search.identified([*search.added, each.added])
+        step = replace(each, finding=replace(each.finding, rank=rank), found=found)
+        search = replace(search, steps=(*search.steps, step))
+    return search
+
+
+def _effects(steps: Sequence[Step]) -> tuple[str, ...]:
+    return tuple(each.finding.effect for each in steps)
+
+
+def _held_out_rmse(found: Identification, channel: str) -> float:
+    return pooled([fit for fit in found.validation if fit.held_out and fit.channel == channel])[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -14,6 +14,7 @@ from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import AxisSite, PairSite
 from exogauge.identification.validate import floors_of
+from exogauge.progress import Doing, Progress, unwatched
 from exogauge.search.ambiguity import Undecided
 from exogauge.search.baseline import Ground, lay_ground
 from exogauge.search.creeping import Creeping
@@ -39,15 +40,15 @@ class Step:
 @final
 @dataclass(frozen=True)
 class Problem:
-    """base: the robot identified without missing effects, from `recordings`. effects: what may be missing. tell: called
-    with the share of the work that is done, at a guess, and a phrase. only: number of a log; then nothing is tried but
+    """base: the robot identified without missing effects, from `recordings`. effects: what may be missing. tell: of
+    the share of the work that is done, at a guess. only: number of a log; then nothing is tried but
     what begins with it, or sits in it."""
 
     base: Identification
     recordings: Sequence[Recording]
     effects: Sequence[Effect]
     settings: Settings
-    tell: Callable[[float, str], None] = lambda _share, _phrase: None
+    tell: Progress = unwatched
     only: int | None = None
 
 
@@ -104,8 +105,8 @@ class Search:
         problem, share = self.problem, min(self.rounds / 3.0, 0.9)
         soft = [SOFT_COULOMB] if at is None and problem.only is None and not _all_stored(problem.recordings) else []
 
-        def tick(fraction: float, phrase: str) -> None:
-            problem.tell(share + 0.2 * fraction, phrase)
+        def tick(fraction: float, doing: Doing, of: str = "") -> None:
+            problem.tell(share + 0.2 * fraction, doing, of)
 
         ground = lay_ground(found.model, problem.recordings, [*problem.effects, *soft], tick, problem.only, at)
         tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))

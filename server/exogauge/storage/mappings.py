@@ -9,8 +9,7 @@ from typing import Any, final
 import sqlalchemy as sa
 
 from exogauge.errors import Conflict, NotFound
-from exogauge.storage.records import MappingRecord
-from exogauge.storage.robots import Robots
+from exogauge.storage.records import MappingRecord, RobotRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.tables import Base, Robot, RobotMapping, utc_now
 
@@ -22,7 +21,7 @@ class Mappings:
 
     def of_robot(self, robot_id: str) -> MappingRecord:
         """The robot's own, or else the last that was kept for another version of it (its robot_id tells)."""
-        robot = Robots(self.lab).get(robot_id)
+        robot = self.lab.get(RobotRecord, Robot, robot_id, "robot")
         found = self._own(robot_id)
         if found is None:
             versions = sa.select(Robot.id).where(Robot.lab_id == self.lab.lab_id, Robot.name == robot.name)
@@ -39,7 +38,7 @@ class Mappings:
 
     def keep(self, robot_id: str, content: Mapping[str, Any], content_hash: str) -> tuple[MappingRecord, bool]:
         """The mapping as it is now kept, and whether it is the robot's first."""
-        Robots(self.lab).get(robot_id)
+        self.lab.get(RobotRecord, Robot, robot_id, "robot")
         values = {"content": dict(content), "content_hash": content_hash}
 
         def make() -> list[Base]:

@@ -104,8 +104,9 @@ class LiveStreamRecord:
 class JobRecord:
     """study_id, payload_id: one of them is what the job is of. progress: 0..1. reason: why it failed.
 
-    failure: {class, faults} where what was handed in is to blame. steps: {message, progress, at} of the present
-    attempt. log: the last lines of what the worker said."""
+    failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
+    handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
+    log: the last lines of what the worker said."""
 
     id: str
     created_at: datetime
@@ -118,6 +119,7 @@ class JobRecord:
     state: str
     progress: float
     message: str
+    stage: str | None
     reason: str | None
     failure: Mapping[str, Any] | None
     steps: Sequence[Mapping[str, Any]] | None

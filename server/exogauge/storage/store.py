@@ -21,20 +21,18 @@ import sqlalchemy as sa
 from sqlalchemy.engine import Engine
 from sqlalchemy.orm import Session
 
+from exogauge.errors import NotFound
 from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
+from exogauge.storage.bundles import DEVICES, PAYLOADS, ROBOTS, STUDIES, Bundles
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
-from exogauge.storage.devices import Devices
-from exogauge.storage.jobs import Jobs
+from exogauge.storage.jobs import Jobs, Results
 from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
-from exogauge.storage.payloads import Payloads
-from exogauge.storage.results import Results
-from exogauge.storage.robots import Robots
+from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
-from exogauge.storage.studies import Studies
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
 
@@ -48,17 +46,23 @@ class Store:
         self.session = session
         self.blobs = blobs
         self.lab_id = lab_id
-        self.robots = Robots(lab)
-        self.devices = Devices(lab)
+        self.robots = Bundles(lab, blobs, ROBOTS)
+        self.devices = Bundles(lab, blobs, DEVICES)
         self.logs = Logs(lab)
-        self.studies = Studies(lab, blobs)
-        self.payloads = Payloads(lab, blobs)
+        self.studies = Bundles(lab, blobs, STUDIES)
+        self.payloads = Bundles(lab, blobs, PAYLOADS)
         self.live_streams = LiveStreams(lab)
         self.jobs = Jobs(lab)
         self.results = Results(lab)
         self.keys = Keys(lab)
         self.uploads = Uploads(lab)
         self.mappings = Mappings(lab)
+
+    def study_of(self, job: JobRecord) -> StudyRecord:
+        """NotFound for a job of a payload."""
+        if job.study_id is None:
+            raise NotFound(f"job {job.id} is of a payload, not of a study")
+        return self.studies.get(job.study_id)
 
     def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
         """How many workers have given a sign of life on the database's clock."""

@@ -218,8 +218,9 @@ class Job(Owned, Base):
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
-    failure: {class, faults} of the error that ended it, where what was handed in is to blame.
-    steps: what the present attempt has done, {message, progress, at}, in order.
+    failure: {class, faults, defect} of the error that ended it; defect: not what was handed in is to blame.
+    stage: what an evaluation is at (`exogauge.progress.Stage`).
+    steps: what the present attempt has done, {message, progress, stage, at}, in order.
     """
 
     __tablename__ = "jobs"
@@ -247,6 +248,7 @@ class Job(Owned, Base):
     state: Mapped[str] = mapped_column(sa.String(16), default="queued")
     progress: Mapped[float] = mapped_column(FiniteFloat, default=0.0)
     message: Mapped[str] = mapped_column(sa.Text, default="")
+    stage: Mapped[str | None] = mapped_column(sa.String(16))
     reason: Mapped[str | None] = mapped_column(sa.Text)
     failure: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
     steps: Mapped[list[dict[str, Any]] | None] = mapped_column(sa.JSON(none_as_null=True))

@@ -7,14 +7,13 @@ import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from exogauge.detect.device.uncovered_joints import look_beyond
 from exogauge.detect.device.workflow import find_band_effects
 from exogauge.detect.pipeline import find_missing_effects
-from exogauge.detect.stored_filter.worn_alike import filtered_alike
+from exogauge.detect.stored_filter.stored_pass import filtered_alike
 from exogauge.devices.result import StiffnessResult
 from exogauge.effects.catalogue import missing_effects
 from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
@@ -22,7 +21,8 @@ from exogauge.findings.as_told import by_importance
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
-from exogauge.identification.settings import Progress
+from exogauge.progress import Doing, Progress, Stage
+from exogauge.remarks import About, Remark
 from exogauge.robots.export import export_urdf
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import admit
@@ -31,18 +31,23 @@ from exogauge.studies.intake.open import Study, open_study
 from exogauge.studies.intake.yaml_file import MAX_BYTES, read_yaml
 from exogauge.studies.report.summary_page import summary_page
 from exogauge.studies.report.write import render_report
-from exogauge.studies.results.before_after import before_after
-from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.configuration import study_record
+from exogauge.studies.results.discrepancy_results import (
+    PLANNED,
+    discrepancy_entry,
+    file_name,
+    motion_table,
+    planned_files,
+)
 from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import examine_logs
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
-from exogauge.studies.results.planned_motions import PLANNED, file_name, motion_table, planned_files
-from exogauge.studies.results.stiffness_results import stiffness_entries, stiffness_table
-from exogauge.studies.results.study_record import study_record
-from exogauge.studies.results.support_results import support_table
+from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
 from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
 from exogauge.studies.series.write import Moved, write_series
+from exogauge.studies.words.notices import Notice, notice
+from exogauge.studies.words.progress_words import phrase
 from exogauge.support.evaluate import Gathered, beside_named, conclude_support, estimate_support, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
@@ -52,49 +57,53 @@ PAGE_HTML, PAGE_PDF = "summary.html", "summary.pdf"
 PARAMETERS, VALIDATION, SUPPORT, STIFFNESS = "parameters.csv", "validation.csv", "support.csv", "stiffness.csv"
 NOT_ASKED_FOR = "not asked for"
 
+Report = Callable[[float, str, Stage], None]
+"""Called with a share 0…1 of the whole, what is being done in words, and the stage that it belongs to."""
+
 
 def evaluate(
-    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+    path: Path, out: Path, report: Report, settings: Mapping[str, Any] | None = None
 ) -> tuple[FailedStep, ...]:
     """Evaluate the study at `path` (study.yaml, folder or zip) into the folder `out`: every step its files allow.
 
-    settings: override those of study.yaml. progress may raise `Cancelled`. An older result is removed first and
+    settings: override those of study.yaml. report may raise `Cancelled`. An older result is removed first and
     results.json written last: where it stands, everything beside it belongs to it. A step behind the identification
     that fails keeps what was found before it; those that failed are returned, and told in results.json.
     """
-    return _evaluate(path, out, progress, settings, STEPS)
+    return _evaluate(path, out, report, settings, STEPS)
 
 
 def evaluate_support(
-    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+    path: Path, out: Path, report: Report, settings: Mapping[str, Any] | None = None
 ) -> tuple[FailedStep, ...]:
     """As `evaluate`, up to the supporting torque."""
-    return _evaluate(path, out, progress, settings, ("identify", "support"))
+    return _evaluate(path, out, report, settings, ("identify", "support"))
 
 
 def evaluate_stiffness(
-    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None = None
+    path: Path, out: Path, report: Report, settings: Mapping[str, Any] | None = None
 ) -> tuple[FailedStep, ...]:
     """As `evaluate`, up to the stiffness of the bands."""
-    return _evaluate(path, out, progress, settings, ("identify", "support", "stiffness"))
+    return _evaluate(path, out, report, settings, ("identify", "support", "stiffness"))
 
 
 def _evaluate(
-    path: Path, out: Path, progress: Progress, settings: Mapping[str, Any] | None, asked: Sequence[str]
+    path: Path, out: Path, report: Report, settings: Mapping[str, Any] | None, asked: Sequence[str]
 ) -> tuple[FailedStep, ...]:
     withdraw(out)
-    progress(0.0, "opening the study")
+    reading, writing = _said(report, Stage.READING), _said(report, Stage.WRITING)
+    reading(0.0, Doing.OPENING_STUDY)
     with open_study(path, settings) as study:
         steps = tuple(step if step.step in asked else replace(step, skipped=NOT_ASKED_FOR) for step in study.steps)
         doing = {step.step for step in steps if step.skipped is None}
-        progress(0.02, "reading the logs")
-        logs = admit(study, worn="support" in doing, progress=progress)
+        reading(0.02, Doing.READING_LOGS)
+        logs = admit(study, worn="support" in doing, progress=reading)
         recordings, worn, plain = logs.recordings, logs.worn, logs.plain
-        progress(0.10, "examining the logs")
+        reading(0.10, Doing.EXAMINING_LOGS)
         findings = examine_logs(study.robot, recordings, worn, study.settings.criteria)
-        spans = _spans(bool(worn), "discrepancy" in doing)
+        spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
-            found = first = identify(study.robot, recordings, study.settings, spans["identify"](progress))
+            found = first = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
         except BadLog as error:  # what the doctor suspects comes first: it knows the cause
             raise BadLog([*suspects(findings), *error.faults]) from error
         doubts = refuse_what_made_it_worse(first, recordings, findings)
@@ -106,7 +115,7 @@ def _evaluate(
         if "discrepancy" in doing:
             with keeping(failed, "discrepancy"):
                 missing = find_missing_effects(
-                    first, recordings, missing_effects(), study.settings, spans["discrepancy"](progress)
+                    first, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY]
                 )
                 alike = filtered_alike(worn, missing.recordings, missing.settings.criteria.stored_filter)
                 discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
@@ -114,20 +123,20 @@ def _evaluate(
         support, stiffness = None, tuple[StiffnessResult, ...]()
         if worn:
             with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
-                span, twice = spans["support"](progress), discrepancy is not None and found is not first
-                begin = _part(0.0, 0.5, "", span) if twice else span
+                span, twice = spans[Stage.SUPPORT], discrepancy is not None and found is not first
+                begin = _part(0.0, 0.5, span) if twice else span
                 gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
                 support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
                 if discrepancy is not None:
                     with keeping(failed, "discrepancy"):
                         if twice:
-                            again = _part(0.5, 1.0, "without what was named, ", span)
+                            again = _part(0.5, 1.0, span)
                             earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)
                         stiffness = beside_named(found.model, gathered, stiffness, discrepancy.bands)
-        progress(0.87, "writing the results")
+        writing(0.87, Doing.WRITING_RESULTS)
         evaluation = Evaluation(
             name=study.name,
             robot=study.robot,
@@ -136,7 +145,7 @@ def _evaluate(
             inputs=study.bundle.inputs,
             findings=findings,
             identification=found.by_stated_constants(),
-            warnings=(*study.warnings, *doubts, *(each.sentence for each in failed)),
+            notices=(*study.notices, *doubts, *(Notice("failed_step", each.sentence) for each in failed)),
             files={},
             support=support,
             stiffness=stiffness if "stiffness" in doing else (),
@@ -146,7 +155,7 @@ def _evaluate(
             logs=[*(each.log for each in recordings), *(each.log for each in worn)],
         )
         write(study, evaluation, out)
-    progress(1.0, "done")
+    writing(1.0, Doing.DONE)
     return tuple(failed)
 
 
@@ -160,27 +169,44 @@ def _with_wear(
     progress: Progress,
 ) -> Discrepancy:
     """What the model of the wear lacks, behind what that of the robot lacked."""
-    progress(0.99, "looking for effects of the bands")
+    progress(0.99, Doing.LOOKING_FOR_BAND_EFFECTS, "the bands")
     beyond = look_beyond(found.model, gathered, plain, study.support_settings)
     complete = find_band_effects(found.model, gathered, stiffness, discrepancy, beyond)
     return replace(complete, findings=by_importance(complete.findings))
 
 
-def _spans(worn: bool, discrepancy: bool) -> dict[str, Callable[[Progress], Progress]]:
-    """Step -> how its own progress 0…1 maps into the whole's, by what each step takes of the time."""
-    weights = {"identify": 2.0, "discrepancy": 4.0 if discrepancy else 0.0, "support": 2.0 if worn else 0.0}
+def _spans(report: Report, worn: bool, discrepancy: bool) -> dict[Stage, Progress]:
+    """Each step's own progress 0…1 within the whole's, by what it takes of the time."""
+    weights = {
+        Stage.IDENTIFY: 2.0,
+        Stage.DISCREPANCY: 4.0 if discrepancy else 0.0,
+        Stage.SUPPORT: 2.0 if worn else 0.0,
+    }
     total, start = sum(weights.values()), 0.15
-    spans: dict[str, Callable[[Progress], Progress]] = {}
-    for step, weight in weights.items():
+    spans: dict[Stage, Progress] = {}
+    for stage, weight in weights.items():
         stop = start + 0.72 * weight / total
-        spans[step] = partial(_part, start, stop, f"{step}: ")
+        spans[stage] = _part(start, stop, _said(report, stage))
         start = stop
     return spans
 
 
-def _part(start: float, stop: float, step: str, progress: Progress) -> Progress:
-    """step: put before what is said, so that whoever listens knows where it belongs."""
-    return lambda fraction, phrase: progress(start + (stop - start) * fraction, step + phrase)
+def _said(report: Report, stage: Stage) -> Progress:
+    """Progress in words, at its stage."""
+
+    def progress(share: float, doing: Doing, of: str = "") -> None:
+        report(share, phrase(doing, of), stage)
+
+    return progress
+
+
+def _part(start: float, stop: float, progress: Progress) -> Progress:
+    """The part of a progress from `start` to `stop`."""
+
+    def part(share: float, doing: Doing, of: str = "") -> None:
+        progress(start + (stop - start) * share, doing, of)
+
+    return part
 
 
 def write(study: Study, evaluation: Evaluation, out: Path) -> None:
@@ -209,11 +235,11 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
             files[name] = file_name(name)
         evaluation = replace(evaluation, taken_over=_write_taken_over(study, evaluation, temporary, files))
         files |= _write_all_series(evaluation, temporary)
-        urdf, warnings = identified_urdf(study, found)
+        urdf, notices = identified_urdf(study, found)
         if urdf is not None:
             (temporary / URDF).write_bytes(urdf)
             files["urdf"] = URDF
-        evaluation = replace(evaluation, warnings=[*evaluation.warnings, *warnings], files=files)
+        evaluation = replace(evaluation, notices=[*evaluation.notices, *notices], files=files)
         (temporary / REPORT).write_text(render_report(evaluation), encoding="utf-8")
         content = results(evaluation)
         page = summary_page(content)
@@ -258,18 +284,14 @@ def _write_all_series(evaluation: Evaluation, folder: Path) -> dict[str, str]:
     return {f"series.{prediction.log}": f"{SERIES}/{prediction.log}.parquet" for prediction, _ in every}
 
 
-def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, list[str]]:
+def identified_urdf(study: Study, found: Identification) -> tuple[bytes | None, list[Notice]]:
     """The URDF with identified inertias, or why there is none."""
     try:
         return export_urdf(study.urdf, study.robot.tree, found.phi), []
     except PhysicallyImpossible as refused:
-        links = ", ".join(refused.links)
-        advice = "Ask for physical consistency in the settings to get one."
-        return None, [
-            f"No URDF with identified inertias was written, because no body can have those of {links}. {advice}"
-        ]
+        return None, [notice(Remark(About.NO_URDF_OF, tuple(refused.links)))]
     except BadInput as refused:
-        return None, [f"No URDF with identified inertias was written: {refused}"]
+        return None, [Notice("no_urdf", f"No URDF with identified inertias was written: {refused}")]
 
 
 def _publish(temporary: Path, out: Path) -> None:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 NEIGHBOURS = 5  # steady samples on either side whose mean the line goes through
-SAME_LENGTH = 0.1  # of a band's range of length: up to there it pulls as it did in the motions on both sides
+SHORTEST_TRAVEL = 1e-3  # [m] of a band in steady motion, from which its pull per length is taken
 
 
 def bridged(torque: Array, steady: BoolArray, half_width: Array) -> Array:
@@ -45,17 +45,28 @@ def between_motions(torque: Array, steady: BoolArray) -> Array | None:
     return np.asarray(np.interp(np.arange(len(torque)), at, value))
 
 
-def stretched_meanwhile(length: Array, acts: BoolArray, steady: BoolArray) -> BoolArray:
-    """(T, D) where a band that acts on the joint is not as long as in the joint's motions before and after.
+def doubt_at_rest(torque: Array, steady: BoolArray, half_width: Array, length: Array, acts: BoolArray) -> Array:
+    """(T, D) [N·m] standard deviation of what `bridged` gives that comes of rest alone.
 
-    length: (T, W) [m]. acts: (W, D). False for a joint that never moves steadily.
+    length: (T, W) [m]. acts: (W, D) which band acts on which joint. A band that is longer than on the line between the
+    joint's motions pulls as much more as it did in motion: torque per length is that of the joint's steady motion. No
+    more than an interval's standard deviation, and that of a joint that never moves.
     """
-    meanwhile, most = np.zeros_like(steady), SAME_LENGTH * np.ptp(length, axis=0)
-    for band, joint in zip(*np.nonzero(acts), strict=True):
-        line = between_motions(length[:, band], steady[:, joint])
-        if line is not None:
-            meanwhile[:, joint] |= np.abs(length[:, band] - line) > most[band]
-    return meanwhile & ~steady
+    doubt: Array = half_width / np.sqrt(3.0)
+    for joint in range(torque.shape[1]):
+        used = steady[:, joint] & np.isfinite(torque[:, joint])
+        if not used.any():
+            continue
+        more = np.zeros(len(torque))
+        for band in np.flatnonzero(acts[:, joint]):
+            line = between_motions(length[:, band], steady[:, joint])
+            assert line is not None
+            travel = max(float(np.ptp(length[used, band])), SHORTEST_TRAVEL)
+            more = np.maximum(more, np.abs(length[:, band] - line) / travel)
+        pull = float(np.ptp(torque[used, joint]))
+        resting = np.where(steady[:, joint], 0.0, more * pull)
+        doubt[:, joint] = np.minimum(doubt[:, joint], resting)
+    return doubt
 
 
 def scatter_at_rest(torque: Array, steady: BoolArray, half_width: Array) -> Array:

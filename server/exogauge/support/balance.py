@@ -9,6 +9,14 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.identification.disturbances import (
+    DRIFT,
+    ZERO,
+    common_columns,
+    drift_columns,
+    zero_columns,
+    zeros_in_doubt,
+)
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import Parameters, of_x
@@ -123,12 +131,27 @@ def _on_axes(equations: Equations, prepared: Prepared, alternatives: Sequence[Pa
 
 
 def slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> Iterator[tuple[int, Array]]:
-    """(place in joints, (n, P) ∂torque/∂x at the chosen samples), one joint after the other."""
+    """(place in joints, (n, P + I) ∂torque/∂x at the chosen samples, and with the inputs that all logs share, which
+    move x too), one joint after the other."""
     equations, C, view = model.equations, model.robot.axes_from_joints, prepared.low_passed
     blocks = equations.filled(prepared, samples, view.signals(samples), view.added)
+    P, phi = equations.size, model.bodies_in(prepared.log.recording)
+    direct = common_columns(equations, prepared, samples, model.cutoff_hz, phi)[:, :, equations.layout.told.axes] @ C
     for place, joint in enumerate(joints):
-        slope = np.zeros((len(samples), equations.size))
+        slope = np.zeros((len(samples), P + len(model.inputs.names)))
         for axis in np.flatnonzero(C[:, joint]):
             kind = equations.layout.axis(int(axis))
             slope[:, equations.columns()[kind]] += C[axis, joint] * blocks[kind][:, :-1]
+        if model.inputs.names:
+            slope[:, P:] = slope[:, :P] @ model.inputs.moved + direct[:, :, joint]
         yield place, slope
+
+
+def of_this_log(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> dict[str, Array]:
+    """Declared uncertainty -> (n, D, K) [N·m] what one standard deviation of each of its K inputs in this log makes of
+    the torque: drift of each motor, zero of each component of each contact sensor."""
+    C, equations = model.robot.axes_from_joints, model.equations
+    drift = model.robot.declared.kt_drift * drift_columns(equations, model.k_T, prepared, samples)
+    zeros = zero_columns(equations, prepared, samples)[:, :, equations.layout.axes] @ C[:, joints]
+    size = zeros_in_doubt(model.robot)[: zeros.shape[1]]
+    return {DRIFT: drift[:, None, :] * C[:, joints].T, ZERO: (zeros * size[:, None]).transpose(0, 2, 1)}

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
+from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
+from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_rows import WearLogs
 from exogauge.support.band_weights import autocovariance
@@ -14,28 +18,49 @@ from exogauge.support.band_weights import autocovariance
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
+SCATTER, NULL_TEST = "scatter", "null_test"
+
 
 def covariance(
     setting: Setting, fitted: Fitted, robot: Array, null: WearLogs | None = None, joint_weight: Array | None = None
 ) -> Array:
-    """(P, P) of theta about the truth: H⁻¹ (S + G C Gᵀ + n nᵀ + beliefs) H⁻¹, with H the curvature.
+    """(P, P) of theta about the truth: the sum of all `contributions`."""
+    found = contributions(setting, fitted, {ROBOT: robot}, null, joint_weight)
+    return np.asarray(sum(found.values(), np.zeros_like(fitted.hessian)))
 
-    S: what errors of this kind make of the score (they last); C: covariance of the robot's parameters, `robot`, G: how
-    the score moves with them; n: the score that the approach finds on logs without the device, `null`, where it ought
-    to be zero: what the model lacks there it lacks with the device too (A takes off what repeats). joint_weight: (D,)
-    what a sample of those counts.
+
+def contributions(
+    setting: Setting,
+    fitted: Fitted,
+    robot: Mapping[str, Array],
+    null: WearLogs | None = None,
+    joint_weight: Array | None = None,
+) -> dict[str, Array]:
+    """Name of a source -> (P, P) of theta about the truth: H⁻¹ M H⁻¹, with H the curvature, M of
+
+    scatter: S, what errors of this kind make of the score (they last), and what is believed of the springs;
+    robot: G C Gᵀ, C: covariance of the robot's parameters and of what all logs share (`RobotModel.doubt`), or its parts
+    by name; G: how the score moves with them;
+    kt_drift, ft_zero: what each log's motors and sensors alone do to it;
+    null_test: n nᵀ, n: the score that the approach finds on logs without the device, `null`, where it ought to be zero:
+    what the model lacks there it lacks with the device too (A takes off what repeats). joint_weight: (D,) what a sample
+    of those counts;
+    via_points, donning: how the device sits (`band_inputs`).
     """
-    meat, S = score_covariance(setting, fitted), len(setting.belief.mean)
-    meat[:S, :S] += setting.belief.precision
+    found, S = {SCATTER: score_covariance(setting, fitted)}, len(setting.belief.mean)
+    found[SCATTER][:S, :S] += setting.belief.precision
     G = _moved(setting, fitted)
     if G is not None:
-        meat += G @ robot @ G.T
+        found |= {name: G @ C @ G.T for name, C in robot.items()}
+    for name, own in _of_each_log(setting, fitted).items():
+        found[name] = found.get(name, np.zeros_like(own)) + own
     if null is not None and joint_weight is not None:
         n = _null_score(setting, fitted, null, joint_weight)
-        meat += np.outer(n, n)
+        found[NULL_TEST] = np.outer(n, n)
+    found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
     size = 1.0 / np.sqrt(np.maximum(np.diag(fitted.hessian), 1e-300))
     inverse = np.linalg.pinv(fitted.hessian * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
-    return np.asarray(inverse @ meat @ inverse)
+    return {name: np.asarray(inverse @ meat @ inverse) for name, meat in found.items() if meat.any()}
 
 
 def score_covariance(setting: Setting, fitted: Fitted) -> Array:
@@ -70,23 +95,39 @@ def blocks(logs: WearLogs, e: Array) -> IntArray:
 def _moved(setting: Setting, fitted: Fitted) -> Array | None:
     """(P, X) change of the score with the robot's parameters. Between the samples at which slopes are kept they are
     taken as straight."""
-    logs, total = setting.logs, None
-    for place, log in enumerate(logs.logs):
+    total = None
+    for place, log in enumerate(setting.logs.logs):
         if log.slope is None:
             return None
-        m, D, _ = log.slope.shape
-        own = np.flatnonzero(logs.log == place)
-        g = fitted.A[own][:, :D] * setting.weight[own][:, :D, None]
-        between = np.interp(np.arange(len(own)), log.sloped, np.arange(m))
-        before = np.minimum(between.astype(np.intp), max(m - 2, 0))
-        share = (between - before)[:, None, None]
-        at_slopes = np.zeros((m, D, g.shape[2]))
-        np.add.at(at_slopes, before, (1.0 - share) * g)
-        np.add.at(at_slopes, np.minimum(before + 1, m - 1), share * g)
-        flat = at_slopes.reshape(-1, g.shape[2]).astype(np.float32)
-        moved = (flat.T @ log.slope.reshape(len(flat), -1)).astype(np.float64)
+        moved = _through(setting, fitted, place, log.slope)
         total = moved if total is None else total + moved
     return total
+
+
+def _of_each_log(setting: Setting, fitted: Fitted) -> dict[str, Array]:
+    """Declared uncertainty -> (P, P) of the score, from what is each log's own."""
+    total: dict[str, Array] = {}
+    for place, log in enumerate(setting.logs.logs):
+        for name, own in log.own.items():
+            moved = _through(setting, fitted, place, own)
+            total[name] = total.get(name, np.zeros((len(moved), len(moved)))) + moved @ moved.T
+    return total
+
+
+def _through(setting: Setting, fitted: Fitted, place: int, slope: NDArray[np.float32]) -> Array:
+    """(P, X) change of the score with X inputs, from the slopes (m, D, X) of one log's torque with them."""
+    logs, log = setting.logs, setting.logs.logs[place]
+    m, D, _ = slope.shape
+    own = np.flatnonzero(logs.log == place)
+    g = fitted.A[own][:, :D] * setting.weight[own][:, :D, None]
+    between = np.interp(np.arange(len(own)), log.sloped, np.arange(m))
+    before = np.minimum(between.astype(np.intp), max(m - 2, 0))
+    share = (between - before)[:, None, None]
+    at_slopes = np.zeros((m, D, g.shape[2]))
+    np.add.at(at_slopes, before, (1.0 - share) * g)
+    np.add.at(at_slopes, np.minimum(before + 1, m - 1), share * g)
+    flat = at_slopes.reshape(-1, g.shape[2]).astype(np.float32)
+    return np.asarray((flat.T @ slope.reshape(len(flat), -1)).astype(np.float64))
 
 
 def _null_score(setting: Setting, fitted: Fitted, null: WearLogs, joint_weight: Array) -> Array:

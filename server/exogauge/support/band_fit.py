@@ -13,9 +13,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.devices.bench_line import bench_line
+from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach
+from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import covariance
 from exogauge.support.band_model import (
     NULL,
@@ -73,9 +74,9 @@ class NamedBands:
 
 def fit_device(
     device: Device, logs: WearLogs, wires: tuple[Wire, ...], null: WearLogs | None, robot: Array, sigma: Array
-) -> tuple[BandFit, list[str]]:
+) -> tuple[BandFit, list[Remark]]:
     """Fit; tie natural lengths of a group where the motions cannot tell them apart, say so, and fit again."""
-    tied, notes = device.tied, list[str]()
+    tied, notes = device.tied, list[Remark]()
     while True:
         plan = shared(device.bands, tied)
         belief, laws = _bench_belief(device.bands, plan), declared_laws(device.bands)
@@ -84,11 +85,8 @@ def fit_device(
         if group is None:
             return (_beside_beliefs(seen) if belief.precision.any() else seen), notes
         tied |= {group}
-        names = " and ".join(band.name for band in device.bands if band.group == group)
-        notes.append(
-            f"These motions cannot tell the natural lengths of {names} apart, so one is given for all of them. "
-            "A motion that lengthens them differently, such as a twist beside a bend, would."
-        )
+        names = tuple(band.name for band in device.bands if band.group == group)
+        notes.append(Remark(About.LENGTHS_TIED, names))
 
 
 def fit_beside(

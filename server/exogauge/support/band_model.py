@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Band
 from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
-from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_rows import WearLogs, Wire
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
 STIFFNESS_DOUBT = 0.2  # of a stated stiffness, one standard deviation
@@ -35,6 +36,7 @@ DAMPINGS = (0.0, *10.0 ** np.arange(-4.0, 5.0))  # of the curvature along each v
 NEAR = 1e-5  # of a value: a step that shows a slope
 SMALL = 1e-8  # relative change of the cost at which a search ends
 SOFTEST, SHORTEST = 1e-3, 1e-3  # [N/m], [m]
+EDGE = 1e-9  # relative distance at which a value lies on its bound
 SCALE = {"stiffness": 100.0, "natural_length": 0.05}  # sizes that matter [N/m, m]: what makes values comparable
 NULL = 1e-9  # share of the largest curvature below which the samples hold nothing of a direction
 SEARCHED = 2000  # samples that a search from several starts uses, or a walk along a profile
@@ -335,6 +337,13 @@ def _step(hessian: Array, g: Array, free: IntArray, low: Array, high: Array, dam
     target, lower, upper = g[free] / size, low[free] * size, high[free] * size
     step[free] = bounded_least_squares(H, target, np.minimum(lower, 0.0), np.maximum(upper, 1e-300)) / size
     return step
+
+
+def at_bounds(wear: Wear) -> BoolArray:
+    """(P,) which values lie where the search was not allowed to go on."""
+    low, high = _bounds(wear)
+    upper = np.isfinite(high) & (high - wear.theta <= EDGE * (1.0 + np.abs(high)))
+    return np.asarray((wear.theta - low <= EDGE * (1.0 + np.abs(low))) | upper)
 
 
 def _bounds(wear: Wear) -> tuple[Array, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
@@ -15,7 +15,7 @@ from exogauge.devices.routing import Routing
 from exogauge.effects.band import BandEffect, BandSignals
 from exogauge.logs.filtering import LowPass
 from exogauge.robots.tree import IntArray
-from exogauge.support.evidence import Evidence, Nothing, on_joints
+from exogauge.support.evidence import Evidence, Nothing, OwnInputs, on_joints
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -32,7 +32,8 @@ class WearLog:
 
     time: (T,) [s] from its start. posture: (T, J) [rad]. low_pass: at the rate of these samples, what the torque has
     passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
-    it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known.
+    it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known. own:
+    declared uncertainty -> (m, D, K) [N·m] one standard deviation each of what is this log's own.
     share: how many logs with the wear it stands for.
     """
 
@@ -47,6 +48,7 @@ class WearLog:
     slope: NDArray[np.float32] | None
     low_pass: LowPass | None = None
     share: float = 1.0
+    own: OwnInputs = field(default_factory=dict)
 
     def as_torque(self, pull: Array) -> Array:
         """(n, …) at the kept samples, low-passed as the torque. pull: (T, …) [N]: what flips within a moment, such as
@@ -112,6 +114,7 @@ def _kept(log: WearLog, step: int) -> WearLog:
         used=log.used[::step],
         sloped=np.zeros(0, dtype=np.intp),
         slope=None,
+        own={},
         low_pass=None,
     )
 
@@ -124,8 +127,8 @@ def rows_with(
     cutoff_hz: float,
     beside: Mapping[str, Beside] | None = None,
 ) -> WearLogs:
-    """Logs with the wear on. A counts where both runs move with the same friction, B and the prior where this run moves
-    steadily. beside: further joints, by log."""
+    """Logs with the wear on. A counts where both runs move with the same friction, B, the paired estimate and
+    the prior where this run moves steadily. beside: further joints, by log."""
     return WearLogs([_with(each, approach, cutoff_hz, beside) for each in evidences], joints, names)
 
 
@@ -158,9 +161,16 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
     log, kept = evidence.worn.log, evidence.kept
     dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
     torque, used = evidence.a_priori if approach == "prior" else evidence.b, evidence.steady
+    slope: NDArray[np.float32] | None = evidence.slope_b
+    own = evidence.own_b
     if approach == "A":
         assert evidence.a is not None
-        torque, used = evidence.a, evidence.compared & np.isfinite(evidence.a)
+        torque, used, slope = evidence.a, evidence.compared & np.isfinite(evidence.a), evidence.slope_a
+        own = evidence.own_a
+    if approach == "paired":
+        assert evidence.paired is not None
+        torque, used, slope = evidence.paired, used & np.isfinite(evidence.paired), evidence.slope_paired
+        own = evidence.own_paired
     pair = np.where(used, torque, 0.0)[kept], used[kept]
     if beside is not None:
         pair = _joined(pair, beside[log.name])
@@ -173,7 +183,8 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
         torque=pair[0],
         used=pair[1],
         sloped=np.searchsorted(kept, evidence.sloped),
-        slope=evidence.slope_a if approach == "A" else evidence.slope_b,
+        slope=slope,
+        own=own,
         low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
     )
 

@@ -15,18 +15,20 @@ from exogauge.devices.result import Approach, BandEstimate, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
-from exogauge.identification.settings import Progress
+from exogauge.progress import Doing, Progress, unwatched
+from exogauge.remarks import About, Remark
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.balance import Balance, balance
 from exogauge.support.band_fit import NamedBands
 from exogauge.support.band_weights import LEAST_SIGMA
+from exogauge.support.cross_checks import judged
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
 from exogauge.support.notes import notes_on_logs
 from exogauge.support.phases import phase_names
 from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
-from exogauge.support.same_motion import Posture
+from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 from exogauge.support.stiffness import identify_bands
 from exogauge.support.summary import summarise_joint
@@ -36,20 +38,21 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
 DEFAULTS = SupportSettings()
+APPROACHES: tuple[Approach, ...] = ("A", "B", "paired", "prior")
 
 
 @final
 @dataclass(frozen=True)
 class Gathered:
     """What all logs say before any band is known. backgrounds: by motion. joints: (D,) columns of q, names: theirs.
-    notes: what was done with the logs, in words."""
+    notes: what was done with the logs."""
 
     evidences: Sequence[Evidence]
     backgrounds: Mapping[str, Background]
     nothings: Sequence[Nothing]
     joints: IntArray
     names: Sequence[str]
-    notes: Sequence[str] = ()
+    notes: Sequence[Remark] = ()
 
 
 def estimate_support(
@@ -57,7 +60,7 @@ def estimate_support(
     plain: Sequence[PlainLog],
     worn: Sequence[WornLog],
     settings: SupportSettings = DEFAULTS,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
 ) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
     """[Evaluator] sections 5.3 and 5.4: supporting torque by A, B and the maker's values, then the bands from each."""
     return conclude_support(model, gather_support(model, plain, worn, settings, progress), worn, settings, progress)
@@ -68,7 +71,7 @@ def gather_support(
     plain: Sequence[PlainLog],
     worn: Sequence[WornLog],
     settings: SupportSettings = DEFAULTS,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
 ) -> Gathered:
     """The supporting torque of every log with a device, and what is found without one."""
     joints = acted_joints(model.robot, worn)
@@ -84,7 +87,7 @@ def gather_support(
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
         for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):
-            progress(0.2 + 0.6 * len(evidences) / len(worn), f"comparing {pair.worn.log.name}")
+            progress(0.2 + 0.6 * len(evidences) / len(worn), Doing.COMPARING_WORN, pair.worn.log.name)
             evidences.append(evidence)
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
@@ -97,21 +100,21 @@ def conclude_support(
     gathered: Gathered,
     worn: Sequence[WornLog],
     settings: SupportSettings = DEFAULTS,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
 ) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
     """Bands from what was gathered, and supporting torques joint by joint."""
     evidences, backgrounds, nothings = gathered.evidences, gathered.backgrounds, gathered.nothings
-    progress(0.8, "identifying the bands")
+    progress(0.8, Doing.IDENTIFYING_BANDS)
     devices = {each.device.name: each.device for each in worn}
     fits = [
         fit
         for device in devices.values()
         for fit in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
     ]
-    stiffness = list(side_by_side(lambda fit: fit(), fits))
-    progress(0.95, "comparing with the band model")
+    stiffness = judged(list(side_by_side(lambda fit: fit(), fits)), model.criteria.support)
+    progress(0.95, Doing.COMPARING_BAND_MODEL)
     support = _result(model, evidences, backgrounds, stiffness, gathered.names, settings)
-    return replace(support, warnings=(*gathered.notes, *support.warnings)), tuple(stiffness)
+    return replace(support, remarks=(*gathered.notes, *support.remarks)), stiffness
 
 
 def beside_named(
@@ -125,7 +128,8 @@ def beside_named(
             model, one.device, gathered.evidences, gathered.backgrounds, gathered.nothings, gathered.names, one
         )
     ]
-    again = {(each.device, each.approach): each for each in side_by_side(lambda fit: fit(), fits)}
+    found = judged(list(side_by_side(lambda fit: fit(), fits)), model.criteria.support)
+    again = {(each.device, each.approach): each for each in found}
     return tuple(again.get((each.device, each.approach), each) for each in stiffness)
 
 
@@ -161,7 +165,7 @@ def _balances(
     found = {}
     balances = side_by_side(lambda each: balance(model, model.prepare(each.log), joints), plain)
     for done, (each, own) in enumerate(zip(plain, balances, strict=True)):
-        progress(0.2 * done / len(plain), f"what is left in {each.log.name}")
+        progress(0.2 * done / len(plain), Doing.GATHERING_RESIDUALS, each.log.name)
         found[each.log.name] = own
     return found
 
@@ -198,16 +202,17 @@ def _bands(
     names: Sequence[str],
     named: NamedBands | None = None,
 ) -> Iterator[Callable[[], StiffnessResult]]:
-    """What fits them: by A where there is a log to compare with, by B, and by B with the maker's values."""
+    """What fits them: by A and the paired estimate where there is a log to compare with, by B, and by B with the
+    maker's values."""
     own = [each for each in evidences if each.worn.device.name == device.name]
     repeats = [backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
-    approaches: tuple[Approach, ...] = ("A", "B", "prior")
-    for approach in approaches:
-        used = [each for each in own if approach != "A" or each.a is not None]
+    for approach in APPROACHES:
+        used = [each for each in own if approach in ("B", "prior") or each.a is not None]
         if not used:
             continue
-        runs = [each.between_runs_steady for each in repeats if each.between_runs_steady is not None]
-        found = runs if approach == "A" and runs else [each.by_model_steady for each in repeats]
+        runs = [each.a if approach == "A" else each.paired for each in repeats]
+        known = [each.steady for each in runs if each is not None] if approach in ("A", "paired") else []
+        found = known or [each.b.steady for each in repeats]
         sigma = np.maximum(np.sqrt(np.mean(np.square(found), axis=0)), LEAST_SIGMA)
         yield partial(identify_bands, model, device, approach, used, sigma, nothings, names, named)
 
@@ -222,7 +227,7 @@ def _result(
 ) -> SupportResult:
     """Trials with their band model, and the summary of each joint."""
     trials: list[Trial] = []
-    origin: dict[str, str] = {}
+    origin: dict[str, Remark] = {}
     filled: dict[str, Device | None] = {}
     for each in evidences:
         device = each.worn.device
@@ -232,14 +237,19 @@ def _result(
     joints: list[JointSupport] = []
     for device_name, motion in dict.fromkeys((each.device, each.motion) for each in trials):
         chosen = [k for k, one in enumerate(trials) if (one.device, one.motion) == (device_name, motion)]
-        joints += [
-            summarise_joint(
-                model, [trials[k] for k in chosen], [evidences[k] for k in chosen], backgrounds[motion], joint
-            )
-            for joint in range(len(names))
-        ]
+        own, runs = [evidences[k] for k in chosen], [trials[k] for k in chosen]
+        apart = _shifts(own, names, settings)
+        joints += [summarise_joint(model, runs, own, backgrounds[motion], joint, apart) for joint in range(len(names))]
     equality = {each.log: (each.reference, each.equality) for each in trials if each.reference is not None}
     return SupportResult(tuple(trials), tuple(joints), origin, tuple(doubts(equality, settings)))
+
+
+def _shifts(evidences: Sequence[Evidence], names: Sequence[str], settings: SupportSettings) -> list[float]:
+    """[s] time in each log minus time in the first, from their starts, at the same posture."""
+    if len(evidences) == 1:
+        return [0.0]
+    first, *others = (Posture(each.worn.log, names) for each in evidences)
+    return [0.0, *(match(first, other, settings).lag_s for other in others)]
 
 
 def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: Sequence[str]) -> Trial:
@@ -263,12 +273,18 @@ def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: 
         support_a_std=evidence.std_a,
         support_b=evidence.b,
         support_b_std=evidence.std_b,
+        support_paired=evidence.paired,
+        support_paired_std=evidence.std_paired,
         support_prior=evidence.a_priori,
         band_model=band_model,
         low_a=None if evidence.a is None else evidence.a - evidence.half_a,
         high_a=None if evidence.a is None else evidence.a + evidence.half_a,
         low_b=evidence.low_b,
         high_b=evidence.low_b + 2.0 * evidence.half_b,
+        low_paired=evidence.low_paired,
+        high_paired=None
+        if evidence.low_paired is None or evidence.half_paired is None
+        else evidence.low_paired + 2.0 * evidence.half_paired,
         compared=evidence.compared,
         steady=evidence.steady,
         rest=evidence.rest,
@@ -281,18 +297,16 @@ def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: 
     )
 
 
-def with_values(device: Device, stiffness: Sequence[StiffnessResult]) -> tuple[Device | None, str]:
+def with_values(device: Device, stiffness: Sequence[StiffnessResult]) -> tuple[Device | None, Remark]:
     """The device with a stiffness and natural length for every band, and where they come from."""
     if all(band.stiffness is not None and band.natural_length is not None for band in device.bands):
-        return device, "stiffness and natural length of the device file"
+        return device, Remark(About.BANDS_OF_FILE)
     results = [each for each in stiffness if each.device == device.name and each.approach != "prior"]
     if not results:
-        return None, "none: the device file gives no stiffness or natural length"
+        return None, Remark(About.BANDS_UNKNOWN)
     found = {each.band: each for each in results[0].bands}
     bands = [_filled(band, found[band.name]) for band in device.bands]
-    return replace(device, bands=tuple(bands)), (
-        f"the device file, and what it does not say as identified by approach {results[0].approach}"
-    )
+    return replace(device, bands=tuple(bands)), Remark(About.BANDS_IDENTIFIED, beside=(results[0].approach,))
 
 
 def _filled(band: Band, found: BandEstimate) -> Band:

@@ -1,9 +1,9 @@
-"""One log with the device: both approaches, their doubt, and where the bands are, before the bands are known."""
+"""One log with the device: every approach, their doubt, and where the bands are, before the bands are known."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -15,16 +15,19 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Prediction
 from exogauge.identification.validate import predict_log
 from exogauge.logs.derivatives import differentiate
-from exogauge.support.at_rest import bridged, scatter_at_rest, stretched_meanwhile
-from exogauge.support.balance import Balance, balance, prepare_worn, slopes
+from exogauge.support.at_rest import bridged, doubt_at_rest, scatter_at_rest
+from exogauge.support.balance import balance, of_this_log, prepare_worn, slopes
+from exogauge.support.difference import difference
+from exogauge.support.paired import paired
 from exogauge.support.phases import find_phases, main_joint
-from exogauge.support.repeatability import Plain, Repeatability, difference
+from exogauge.support.repeatability import Null, Plain, Repeatability
 from exogauge.support.same_motion import Match, Posture, match
 from exogauge.support.settings import SupportSettings, WornLog
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
+OwnInputs = Mapping[str, NDArray[np.float32]]
 
 SLOPE_RATE_HZ = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
 MOST_SLOPES = 400  # per log
@@ -36,10 +39,12 @@ class Evidence:
     """T samples, D joints, W bands, P robot parameters.
 
     q: (T, D), posture: (T, J) [rad] low-passed. main: place among the D joints of the one that moves most.
-    a, b, a_priori: (T, D) [N·m] supporting torque by each approach; a is None without a reference and NaN where the
-    reference has no such moment or leaves it out. std_a, std_b: (T, D). half_a, half_b: (T, D) half of the interval
-    that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
-    kept: samples for a fit. sloped: (n,) samples of slope_b, slope_a: (n, D, P) ∂torque/∂x.
+    a, b, paired, a_priori: (T, D) [N·m] supporting torque by each approach; a and paired are None without a reference
+    and NaN where the reference has no such moment or leaves it out. std_…: (T, D). low_…, half_…: (T, D) lower end and
+    half of the interval that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
+    kept: samples for a fit. sloped: (n,) samples of slope_…: (n, D, P + I) ∂torque/∂x and with the common inputs
+    (`RobotModel.doubt`). own_…: declared uncertainty -> (n, D, K) [N·m] one standard deviation each of what is this
+    log's own, and its partner's.
     """
 
     worn: WornLog
@@ -67,6 +72,14 @@ class Evidence:
     slope_b: NDArray[np.float32]
     slope_a: NDArray[np.float32] | None
     prediction: Prediction
+    own_b: OwnInputs = field(default_factory=dict)
+    own_a: OwnInputs = field(default_factory=dict)
+    paired: Array | None = None
+    std_paired: Array | None = None
+    low_paired: Array | None = None
+    half_paired: Array | None = None
+    slope_paired: NDArray[np.float32] | None = None
+    own_paired: OwnInputs = field(default_factory=dict)
 
 
 @final
@@ -111,12 +124,15 @@ def gather(
     geometry = routing.geometry(prepared.motion.q)
     sloped = _sloped(prepared)
     slope_b = _slopes(model, prepared, sloped, joints)
-    std_b = _spread(model.covariance, slope_b, sloped, own, repeats.by_model_steady, repeats.by_model_other)
+    own_b = _own_inputs(model, prepared, sloped, joints)
+    std_b = _spread(model.doubt, slope_b, own_b, sloped, own.steady, repeats.b.steady, repeats.b.other)
     half_b = own.rest * background.held
     jacobian = on_joints(geometry.jacobian, routing, joints)
-    stretched = stretched_meanwhile(geometry.length, np.any(jacobian, axis=0), own.steady)
-    std_b = _with_rest(std_b, own.torque, own.steady, half_b, on_line=~stretched)
-    a = std_a = slope_a = found = reference = None
+    at_rest = doubt_at_rest(own.torque, own.steady, half_b, geometry.length, np.any(jacobian, axis=0))
+    std_b = np.hypot(std_b, at_rest)
+    a = std_a = slope_a = found = reference = pair = std_pair = slope_pair = None
+    own_a: OwnInputs = {}
+    own_pair: OwnInputs = {}
     half_a, compared = np.zeros_like(half_b), np.zeros_like(own.steady)
     if background.reference is not None:
         plain = background.plains[background.reference]
@@ -124,9 +140,17 @@ def gather(
         apart = difference(own, plain.balance, found)
         a, compared, half_a, reference = apart.torque, apart.compared, apart.rest * background.held, plain.name
         slope_a = slope_b - _slopes(model, plain.balance.prepared, apart.nearest[sloped], joints)
-        steady, other = _between_runs(repeats)
-        std_a = _spread(model.covariance, slope_a, sloped, own, steady, other)
-        std_a = _with_rest(std_a, apart.torque, apart.compared, half_a)
+        partner = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints)
+        own_a = _with_partner(own_b, partner)
+        std_a = _spread(model.doubt, slope_a, own_a, sloped, own.steady, *_between_runs(repeats.a, repeats))
+        std_a = _with_rest(std_a, a, compared, half_a)
+        pair = paired(own, plain.balance, apart, background.held)
+        theirs = pair.from_partner[None, :, None]
+        slope_pair = np.where(theirs, slope_a, slope_b)
+        taken_off = {name: np.where(theirs, each, np.float32(0.0)) for name, each in partner.items()}
+        own_pair = _with_partner(own_b, taken_off)
+        steady, other = _between_runs(repeats.paired, repeats)
+        std_pair = np.hypot(_spread(model.doubt, slope_pair, own_pair, sloped, own.steady, steady, other), at_rest)
     main = main_joint(q)
     return Evidence(
         worn=worn,
@@ -153,9 +177,17 @@ def gather(
         sloped=sloped,
         slope_b=slope_b,
         slope_a=slope_a,
+        own_b=own_b,
+        own_a=own_a,
         prediction=predict_log(
             model.equations, prepared, model.identified, model.a_priori, model.k_T, True, model.prepared
         ),
+        paired=None if pair is None else pair.torque,
+        std_paired=std_pair,
+        low_paired=None if pair is None else pair.middle - pair.half,
+        half_paired=None if pair is None else pair.half,
+        slope_paired=slope_pair,
+        own_paired=own_pair,
     )
 
 
@@ -167,26 +199,21 @@ def on_joints(values: Array, routing: Routing, joints: IntArray) -> Array:
     return out
 
 
-def _between_runs(repeats: Repeatability) -> tuple[Array, Array]:
-    """Spread of approach A. From one log without the device only, the model's error stands in, once for each run."""
-    if repeats.between_runs_steady is None or repeats.between_runs_other is None:
-        return np.sqrt(2.0) * repeats.by_model_steady, np.sqrt(2.0) * repeats.by_model_other
-    return repeats.between_runs_steady, repeats.between_runs_other
+def _between_runs(found: Null | None, repeats: Repeatability) -> tuple[Array, Array]:
+    """Spread of what compares runs. From one log without the device only, the model's error stands in, once for each
+    run."""
+    if found is None:
+        return np.sqrt(2.0) * repeats.b.steady, np.sqrt(2.0) * repeats.b.other
+    return found.steady, found.moves
 
 
-def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array, on_line: BoolArray | None = None) -> Array:
-    """(T, D) std with what friction at rest may add: for a joint that also moves, how far the torque at rest stands
-    off the line between its motions; for one that never moves, an interval's standard deviation. on_line: (T, D) where
-    the line itself is taken, for which nothing is added where it holds, and an interval's standard deviation elsewhere.
-    """
+def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array) -> Array:
+    """(T, D) std of approach A with what friction at rest may add: for a joint that also moves, how far the torque at
+    rest stands off the line between its motions; for one that never moves, an interval's standard deviation."""
     scatter = scatter_at_rest(torque, steady, half)
-    alone = half / np.sqrt(3.0)
-    if on_line is None:
-        most = np.max(half, axis=0, initial=1e-300)
-        moved = (half / most) * np.nan_to_num(scatter)
-    else:
-        moved = np.where(on_line, 0.0, alone)
-    return np.asarray(np.hypot(std, np.where(np.isnan(scatter), alone, moved)))
+    most = np.max(half, axis=0, initial=1e-300)
+    moved = (half / most) * np.nan_to_num(scatter)
+    return np.asarray(np.hypot(std, np.where(np.isnan(scatter), half / np.sqrt(3.0), moved)))
 
 
 def _sloped(prepared: Prepared) -> IntArray:
@@ -197,22 +224,41 @@ def _sloped(prepared: Prepared) -> IntArray:
 
 
 def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> NDArray[np.float32]:
-    out = np.zeros((len(samples), len(joints), model.equations.size), dtype=np.float32)
+    out = np.zeros((len(samples), len(joints), model.equations.size + len(model.inputs.names)), dtype=np.float32)
     for place, slope in slopes(model, prepared, samples, joints):
         out[:, place] = slope
     return out
 
 
+def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> OwnInputs:
+    """Those that act on these joints."""
+    found = of_this_log(model, prepared, samples, joints)
+    return {name: each[:, :, each.any(axis=(0, 1))].astype(np.float32) for name, each in found.items()}
+
+
+def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:
+    """Both runs err, each for itself."""
+    return {name: np.concatenate([each, partner[name]], axis=2) for name, each in own.items()}
+
+
 def _spread(
-    covariance: Array, slope: NDArray[np.float32], sloped: IntArray, own: Balance, steady: Array, other: Array
+    covariance: Array,
+    slope: NDArray[np.float32],
+    inputs: OwnInputs,
+    sloped: IntArray,
+    moves: BoolArray,
+    steady: Array,
+    other: Array,
 ) -> Array:
-    """(T, D) standard deviation: of the robot's parameters, and of what does not repeat, by regime."""
-    everywhere = np.arange(len(own.torque))
-    result = np.where(own.steady, steady**2, other**2)
+    """(T, D) standard deviation: of the robot's parameters and what is declared, and of what does not repeat, by
+    regime."""
+    everywhere = np.arange(len(moves))
+    result = np.where(moves, steady**2, other**2)
     for joint in range(slope.shape[1]):
         S = slope[:, joint]
         live = np.flatnonzero(S.any(axis=0))
         part = S[:, live].astype(np.float64)
         variance = np.einsum("np,pq,nq->n", part, covariance[np.ix_(live, live)], part, optimize=True)
+        variance += sum(np.sum(each[:, joint].astype(np.float64) ** 2, axis=1) for each in inputs.values())
         result[:, joint] += np.interp(everywhere, sloped, np.maximum(variance, 0.0))
     return np.sqrt(result)

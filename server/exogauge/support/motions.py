@@ -10,6 +10,7 @@ import numpy as np
 
 from exogauge.devices.routing import Routing
 from exogauge.errors import BadStudy, Fault
+from exogauge.remarks import About, Remark
 from exogauge.robots.description import Robot
 from exogauge.robots.tree import IntArray
 from exogauge.support.result import JointEquality
@@ -64,12 +65,15 @@ def require_same_motions(
         raise BadStudy(faults)
 
 
-def doubts(trials: Mapping[str, tuple[str, Sequence[JointEquality]]], settings: SupportSettings) -> list[str]:
-    """Sentences about motions that are only nearly the same. trials: log -> (its reference, equality)."""
+def doubts(trials: Mapping[str, tuple[str, Sequence[JointEquality]]], settings: SupportSettings) -> list[Remark]:
+    """Of motions that are only nearly the same. trials: log -> (its reference, equality)."""
     return [
-        f"{log} and {reference} differ in the motion of {each.joint}: {100 * each.dq_share:.0f} % of its rms velocity "
-        f"(limit {100 * settings.doubtful:.0f} %), {each.q_rms:.3g} rad rms. Approach A takes off what the model says "
-        "of the difference; unmodelled friction is not taken off."
+        Remark(
+            About.MOTION_DOUBTFUL,
+            (log, reference),
+            beside=(each.joint,),
+            numbers=(each.dq_share, settings.doubtful, each.q_rms),
+        )
         for log, (reference, equality) in trials.items()
         for each in equality
         if each.verdict == "doubtful"

@@ -1,20 +1,20 @@
-"""What both approaches find on logs without a device, where the truth is zero: how far they can be believed."""
+"""What every approach finds on logs without a device, where the truth is zero: how far they can be believed."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from exogauge.identification.model import RobotModel
 from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
-from exogauge.support.same_motion import Match, Posture, match
+from exogauge.support.difference import difference
+from exogauge.support.paired import paired
+from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
 Array = NDArray[np.float64]
@@ -37,85 +37,92 @@ class Plain:
 
 @final
 @dataclass(frozen=True)
-class Difference:
-    """torque: (T, D) [N·m] this run minus the other at the same posture, NaN where the other has none, and where one of
-    them is left out.
+class Null:
+    """What an approach finds where the truth is zero, (D,) [N·m] each. What is left out (`Log.left_out`) is in none.
 
-    compared: (T, D) both move steadily with the same friction. rest: (T, D) sum of both runs' shares at rest.
-    nearest: (T,) sample of the other run.
+    RMS of the number that is told in steady motion, elsewhere, and over all samples. moves: elsewhere, of A at starts,
+    stops and turns alone: what it holds at rest has a doubt of its own. mean: RMS over the logs of their
+    means in steady motion.
+    lasting: regime -> (D,) [s].
     """
 
-    torque: Array
-    compared: BoolArray
-    rest: Array
-    nearest: NDArray[np.intp]
-
-
-def difference(this: Balance, other: Balance, found: Match) -> Difference:
-    """Approach A in full: both runs' unexplained torque, subtracted after alignment.
-
-    Implements [Evaluator] (3). Differs from print: with the difference of the contact forces and of Y_j φ, so that
-    the feet may be loaded differently and the motions need not be equal to the last digit (equations.md).
-    """
-    since = this.time - this.time[0] + found.lag_s
-    clock = other.time - other.time[0]
-    covered = np.zeros(len(since), dtype=np.bool_)
-    covered[found.first : found.last] = True
-    covered &= ~this.left_out
-    at = np.clip(since, 0.0, clock[-1])
-    nearest = np.clip(np.round(np.interp(at, clock, np.arange(len(clock)))).astype(np.intp), 0, len(clock) - 1)
-    covered &= ~other.left_out[nearest]
-    torque = this.torque - np.asarray(make_interp_spline(clock, other.torque, k=3)(at))
-    same = np.all(this.sign == other.sign[nearest], axis=2)
-    return Difference(
-        torque=np.where(covered[:, None], torque, np.nan),
-        compared=covered[:, None] & this.steady & other.steady[nearest] & same,
-        rest=this.rest + other.rest[nearest],
-        nearest=nearest,
-    )
+    steady: Array
+    other: Array
+    whole: Array
+    moves: Array
+    mean: Array
+    lasting: Mapping[str, Array]
 
 
 @final
 @dataclass(frozen=True)
 class Repeatability:
-    """(D,) each [N·m], RMS of what ought to be zero; steady: in steady motion, other: at starts, stops and turns.
+    """b: on logs without the device. a, paired: on the first of them against the last of the same motion, so that what
+    drifts is in them; None where there is only one."""
 
-    by_model: approach B's, on logs without the device; between_runs: approach A's, between two of them, None where
-    there is only one. Without a suffix: over all samples. What is left out (`Log.left_out`) is in none.
-    """
+    b: Null
+    a: Null | None
+    paired: Null | None
 
-    by_model_steady: Array
-    by_model_other: Array
-    between_runs_steady: Array | None
-    between_runs_other: Array | None
-    by_model: Array
-    between_runs: Array | None
+    @property
+    def between_runs_steady(self) -> Array:
+        """(D,) [N·m] of approach A; from one log only the model's error stands in, once for each run."""
+        return np.asarray(np.sqrt(2.0) * self.b.steady if self.a is None else self.a.steady)
 
 
 def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSettings) -> Repeatability:
     """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest."""
-    balances = [plain.balance for plain in plains]
-    torque, steady = (np.concatenate([getattr(b, name) for b in balances]) for name in ("torque", "steady"))
-    moving = np.concatenate([~(b.at_rest | b.left_out[:, None]) for b in balances])
-    whole = np.concatenate([~b.left_out for b in balances])[:, None] & np.ones_like(steady)
-    pairs = [
-        difference(this.balance, other.balance, match(this.posture, other.posture, settings))
-        for this, other in itertools.pairwise(plains)
-        if this.motion is not None and this.motion == other.motion
-    ]
-    runs = None
-    if pairs:
-        apart = np.concatenate([pair.torque for pair in pairs])
-        compared = np.concatenate([pair.compared for pair in pairs])
-        runs = apart, compared, np.concatenate([pair.rest for pair in pairs]) < 0.5
-    return Repeatability(
-        _rms(torque, steady),
-        _rms(torque, moving & ~steady),
-        None if runs is None else _rms(runs[0], runs[1]),
-        None if runs is None else _rms(runs[0], runs[2] & ~runs[1]),
-        _rms(np.concatenate([bridged(b.torque, b.steady, b.rest * held) for b in balances]), whole),
-        None if runs is None else _rms(runs[0], np.ones_like(runs[1])),
+    by_b, by_a, by_pair = list[_Seen](), list[_Seen](), list[_Seen]()
+    for own in (plain.balance for plain in plains):
+        whole = ~own.left_out[:, None] & np.ones_like(own.steady)
+        told = bridged(own.torque, own.steady, own.rest * held)
+        by_b.append(_Seen(told, own.steady & whole, ~own.steady & whole, _step(own)))
+    for first, last in _first_and_last(plains):
+        this, other = first.balance, last.balance
+        apart = difference(this, other, match(first.posture, last.posture, settings))
+        by_a.append(_Seen(apart.torque, apart.compared, ~apart.compared, _step(this), apart.rest < 0.5))
+        by_pair.append(_Seen(paired(this, other, apart, held).torque, this.steady, ~this.steady, _step(this)))
+    b = _null(by_b)
+    assert b is not None
+    return Repeatability(b, _null(by_a), _null(by_pair))
+
+
+def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
+    """Of every motion that was repeated: not neighbours, so that what drifts slowly shows."""
+    found = []
+    for motion in dict.fromkeys(plain.motion for plain in plains if plain.motion is not None):
+        same = [plain for plain in plains if plain.motion == motion]
+        if len(same) > 1:
+            found.append((same[0], same[-1]))
+    return found
+
+
+@final
+@dataclass(frozen=True)
+class _Seen:
+    """(T, D) each: the number that is told, and the samples of each regime; moves: of the other one, those of which an
+    RMS is taken where rest has a doubt of its own."""
+
+    told: Array
+    steady: BoolArray
+    other: BoolArray
+    step_s: float
+    moves: BoolArray | bool = True
+
+
+def _null(seen: Sequence[_Seen]) -> Null | None:
+    if not seen:
+        return None
+    told, steady, other = (
+        np.concatenate([getattr(each, name) for each in seen]) for name in ("told", "steady", "other")
     )
+    moves = np.concatenate([each.other & each.moves for each in seen])
+    step = np.concatenate([np.full(len(each.told), each.step_s) for each in seen])[:, None]
+    means = [_mean(each.told, each.steady) for each in seen]
+    regimes = {"steady": steady, "other": other, "whole": steady | other}
+    lasting = {name: np.sum(step * (chosen & np.isfinite(told)), axis=0) for name, chosen in regimes.items()}
+    size = {name: _rms(told, chosen) for name, chosen in regimes.items()}
+    return Null(**size, moves=_rms(told, moves), mean=np.sqrt(np.mean(np.square(means), axis=0)), lasting=lasting)
 
 
 def held_friction(model: RobotModel, own: Balance) -> Array:
@@ -132,3 +139,14 @@ def _rms(values: Array, chosen: BoolArray) -> Array:
     """(D,) over the chosen samples that are finite; 0 where there are none."""
     used = chosen & np.isfinite(values)
     return np.asarray(np.sqrt(np.sum(np.where(used, values, 0.0) ** 2, axis=0) / np.maximum(used.sum(axis=0), 1)))
+
+
+def _mean(values: Array, chosen: BoolArray) -> Array:
+    """(D,) over the chosen samples that are finite; 0 where there are none."""
+    used = chosen & np.isfinite(values)
+    return np.asarray(np.sum(np.where(used, values, 0.0), axis=0) / np.maximum(used.sum(axis=0), 1))
+
+
+def _step(own: Balance) -> float:
+    """[s]"""
+    return float((own.time[-1] - own.time[0]) / max(len(own.time) - 1, 1))

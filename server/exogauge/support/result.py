@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.devices.result import Estimate
 from exogauge.identification.result import Prediction
+from exogauge.remarks import Remark
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -39,13 +40,13 @@ class JointEquality:
 class Trial:
     """One log with the device; T samples on its own times, D joints on which the bands act.
 
-    reference: the log without the device that approach A compared it with, None where there is none; lag_s: how much
+    reference: the log without the device that it was compared with, None where there is none; lag_s: how much
     later the same motion comes in it [s].
-    q: (T, D) [rad]. All torques (T, D) [N·m] on the joint, positive along it, low-passed; A and its std are None
-    without a reference. Where friction holds a joint the data give an interval only: low_a, high_a, low_b, high_b
-    (T, D), one number elsewhere. There b and prior are the value in it nearest to the line between the motions before
-    and after (a passive device pulls alike while nothing moves), or its middle where the joint never moves; a is
-    its middle.
+    q: (T, D) [rad]. All torques (T, D) [N·m] on the joint, positive along it, low-passed; those of A and of the
+    paired estimate are None without a reference. Where friction holds a joint the data give an interval only: low_…,
+    high_… (T, D), one number elsewhere. There b, paired and prior are the value in it nearest to the line between the
+    motions before and after (a passive device pulls alike while nothing moves), or its middle where the joint never
+    moves; a is its middle.
     *_std: one standard deviation, of parameters, noise and coloured residuals together.
     band_model: what the device file's bands give (or identified ones, see SupportResult), None if no values are known.
     compared: A's samples in which both runs move the same way; steady: this run moves steadily, where the
@@ -81,12 +82,17 @@ class Trial:
     length: Mapping[str, Array]
     tension: Mapping[str, Array]
     prediction: Prediction
+    support_paired: Array | None = None
+    support_paired_std: Array | None = None
+    low_paired: Array | None = None
+    high_paired: Array | None = None
 
 
 @final
 @dataclass(frozen=True)
 class Effort:
-    """peak: [N·m] largest mean over 0.2 s, with its sign; mean [N·m]; integral [N·m·s]."""
+    """peak: [N·m] mean over 0.2 s where it is largest in the other trials, with its sign; mean [N·m]; integral
+    [N·m·s]."""
 
     peak: Estimate
     mean: Estimate
@@ -95,23 +101,35 @@ class Effort:
 
 @final
 @dataclass(frozen=True)
+class Best:
+    """approach: `a`, `b` or `paired`. as_good: those whose null test does not differ from the best one's by more than
+    chance, among which the smallest doubt decides; the approach itself is among them."""
+
+    approach: str
+    as_good: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True)
 class PhaseEffort:
-    """phase: lowering, holding, raising or standing. duration_s: mean over the trials. by: approach -> effort."""
+    """phase: lowering, holding, raising or standing. duration_s: mean over the trials. by: approach -> effort. best:
+    of which the headline is."""
 
     phase: str
     duration_s: float
     by: Mapping[str, Effort]
+    best: Best | None = None
 
 
 @final
 @dataclass(frozen=True)
 class JointSupport:
-    """One joint in one motion with one device, over all trials. Approaches: `a`, `b`, `prior`, `band_model`.
+    """One joint in one motion with one device, over all trials. Approaches: `a`, `b`, `paired`, `prior`, `band_model`.
 
     rmse: approach -> RMSE [N·m] against the band model, all samples; rmse_steady: where both runs move steadily.
     by: approach -> effort over the whole motion, mean over the trials, std with their spread in it; spread: approach
     -> standard deviation of the mean supporting torque between trials [N·m].
-    null: approach -> RMS [N·m] of what the approach gives on logs without the device, where the truth is 0.
+    best: of which approach the headline is. null: approach -> RMS [N·m] of what it gives on logs without the device.
     masked_share: of A's samples left out because the runs' friction differs; rest_share: of samples at rest.
     rest_half_width: [N·m] half of the interval at rest by B.
     slides: the joint does, so that what is in N·m is in N, and what is in rad in m.
@@ -134,6 +152,7 @@ class JointSupport:
     rest_share: float
     rest_half_width: float
     slides: bool = False
+    best: Best | None = None
 
     @property
     def unit(self) -> str:
@@ -143,9 +162,9 @@ class JointSupport:
 @final
 @dataclass(frozen=True)
 class SupportResult:
-    """band_model: device -> where the values of its band model come from, in words."""
+    """band_model: device -> where the values of its band model come from."""
 
     trials: tuple[Trial, ...]
     joints: tuple[JointSupport, ...]
-    band_model: Mapping[str, str]
-    warnings: tuple[str, ...]
+    band_model: Mapping[str, Remark]
+    remarks: tuple[Remark, ...]

@@ -1,32 +1,37 @@
-"""The bands of a device from one approach's supporting torques: values, doubt, and what these motions cannot tell."""
+"""The bands of a device from one approach's supporting torques: values, doubt, and what these motions cannot tell.
+
+95 % intervals: symmetric where the estimate is, by profile likelihood where its doubt is skewed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from exogauge.devices.bench_line import bench_line
+from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
+from exogauge.devices.result import Approach, BandEstimate, Estimate, Share, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import LINEAR
 from exogauge.identification.model import RobotModel
+from exogauge.identification.type_b import ROBOT
+from exogauge.remarks import About, Remark
+from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
-from exogauge.support.band_interval import QUANTILE, interval
-from exogauge.support.band_model import fit
+from exogauge.support.band_model import Fitted, Setting, at_bounds, fit, thinned
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
+from exogauge.support.cross_checks import within
 from exogauge.support.evidence import Evidence, Nothing
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 LEAST_PULL = 1e-3  # [N] of a band: less is none
-KNOWN = 0.5  # std over the value (over the largest stretch, for a length) up to which the data decide
 
 
 def identify_bands(
@@ -45,15 +50,15 @@ def identify_bands(
     fitted beside the springs, which are then believed as the search believes them: beside hardening, say, a motion
     leaves next to nothing of a spring's own stiffness.
     """
-    notes = _stated_laws(device)
+    notes, robot_doubt = _stated_laws(device), model.a_priori_doubt if approach == "prior" else model.doubt
     if named is not None and named.approach == approach:
         seen = named.fit
     else:
         columns = np.array([model.robot.tree.joints.index(name) for name in joints])
         logs = rows_with(evidences, approach, columns, joints, model.cutoff_hz)
-        null = None if approach == "A" else rows_without(nothings, evidences, approach, columns, joints)
+        null = None if approach in ("A", "paired") else rows_without(nothings, evidences, approach, columns, joints)
         wires = band_wires(logs, Routing(model.robot.tree, device.bands))
-        robot = model.a_priori_covariance if approach == "prior" else model.covariance
+        robot = robot_doubt
         if named is None:
             seen, told = fit_device(device, logs, wires, null, robot, sigma)
             notes += told
@@ -63,32 +68,37 @@ def identify_bands(
     known = {place for place in range(len(plan.names)) if seen.setting.belief.precision[place, place] > 0.0}
     blind = {name for direction in fitted.null_directions for name in involved(plan, direction)}
     blind |= _without_pull(seen, known)
-    doubt = seen.covariance(fitted)
+    of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
+    shares = contributions(seen.setting, fitted, of_robot, seen.null, seen.joint_weight)
+    doubt = np.sum(list(shares.values()), axis=0)
     for index, name in enumerate(plan.names):
         if name in blind:
             doubt[index, index] = np.inf
     std = np.sqrt(np.diag(doubt))[: len(plan.names)]
     with np.errstate(invalid="ignore"):
         correlation = doubt[: len(std), : len(std)] / np.outer(std, std)
+    edge, criteria = _at_bounds_of_each(seen), model.criteria.support
     return StiffnessResult(
         device=device.name,
         approach=approach,
-        bands=tuple(_estimate(band, k, seen, doubt, blind, named) for k, band in enumerate(device.bands)),
+        bands=tuple(
+            _estimate(band, k, seen, shares, doubt, blind, edge[k], criteria.known, named)
+            for k, band in enumerate(device.bands)
+        ),
         parameters=plan.names,
         correlation=correlation,
         rms=dict(zip(joints, map(float, rms(seen.setting.logs, fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
         notes=tuple(notes),
+        cross_checks=() if approach == "prior" else within(seen, device.bands, of_robot, criteria),
     )
 
 
-def _stated_laws(device: Device) -> list[str]:
+def _stated_laws(device: Device) -> list[Remark]:
     """That a law's values were taken as stated, so that no doubt of them is in what is told."""
     other = [band for band in device.bands if band.law != LINEAR]
-    if not other:
-        return []
-    names = ", ".join(f"{band.name} ({band.law})" for band in other)
-    return [f"Fitted with the law that device.yaml states, its values as stated and not doubted: {names}."]
+    names, laws = tuple(band.name for band in other), tuple(band.law for band in other)
+    return [Remark(About.LAW_STATED, names, beside=laws)] if other else []
 
 
 def _without_pull(seen: BandFit, known: set[int]) -> set[str]:
@@ -103,6 +113,21 @@ def _pulling(seen: BandFit) -> BoolArray:
     wear, wires = seen.fitted.wear, seen.setting.wires
     longest = np.array([wire.longest for wire in wires[: len(wear.k)]])
     return np.asarray(wear.k * (longest - wear.l_0) > LEAST_PULL)
+
+
+def _at_bounds_of_each(seen: BandFit) -> list[tuple[str, ...]]:
+    """By band, what is at a bound of all that bears on its stiffness: the group's own, its lengths, what was added."""
+    wear, plan = seen.fitted.wear, seen.fitted.wear.layout
+    edge, found = at_bounds(wear), list[tuple[str, ...]]()
+    added = [each for each in wear.added for _ in each.coefficients]
+    for k in range(len(plan.stiffness)):
+        shared = np.flatnonzero(plan.stiffness == plan.stiffness[k])
+        places = [plan.stiffness[k], *plan.natural_length[shared]]
+        names = [plan.names[place] for place in dict.fromkeys(places) if edge[place]]
+        beside = zip(added, edge[len(plan.names) :], strict=True)
+        names += [each.effect.name for each, reached in beside if reached and each.wire in shared]
+        found.append(tuple(dict.fromkeys(names)))
+    return found
 
 
 def _longer_than(seen: BandFit, k: int) -> float:
@@ -132,7 +157,15 @@ def true_stiffness(band: Band) -> float | None:
 
 
 def _estimate(
-    band: Band, k: int, seen: BandFit, doubt: Array, blind: set[str], named: NamedBands | None
+    band: Band,
+    k: int,
+    seen: BandFit,
+    shares: Mapping[str, Array],
+    doubt: Array,
+    blind: set[str],
+    edge: tuple[str, ...],
+    known: float,
+    named: NamedBands | None,
 ) -> BandEstimate:
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
@@ -144,7 +177,8 @@ def _estimate(
     l_interval = interval(seen.setting, seen.fitted, doubt, l_at, stretch)
     if not pulls and np.isfinite(k_std):
         l_interval = (_longer_than(seen, k), np.inf)
-    k_known, l_known = k_std <= KNOWN * value and np.isfinite(k_interval[1]), l_std <= KNOWN * stretch
+    k_known = k_std <= known * value and np.isfinite(k_interval[1]) and not edge
+    l_known = l_std <= known * stretch and not edge
     stiffness, length = (
         Estimate(np.nan if name in blind else float(wear.springs[place]), float(np.sqrt(doubt[place, place])), unit)
         for name, place, unit in zip(names, own, ("N/m", "m"), strict=True)
@@ -160,20 +194,82 @@ def _estimate(
         error_percent=None if truth is None or names[0] in blind else 100.0 * (value - truth) / truth,
         identifiable=bool(k_known),
         length_identifiable=bool(l_known),
-        note=_note(band, pulls, names, blind, k_known, l_known),
+        note=_note(band, pulls, names, blind, edge, k_known, l_known),
         with_effects=named is not None,
         longest=wire.longest,
+        budget=_budget(shares, k_at, l_at) if np.isfinite(k_std) else (),
     )
 
 
-def _note(band: Band, pulls: bool, own: Sequence[str], blind: set[str], k_known: bool, l_known: bool) -> str:
-    unseen = [name for name in own if name in blind]
+def _budget(shares: Mapping[str, Array], k_at: int, l_at: int) -> tuple[Share, ...]:
+    def std(C: Array, place: int) -> float:
+        return float(np.sqrt(max(float(C[place, place]), 0.0)))
+
+    found = [Share(source, std(C, k_at), std(C, l_at)) for source, C in shares.items()]
+    return tuple(sorted(found, key=lambda each: -each.stiffness))
+
+
+def _note(
+    band: Band, pulls: bool, own: Sequence[str], blind: set[str], edge: tuple[str, ...], k_known: bool, l_known: bool
+) -> Remark | None:
+    unseen = tuple(name for name in own if name in blind)
     if not pulls and unseen:
-        return f"{band.name} pulls nowhere in these motions, as if slack throughout: they say nothing of it."
+        return Remark(About.PULLS_NOWHERE, (band.name,))
     if unseen:
-        others = ", ".join(sorted(blind - set(unseen)))
-        from_others = f"cannot tell {' and '.join(unseen)} from {others}" if others else f"say nothing of {unseen[0]}"
-        return f"These motions {from_others}."
+        others = tuple(sorted(blind - set(unseen)))
+        return Remark(About.NOT_TOLD_APART, unseen, beside=others) if others else Remark(About.NOT_TOLD, unseen[:1])
+    if edge:
+        return Remark(About.BOUND_REACHED, edge)
     if not k_known:
-        return "The doubt is more than half of the value: a motion that stretches this band further would decide."
-    return "" if l_known else "The natural length is hardly decided by these motions."
+        return Remark(About.STIFFNESS_OPEN)
+    return None if l_known else Remark(About.LENGTH_OPEN)
+
+
+QUANTILE = 1.959964
+SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
+REACH = 12.0  # standard deviations within which the ends of a profile are sought
+SHORTEST = 1e-3  # [N/m or m] of either value
+
+
+def interval(
+    setting: Setting, fitted: Fitted, covariance: Array, index: int, relative_to: float
+) -> tuple[float, float]:
+    """(low, high) of one spring's value. relative_to: its size, against which its std says whether the doubt is skewed.
+
+    The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
+    both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
+    infinite.
+    """
+    std, value = float(np.sqrt(covariance[index, index])), float(fitted.wear.springs[index])
+    if not np.isfinite(std):
+        return 0.0, np.inf
+    if std < SKEWED * relative_to:
+        return value - QUANTILE * std, value + QUANTILE * std
+    few = thinned(setting)
+    coarse = fit(few, fitted.wear)
+    size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
+    curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
+    share = float(curvature[index, index]) * size[index] ** 2 / std**2
+    shift = value - float(coarse.wear.springs[index])
+
+    def excess(candidate: float) -> float:
+        held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
+        return float(share * (held.cost - coarse.cost) - QUANTILE**2)
+
+    return (
+        _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0,
+        _crossing(excess, value, std, value + REACH * std) or np.inf,
+    )
+
+
+def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:
+    """Where the profile crosses its level, going from value by steps towards limit; None if it does not."""
+    near = value
+    while (limit - near) * np.sign(step) > 0.0:
+        far = near + step
+        far = min(far, limit) if step > 0.0 else max(far, limit)
+        if excess(far) > 0.0:
+            return float(brentq(excess, near, far, xtol=1e-3 * abs(step)))
+        near = far
+        step *= 1.5
+    return None

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from exogauge.errors import BadInput, Fault, Unavailable
+from exogauge.synthetic.disturbances import DEFAULT, chosen
 
 
 def write_sample(
@@ -17,13 +18,20 @@ def write_sample(
     suit: str = "both",
     progress: Callable[[float, str], None] | None = None,
     processes: int = 1,
+    realism: str = DEFAULT,
+    added: Sequence[str] = (),
+    left_out: Sequence[str] = (),
 ) -> None:
-    """Write a whole synthetic study folder into `out`, truth.json included; see `study.write_study`."""
+    """Write a whole synthetic study folder into `out`, truth.json included; see `study.write_study`.
+
+    realism, added, left_out: what the laboratory does to it, in the words of `disturbances.chosen`.
+    """
     if find_spec("mujoco") is None:
         raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
     from exogauge.synthetic.study import write_study
 
-    write_study(out, seed, hidden, suit, progress, processes=processes)
+    disturbed = chosen(realism, added, left_out)
+    write_study(out, seed, hidden, suit, progress, processes=processes, disturbed=disturbed)
 
 
 def write_payload_sample(out: Path, seed: int, hidden: Sequence[str] | None = None) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from exogauge.blas_threads import limit_children
 from exogauge.synthetic import motion
+from exogauge.synthetic.lab import Lab
 from exogauge.synthetic.log_file import write_log
 from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.mjcf import TIME_STEP, mujoco_model
@@ -33,11 +34,12 @@ _MOTIONS = {"excitation": motion.excitation, "bend": motion.bend, "twist": motio
 @final
 @dataclass(frozen=True)
 class Bench:
-    """What all runs of a study share. suits: by kind, as worn by this robot."""
+    """What all runs of a study share. suits: by kind, as worn by this robot; lab: what disturbs them."""
 
     seed: int
     robot: TrueRobot
     suits: Mapping[str, Suit]
+    lab: Lab
 
 
 def write_logs(folder: Path, bench: Bench, plans: Sequence[LogPlan], progress: Progress, processes: int) -> None:
@@ -64,20 +66,22 @@ def run_log(
     A repetition follows the same plan as the others of its motion; its log begins up to `LATEST_START_S` later, by
     whole steps of the simulation, and it arrives at the first posture a little differently.
     """
+    lab = bench.lab
     planner, late_steps = mujoco_model(a_priori_robot()), 0
     if plan.repeats:
-        path = _MOTIONS[plan.motion](stream(bench.seed, plan.motion), plan.duration_s, planner, rng)
+        motions = stream(bench.seed, plan.motion)
+        path = _MOTIONS[plan.motion](motions, plan.duration_s, planner, rng, lab.variation(plan))
         late_steps = int(rng.integers(round(LATEST_START_S / TIME_STEP) + 1))
     else:
         path = _MOTIONS[plan.motion](rng, plan.duration_s, planner)
-    model = mujoco_model(bench.robot, bench.suits[plan.suit] if plan.suit else None)
-    return simulate(model, bench.robot, path, tick, late_steps)
+    model = mujoco_model(bench.robot, lab.worn(bench.suits[plan.suit], plan) if plan.suit else None)
+    return simulate(model, bench.robot, path, tick, late_steps, lab.drives(plan), lab.encoder_step)
 
 
 def _make(folder: Path, bench: Bench, plan: LogPlan, tell: Tell) -> None:
     rng = stream(bench.seed, plan.name)
     recording = run_log(bench, plan, rng, lambda seconds: tell(plan.name, seconds))
-    write_log(folder / f"{plan.name}.parquet", recording, rng, bench.seed)
+    write_log(folder / f"{plan.name}.parquet", recording, rng, bench.seed, bench.lab.sensing(plan))
     tell(plan.name, plan.duration_s)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.synthetic.legs import LEG_JOINTS, leg_angles, rotations
 from exogauge.synthetic.robot_facts import JOINT_NAMES, JOINTS
+from exogauge.synthetic.variation import Variation
 
 Array = NDArray[np.float64]
 
@@ -31,6 +32,7 @@ _SQUAT = 0.08  # [m]
 LEAD_S = 1.6  # before the log begins: the end of the motion that brought the robot here
 _ARRIVAL = 0.12  # how far away it began, joints and base [rad]; half as far down [m]
 _ARRIVAL_VARIES = 0.05  # relative, from one repetition to the next
+_METRES = 0.5  # of a translation per radian, where a run differs from the plan [m/rad]
 
 
 @final
@@ -55,11 +57,16 @@ def standing(planner: mujoco.MjModel) -> Plan:
 
 
 def excitation(
-    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+    rng: np.random.Generator,
+    duration: float,
+    planner: mujoco.MjModel,
+    again: np.random.Generator | None = None,
+    varied: Variation | None = None,
 ) -> Plan:
     """Every joint on its own random sum of sines, squats, sway and tilts of the base; slow parts and pauses between.
 
-    rng: of the motion. again, here and below: of one of its repetitions, which arrives a little differently.
+    rng: of the motion. again, here and below: of one of its repetitions, which arrives a little differently; varied:
+    how that repetition differs from the plan all along.
     """
     phase, grown = _with_lead(_phase(rng, duration)), _with_lead(_envelope(duration))
     angles = _standing(len(phase))
@@ -75,38 +82,50 @@ def excitation(
     com = sway + np.array([_COM_FORWARD, 0.0])
     height = _STANCE_HEIGHT - _SQUAT * grown * (0.5 + 0.5 * _sines(rng, phase))
     angles, rpy, height = _arriving(rng, again, angles, rpy, height)
-    return _balanced(angles, rpy, com, height, planner)
+    return _balanced(*_differing(varied, angles, rpy, com, height), planner)
 
 
 def bend(
-    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+    rng: np.random.Generator,
+    duration: float,
+    planner: mujoco.MjModel,
+    again: np.random.Generator | None = None,
+    varied: Variation | None = None,
 ) -> Plan:
     """Forward bends of the torso, held and raised again; the hips follow a little."""
     angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.75), alternate=False))
-    return _torso_motion(rng, again, "torso_pitch", angle, np.outer(angle, [0.0, 0.2, 0.0]), planner)
+    return _torso_motion(rng, again, varied, "torso_pitch", angle, np.array([0.0, 0.2, 0.0]), planner)
 
 
 def twist(
-    rng: np.random.Generator, duration: float, planner: mujoco.MjModel, again: np.random.Generator | None = None
+    rng: np.random.Generator,
+    duration: float,
+    planner: mujoco.MjModel,
+    again: np.random.Generator | None = None,
+    varied: Variation | None = None,
 ) -> Plan:
     """Twists of the torso to either side, held and turned back."""
     angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.8), alternate=True))
-    return _torso_motion(rng, again, "torso_yaw", angle, np.outer(angle, [0.0, 0.0, 0.15]), planner)
+    return _torso_motion(rng, again, varied, "torso_yaw", angle, np.array([0.0, 0.0, 0.15]), planner)
 
 
 def _torso_motion(
     rng: np.random.Generator,
     again: np.random.Generator | None,
+    varied: Variation | None,
     joint: str,
     angle: Array,
-    rpy: Array,
+    follows: Array,
     planner: mujoco.MjModel,
 ) -> Plan:
-    angles = _standing(len(angle))
+    """follows: (3,) roll, pitch, yaw of the base per angle of the joint."""
+    if varied is not None:
+        angle = varied.profile(angle, KNOT_RATE_HZ)
+    angles, rpy = _standing(len(angle)), np.outer(angle, follows)
     angles[:, JOINT_NAMES.index(joint)] = angle
     angles, rpy, height = _arriving(rng, again, angles, rpy, np.full(len(angle), _STANCE_HEIGHT))
     com = np.tile([_COM_FORWARD, 0.0], (len(angle), 1))
-    return _balanced(angles, rpy, com, height, planner)
+    return _balanced(*_differing(varied, angles, rpy, com, height), planner)
 
 
 def _with_lead(profile: Array) -> Array:
@@ -181,6 +200,18 @@ def _arriving(
     angles = angles + away[:, :joints] * rng.choice([-1.0, 1.0], joints)
     rpy = rpy + away[:, joints:-1] * rng.choice([-1.0, 1.0], 3) * [0.5, 0.5, 1.0]
     return angles, rpy, height - 0.5 * away[:, -1]
+
+
+def _differing(
+    varied: Variation | None, angles: Array, rpy: Array, com: Array, height: Array
+) -> tuple[Array, Array, Array, Array]:
+    """What this run does beside the plan, with every joint that is not in a leg and with the base; legs follow."""
+    if varied is None:
+        return angles, rpy, com, height
+    joints = angles.shape[1]
+    more = varied.added(len(angles), joints + 6, KNOT_RATE_HZ)
+    sway, rise = _METRES * more[:, joints + 3 : joints + 5], _METRES * more[:, -1]
+    return angles + more[:, :joints], rpy + more[:, joints : joints + 3], com + sway, height + rise
 
 
 def _balanced(angles: Array, rpy: Array, com: Array, height: Array, planner: mujoco.MjModel) -> Plan:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from exogauge.synthetic.disturbances import Disturbances
 from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.robot_facts import NAME
 from exogauge.synthetic.simulation import LOG_RATE_HZ
@@ -16,7 +17,13 @@ _SUIT = (
 )
 
 
-def readme(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str]) -> str:
+_LAB = (
+    "It is as a laboratory would record it: runs of a motion differ, motors and friction warm up, sensors have gains,",
+    "zeros and mountings of their own, via points are known by tape measure. truth.json has what of it is in here.",
+)
+
+
+def readme(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str], disturbed: Disturbances) -> str:
     """devices: file by kind of suit."""
     return "\n".join(
         [
@@ -28,6 +35,7 @@ def readme(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str]) -> s
             *_log_lines(plans),
             *(f"  {file}  the {kind} suit" for kind, file in devices.items()),
             *(_SUIT if devices else ()),
+            *(_LAB if disturbed else ()),
             "robot.urdf and robot.yaml hold the a-priori robot. The robot that made the logs differs from it by",
             "what the standard deviations in robot.yaml say, and may do what the a-priori model has no term for; it",
             "is written in truth.json, for scoring only.",

@@ -1,8 +1,10 @@
-"""From what is to what is logged: quantisation and white noise of every sensor."""
+"""From what is to what is logged: quantisation, white noise, and what a laboratory's sensors have wrong beside it."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +17,67 @@ COMMAND_STEP = 0.002  # of the current that the controller asks for [A]
 # any plan moves them; root mean square over the joints, the light fingers shake most. The rest is noise of sensors.
 NOISE = {"q": 2.6e-7, "i": 0.02, "acc": 0.03, "gyro": 0.003, "force": 0.5, "moment": 0.04}
 _STEP = {"i": 0.005, "acc": 0.002, "gyro": 0.0002, "force": 0.05, "moment": 0.002}  # of the converters
+_MOST_JITTER = 4.0  # standard deviations
 
 
-def encoder(angle: Array) -> Array:
-    """Joint angle as counted [rad]; its error is even over one step: std step / sqrt 12 = 1.4e-7."""
-    return np.asarray(np.round(angle / ENCODER_STEP) * ENCODER_STEP)
+@final
+@dataclass(frozen=True)
+class Sensing:
+    """One log's sensors. encoder_step [rad]; gain: (2,) of the feet; zero: (2, 6) [N, N·m] when the log begins,
+    drift: (2, 6) of it per second; tilt: (2, 3), imu: (3,) [rad] rotation vectors, read = R true; jitter [s] of a
+    stamp, drawn by rng.
+    """
+
+    encoder_step: float
+    gain: Array
+    zero: Array
+    drift: Array
+    tilt: Array
+    imu: Array
+    jitter: float
+    rng: np.random.Generator
+
+    def wrench(self, true: Array, time: Array) -> Array:
+        """(T, 2, 6) read by the feet, from the true one; time: (T,) [s] from the log's beginning."""
+        turned = np.stack(
+            [np.concatenate([true[:, f, :3] @ R.T, true[:, f, 3:] @ R.T], axis=1) for f, R in enumerate(self._tilts())],
+            axis=1,
+        )
+        return np.asarray(self.gain[:, None] * turned + self.zero + time[:, None, None] * self.drift)
+
+    def inertial(self, true: Array) -> Array:
+        """(T, 3) read by the IMU."""
+        return np.asarray(true @ rotation(self.imu).T)
+
+    def stamps(self, time: Array) -> Array:
+        """(T,) [s] what the log says of when its samples were taken."""
+        error = np.clip(self.rng.standard_normal(len(time)), -_MOST_JITTER, _MOST_JITTER)
+        return np.asarray(time + self.jitter * error)
+
+    def _tilts(self) -> list[Array]:
+        return [rotation(vector) for vector in self.tilt]
+
+
+def encoder(angle: Array, step: float = ENCODER_STEP) -> Array:
+    """Joint angle as counted [rad]; its error is even over one step: std step / sqrt 12, 1.4e-7 for the default."""
+    return np.asarray(np.round(angle / step) * step)
+
+
+def position_noise(step: float) -> float:
+    """What robot.yaml says of q [rad]: the encoder's error, and `NOISE` where that is more."""
+    return max(NOISE["q"], float(f"{step / math.sqrt(12.0):.2g}"))
 
 
 def noisy(values: Array, kind: str, rng: np.random.Generator) -> Array:
     """White noise of the kind's std, then the converter's steps."""
     return np.asarray(np.round((values + NOISE[kind] * rng.standard_normal(values.shape)) / _STEP[kind]) * _STEP[kind])
+
+
+def rotation(vector: Array) -> Array:
+    """(3, 3) by the angle |vector| about it [Rodrigues]."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K)

@@ -15,7 +15,7 @@ from exogauge.synthetic.mjcf import TIME_STEP
 from exogauge.synthetic.motion import KNOT_RATE_HZ, LEAD_S, Plan
 from exogauge.synthetic.robot_facts import JOINTS
 from exogauge.synthetic.sensors import COMMAND_STEP, ENCODER_STEP
-from exogauge.synthetic.true_robot import TrueRobot
+from exogauge.synthetic.true_robot import JointTruth, TrueRobot
 
 Array = NDArray[np.float64]
 
@@ -52,31 +52,55 @@ class Recording:
     band_tension: Array
 
 
+@final
+@dataclass(frozen=True)
+class DriveState:
+    """How a drive is other than its record says.
+
+    factors(seconds of the log): (J,) each, of k_T, of k_d, of tau_c, tau_s and tau_b; taken once a second. load: (J,)
+    Coulomb friction grows by this share of the torque that the gear passes on.
+    """
+
+    factors: Callable[[float], tuple[Array, Array, Array]]
+    load: Array
+
+
 class FellOver(RuntimeError):
     """The plan was too wild for this robot: a fault of the generator."""
 
 
 def simulate(
-    model: mujoco.MjModel, robot: TrueRobot, plan: Plan, tick: Callable[[float], None], late_steps: int = 0
+    model: mujoco.MjModel,
+    robot: TrueRobot,
+    plan: Plan,
+    tick: Callable[[float], None],
+    late_steps: int = 0,
+    state: DriveState | None = None,
+    encoder_step: float = ENCODER_STEP,
 ) -> Recording:
     """Follow the plan at 1 kHz, record every fifth step; tick(seconds of it simulated) now and then.
 
-    model: a new `mujoco_model(robot)`; its friction is changed at every step. late_steps: how many the log begins late.
+    model: a new `mujoco_model(robot)`; its friction is changed at every step, and with a state its drives. late_steps:
+    how many the log begins late.
     """
     angle_goal, rate_goal = _goals(plan)
     steps, every = len(angle_goal), round(1.0 / (LOG_RATE_HZ * TIME_STEP))
     settle, first = round(_SETTLE_S / TIME_STEP), round(LEAD_S / TIME_STEP) + late_steps
     data, drives = mujoco.MjData(model), [robot.joints[joint.name] for joint in JOINTS]
     _stand(model, data, plan)
-    servo = _Servo(angle_goal[0])
+    servo = _Servo(angle_goal[0], encoder_step)
     k_T, tau_o = np.array([d.k_T for d in drives]), np.array([d.tau_o for d in drives])
-    friction = _Friction(robot)
+    friction, load = _Friction(robot), None if state is None or not state.load.any() else state.load
     log: list[Array] = []
     for step in range(-settle, steps):
         goal = max(step, 0)
+        if state is not None and (step - first) % 1000 == 0:
+            k_T = _warmed(model, drives, friction, *state.factors((step - first) * TIME_STEP))
         current = servo.current(data.qpos[7:], angle_goal[goal], rate_goal[goal])
         data.qfrc_applied[6:] = k_T * current + tau_o
         model.dof_frictionloss[6:] = friction.limit(data.qvel[6:])
+        if load is not None:
+            model.dof_frictionloss[6:] += load * np.abs(_passed_on(model, data))
         before = (data.qpos[7:].copy(), data.qvel[6:].copy())
         mujoco.mj_step(model, data)
         if step >= first and (step - first) % every == 0:
@@ -93,20 +117,21 @@ def simulate(
 class _Servo:
     """Proportional-derivative on quantised angles; believes the maker's motor constants; steps of `COMMAND_STEP`."""
 
-    def __init__(self, start: Array) -> None:
+    def __init__(self, start: Array, step: float) -> None:
         drives = [joint.drive for joint in JOINTS]
         self.stiffness = np.array([d.stiffness / d.k_T for d in drives])
         self.damping = np.array([d.damping / d.k_T for d in drives])
         self.most = np.array([d.effort / d.k_T for d in drives])
-        self.angle, self.rate = np.round(start / ENCODER_STEP), np.zeros(len(start))
+        self.step = step
+        self.angle, self.rate = np.round(start / step), np.zeros(len(start))
         self.share = 1.0 - np.exp(-2 * np.pi * _VELOCITY_FILTER_HZ * TIME_STEP)
 
     def current(self, angle: Array, angle_goal: Array, rate_goal: Array) -> Array:
         """(J,) [A]"""
-        counts = np.round(angle / ENCODER_STEP)
-        self.rate += self.share * ((counts - self.angle) * (ENCODER_STEP / TIME_STEP) - self.rate)
+        counts = np.round(angle / self.step)
+        self.rate += self.share * ((counts - self.angle) * (self.step / TIME_STEP) - self.rate)
         self.angle = counts
-        wanted = self.stiffness * (angle_goal - counts * ENCODER_STEP) + self.damping * (rate_goal - self.rate)
+        wanted = self.stiffness * (angle_goal - counts * self.step) + self.damping * (rate_goal - self.rate)
         stepped = np.round(wanted / COMMAND_STEP) * COMMAND_STEP
         return np.asarray(np.minimum(np.maximum(stepped, -self.most), self.most))
 
@@ -120,16 +145,37 @@ class _Friction:
         self.tau_c, self.tau_s = np.array([t.tau_c for t in truths]), np.array([t.tau_s for t in truths])
         self.tau_b, self.v_s = np.array([t.tau_b for t in truths]), np.array([t.v_s for t in truths])
         self.peaked = bool(np.any(self.tau_b > 0.0))
+        self.factor: Array | float = 1.0  # of a warmer drive
 
     def limit(self, velocity: Array) -> Array:
         most = np.where(np.abs(velocity) < _STATIC_SPEED, self.tau_s, self.tau_c)
-        return most + self.tau_b * np.exp(-np.square(velocity / self.v_s)) if self.peaked else most
+        most = most + self.tau_b * np.exp(-np.square(velocity / self.v_s)) if self.peaked else most
+        return np.asarray(self.factor * most)
 
 
 def _friction_force(data: mujoco.MjData) -> Array:
     """(J,) [N·m] of the friction constraints, positive against positive motion."""
     count = len(JOINTS)
     return np.asarray(-data.efc_force[:count])
+
+
+def _passed_on(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """(J,) [N·m] of the last step, from the motor through the gear to the link: what friction and rotor leave."""
+    if data.nefc < len(JOINTS):
+        return np.zeros(len(JOINTS))  # before the first step
+    resisted = _friction_force(data) + model.dof_damping[6:] * data.qvel[6:] + model.dof_armature[6:] * data.qacc[6:]
+    return np.asarray(data.qfrc_applied[6:] - resisted)
+
+
+def _warmed(
+    model: mujoco.MjModel, drives: list[JointTruth], friction: _Friction, gain: Array, viscous: Array, coulomb: Array
+) -> Array:
+    """(J,) k_T from now on; friction and the model's damping become what they are (see `mujoco_model`)."""
+    k_d = viscous * np.array([drive.k_d for drive in drives])
+    friction.factor = coulomb
+    model.dof_damping[6:] = k_d
+    model.dof_armature[6:] = np.array([drive.J_r for drive in drives]) + k_d * TIME_STEP / 2
+    return np.asarray(gain * np.array([drive.k_T for drive in drives]))
 
 
 def _goals(plan: Plan) -> tuple[Array, Array]:

@@ -9,7 +9,9 @@ from pathlib import Path
 import yaml
 
 from exogauge.errors import BadInput, Fault
+from exogauge.synthetic.disturbances import IDEAL, Disturbances
 from exogauge.synthetic.hidden import parse_hidden, specs_to_hide
+from exogauge.synthetic.lab import drawn_lab
 from exogauge.synthetic.log_plans import SUITS, LogPlan, log_plans
 from exogauge.synthetic.log_runs import Bench, Progress, write_logs
 from exogauge.synthetic.mjcf import mujoco_model
@@ -17,6 +19,7 @@ from exogauge.synthetic.random_streams import stream
 from exogauge.synthetic.readme import readme
 from exogauge.synthetic.robot_facts import NAME
 from exogauge.synthetic.suit import Suit, bands_record, device_file, fitted_suit
+from exogauge.synthetic.tolerances import declared, uncertainty
 from exogauge.synthetic.true_robot import a_priori_robot, draw_robot, truth_record
 from exogauge.synthetic.urdf import robot_file, robot_urdf
 
@@ -29,13 +32,14 @@ def write_study(
     progress: Progress | None = None,
     logs: Sequence[LogPlan] | None = None,
     processes: int = 1,
+    disturbed: Disturbances = IDEAL,
 ) -> None:
     """Write a synthetic study of `hrp4_like` into `out`; the same seed gives the same bytes, with any `processes`.
 
     hidden: `EFFECT@PLACE` put into the true robot and not into the a-priori one; by default what `specs_to_hide` says.
     suit: none, normal, modified, or both: which are worn in the logs with a device. progress: called with the share
     done (0 to 1) and what is being done. logs: which ones, by default all of `log_plans`. More than one process needs
-    a main module that can be imported.
+    a main module that can be imported. disturbed: what the laboratory does to it, see `disturbances`.
     """
     if suit not in SUITS:
         detail, advice = f"a sample with suit {suit!r} cannot be made", f"Known: {', '.join(SUITS)}"
@@ -46,18 +50,21 @@ def write_study(
     plans = log_plans(suit) if logs is None else logs
     planner = mujoco_model(a_priori_robot())
     suits = {kind: fitted_suit(kind, planner, stream(seed, "suit")) for kind in SUITS[suit]}  # the study's own first
-    bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits)
+    lab = drawn_lab(seed, disturbed, plans)
+    bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab)
     files = {kind: f"device{'' if n == 0 else f'_{kind}'}.yaml" for n, kind in enumerate(suits)}
     (out / "logs").mkdir(parents=True, exist_ok=True)
     write_logs(out / "logs", bench, plans, progress or (lambda share, what: None), processes)
     (out / "robot.urdf").write_text(robot_urdf(), encoding="utf-8")
-    _write_yaml(out / "robot.yaml", robot_file())
+    _write_yaml(out / "robot.yaml", robot_file(lab.encoder_step, uncertainty("robot", disturbed)))
     for kind, file in files.items():
-        _write_yaml(out / file, device_file(suits[kind]))
-    (out / "README.txt").write_text(readme(seed, plans, files), encoding="utf-8")
-    truth = truth_record(bench.robot, effects) | _bands_of(list(suits.values()))
+        _write_yaml(out / file, device_file(lab.as_measured(suits[kind]), uncertainty("device", disturbed)))
+    (out / "README.txt").write_text(readme(seed, plans, files, disturbed), encoding="utf-8")
+    truth = truth_record(bench.robot, effects) | _bands_of(list(suits.values())) | lab.record(plans, suits)
+    if disturbed:
+        truth["tolerances"] = declared(disturbed)
     (out / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    _write_yaml(out / "study.yaml", _study_file(seed, plans, files))  # last: a folder with it is whole
+    _write_yaml(out / "study.yaml", _study_file(seed, plans, files, disturbed))  # last: a folder with it is whole
 
 
 def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
@@ -67,7 +74,9 @@ def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
     return {"bands": bands_record(suits[0]), "devices": {suit.name: bands_record(suit) for suit in suits}}
 
 
-def _study_file(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str]) -> dict[str, object]:
+def _study_file(
+    seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str], disturbed: Disturbances
+) -> dict[str, object]:
     """devices: file by kind of suit; a log names its own where it is not the study's."""
     own = next(iter(devices), None)
     entries = []
@@ -78,7 +87,8 @@ def _study_file(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str])
         if plan.suit is not None and plan.suit != own:
             entry["device"] = devices[plan.suit]
         entries.append(entry)
-    head: dict[str, object] = {"version": 1, "name": f"SYNTHETIC {NAME}, seed {seed}", "robot": "robot.yaml"}
+    name = f"SYNTHETIC {NAME}, seed {seed}{', as in a laboratory' if disturbed else ''}"
+    head: dict[str, object] = {"version": 1, "name": name, "robot": "robot.yaml"}
     return {**head, **({"device": devices[own]} if own else {}), "logs": entries}
 
 

@@ -46,9 +46,9 @@ def fitted_suit(kind: str, planner: mujoco.MjModel, rng: np.random.Generator) ->
     return Suit(f"{NAME}, {kind}", tuple(bands))
 
 
-def device_file(suit: Suit) -> Mapping[str, Any]:
+def device_file(suit: Suit, uncertainty: Mapping[str, float] | str = "none") -> Mapping[str, Any]:
     """device.yaml as a tree of plain values."""
-    return {"version": 1, "name": suit.name, "bands": [_entry(band) for band in suit.bands]}
+    return {"version": 1, "uncertainty": uncertainty, "name": suit.name, "bands": [_entry(band) for band in suit.bands]}
 
 
 def bands_record(suit: Suit) -> dict[str, dict[str, float]]:

@@ -28,10 +28,13 @@ def robot_urdf() -> str:
     return Xml.tostring(robot, encoding="unicode") + "\n"
 
 
-def robot_file() -> Mapping[str, Any]:
+def robot_file(
+    encoder_step: float = sensors.ENCODER_STEP, uncertainty: Mapping[str, float] | str = "none"
+) -> Mapping[str, Any]:
     """robot.yaml as a tree of plain values."""
     return {
         "version": 1,
+        "uncertainty": uncertainty,
         "name": NAME,
         "urdf": "robot.urdf",
         "base": "floating",
@@ -50,7 +53,7 @@ def robot_file() -> Mapping[str, Any]:
             }
             for joint in JOINTS
         ],
-        "noise": dict(sensors.NOISE),
+        "noise": {**sensors.NOISE, "q": sensors.position_noise(encoder_step)},
         "inertial_prior_std": {"default": INERTIAL_STD},
     }
 

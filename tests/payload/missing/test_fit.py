@@ -52,3 +52,20 @@ def test_at_rest_what_gives_way_sags_by_its_weight_over_its_stiffness(problem):
 
 def test_gravity_of_the_fixture_is_that_of_the_generator():
     assert np.linalg.norm(case(1).static.gravity) == pytest.approx(np.linalg.norm(GRAVITY))
+
+
+def test_gravity_is_turned_across_itself_on_a_wall_too(problem):
+    stretch = problem.stretches[1]
+    for gravity in (GRAVITY, np.array([9.81, 0.0, 0.0]), np.array([0.0, -9.81, 0.0])):
+        turned = Frame(gravity, -1, problem.frame.body).tilting(stretch)
+        pushed = np.linalg.norm(turned[:, :3], axis=1).mean(axis=0)
+        assert pushed == pytest.approx(9.81 * problem.frame.body[0], rel=1e-9)
+
+
+def test_as_many_numbers_count_as_are_fitted(problem):
+    """Stiffness follows from frequency and mass: of a spring two numbers are fitted and three are told."""
+    assert [each.fitted for each in (spring("xy"), second_body(), delay(), crosstalk(3, 1))] == [2, 6, 1, 1]
+    for effect, shape in ((spring("xy"), (5.0, 0.4)), (crosstalk(3, 1), ())):
+        named = [Named(effect, shape)]
+        unknowns = fit(problem, named).x.size - fit(problem, []).x.size + len(shape)
+        assert effect.fitted == unknowns

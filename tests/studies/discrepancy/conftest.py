@@ -10,7 +10,6 @@ import pytest
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.basis import BesideStated, OfRobot
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import (
     Alternative,
     ChainStep,
@@ -25,7 +24,7 @@ from exogauge.findings.result import (
     Link,
     Place,
 )
-from exogauge.findings.verdict import Caveat, Seen
+from exogauge.findings.verdict import Caveat, Objection, Seen, Why
 
 PITCH, HAND = Place("joint", "torso_pitch"), Place("link", "r_arm")
 TAU_B, V_S = 3.0, 0.04  # [N·m], [rad/s] of the friction that was missing

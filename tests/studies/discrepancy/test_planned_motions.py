@@ -12,9 +12,9 @@ import pytest
 
 from exogauge.findings.planned_motion import Apart, PlannedMotion, Sweep
 from exogauge.findings.result import Discrepancy
-from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.discrepancy_results import discrepancy_entry, motion_table, planned_files
 from exogauge.studies.results.document import finite
-from exogauge.studies.results.planned_motions import motion_table, planned_files
+from exogauge.studies.results.schema.discrepancy import RivalApart
 from exogauge.studies.words.finding_sentences import planned_sentence
 
 TOLD = Apart("presliding", "torso_pitch", 0.12, 0.64, 1.5, 52.0, 13.0, 7.7, 10.0, 600.0)
@@ -48,6 +48,8 @@ def test_every_file_belongs_to_one_finding(planned: Discrepancy) -> None:
     written = {motion.joint: f"{name}.csv" for name, motion in planned_files(planned)}
     assert named == written == {"torso_pitch": "planned_motion_1.csv", "r_elbow": "planned_motion_2.csv"}
     assert entry["findings"][0]["apart"][0]["left_then"] == 0.64
+    for told in entry["findings"][0]["apart"]:
+        RivalApart.model_validate(told)  # a key too many failed the whole evaluation, at its end
 
 
 def test_the_table_holds_every_joint_over_time(planned: Discrepancy) -> None:

@@ -13,9 +13,8 @@ import pytest
 
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Evidence, Link, Place
-from exogauge.findings.verdict import Caveat
+from exogauge.findings.verdict import Caveat, Objection, Why
 from exogauge.identification.result import Identification
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence, is_cut

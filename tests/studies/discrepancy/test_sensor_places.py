@@ -13,7 +13,6 @@ from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import missing_effects
 from exogauge.effects.imu_tilt import ImuTilt
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import (
     Alternative,
     ChainStep,
@@ -25,6 +24,7 @@ from exogauge.findings.result import (
     Link,
     Place,
 )
+from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.report.discrepancy_figures import draw_chain, draw_evidence
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.report.figures import label

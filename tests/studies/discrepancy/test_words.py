@@ -10,8 +10,8 @@ from typing import Any
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import all_effects, band_effects, missing_effects
 from exogauge.findings.basis import OfBand, OfRobot
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Discrepancy, HeldOut, Link, Place
+from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.finding_sentences import finding_sentence, objection_words

@@ -16,11 +16,10 @@ from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.result import StiffnessResult
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.result import Identification
-from exogauge.studies.intake.contract import LogEntry
-from exogauge.studies.intake.contract_record import Conditions, DeviceRecord
+from exogauge.studies.intake.contract import Conditions, DeviceRecord, LogEntry
 from exogauge.studies.intake.open import open_study
+from exogauge.studies.results.configuration import JointTravel, LogRecord, StudyRecord, WearRecord
 from exogauge.studies.results.document import Evaluation, results
-from exogauge.studies.results.study_record import JointTravel, LogRecord, StudyRecord, WearRecord
 from exogauge.support.result import SupportResult
 
 FITTED = {"torso_yaw": (-0.7, 0.6, 1.0), "torso_pitch": (-0.1, 0.8, 0.9), "r_elbow": (0.0, 0.0, 0.0)}

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from exogauge.studies.results.study_record import StudyRecord
+from exogauge.studies.results.configuration import StudyRecord
 
 Evaluated = Callable[..., dict[str, Any]]
 

@@ -15,10 +15,15 @@ from exogauge.errors import BadStudy
 from exogauge.identification.result import Identification
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
-from exogauge.studies.intake.contract_record import Conditions, DeviceRecord
+from exogauge.studies.intake.contract import Conditions, DeviceRecord
 from exogauge.studies.intake.open import open_study, read_recordings, read_worn
-from exogauge.studies.results.configuration import configuration_entry
-from exogauge.studies.results.study_record import StudyRecord, study_record, synthetic_signs, travels
+from exogauge.studies.results.configuration import (
+    StudyRecord,
+    configuration_entry,
+    study_record,
+    synthetic_signs,
+    travels,
+)
 
 Rewrite = Callable[[str, str, str], Path]
 RATE, AMPLITUDE, FREQUENCY, MIDDLE = 200.0, 0.5, 0.3, 0.1

@@ -13,6 +13,7 @@ from pypdf import PdfReader
 
 from exogauge.studies.report.page_model import Page, Table
 from exogauge.studies.report.summary_content import DETAILS, summary_content
+from exogauge.studies.report.summary_figure import units_of
 from exogauge.studies.report.summary_page import SummaryPage, summary_page
 from exogauge.studies.report.summary_text import DETAIL, summary_text
 
@@ -109,9 +110,14 @@ def test_every_number_of_the_support_table_is_in_the_results(made: SummaryPage, 
     assert table.rows
     for place, device, *cells in table.rows:
         entry = entries[place, device]
-        peaks = [entry["approaches"][approach]["peak"] for approach in ("A", "B")]
+        peaks = [entry["approaches"][approach]["peak"] for approach in ("A", "B", "paired")]
         truth = [number for peak in peaks for number in (peak["value"], peak["std"])]
-        truth += [entry["approaches"]["band_model"]["peak"]["value"], entry["rmse_a"], entry["rmse_b"]]
+        truth += [
+            entry["approaches"]["band_model"]["peak"]["value"],
+            entry["rmse_a"],
+            entry["rmse_b"],
+            entry["rmse_paired"],
+        ]
         said = [pair for cell in cells for pair in numbers(cell)]
         assert len(said) == len(truth)
         for (value, half), true in zip(said, truth, strict=True):
@@ -122,7 +128,7 @@ def test_every_number_of_the_support_table_is_in_the_results(made: SummaryPage, 
 def test_every_number_of_the_stiffness_table_is_in_the_results(made: SummaryPage, whole: dict[str, Any]) -> None:
     table = tables(made.content)["Stiffness of the bands"]
     assert len(table.rows) == len({(each["device"], each["group"]) for each in whole["stiffness"]})
-    for name, a, _, stated, truth in table.rows:
+    for name, a, _, _, stated, truth in table.rows:
         device, group = name.split(", ")
         (entry, *_) = (
             e for e in whole["stiffness"] if (e["device"], e["group"], e["approach"]) == (device, group, "A")
@@ -232,7 +238,8 @@ def test_a_study_of_any_size_stays_on_one_sheet(content: dict[str, Any]) -> None
     long = "W" * 199
     content["name"] = content["robot"] = long
     content["scope"]["devices"] = [f"{k}{long}" for k in range(40)]
-    content["scope"]["sentence"] = f"{'On and on it goes with no end in sight ' * 100}; nothing is claimed beyond."
+    clauses = ["On and on it goes with no end in sight " * 100, "nothing is claimed beyond."]
+    content["scope"] |= {"clauses": clauses, "sentence": "; ".join(clauses)}
     content["scope"]["not_said"] = [f"{k} {long} {long}" for k in range(30)]
     content["support"] = [{**each, "device": f"{k}{long}", "joint": long, "motion": long, "main": True}
                           for k in range(40) for each in content["support"]]  # fmt: skip
@@ -263,3 +270,12 @@ def test_without_a_wear_there_is_a_page_too(evaluated: Evaluated) -> None:
     assert made.fits
     assert tables(made.content) == {}
     assert "RMSE" in shown(made)
+
+
+def test_a_joint_that_slides_is_told_in_newtons(content: dict[str, Any]) -> None:
+    entries = [{**each, "approaches": {name: {**effort, "peak": {**effort["peak"], "unit": "N"}}
+                                       for name, effort in each["approaches"].items()}}
+               for each in content["support"]]  # fmt: skip
+    assert units_of(content["support"]) == "N·m"
+    assert units_of(entries) == "N"
+    assert units_of([content["support"][0], entries[1]]) == "N·m, N"

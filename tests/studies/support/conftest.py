@@ -9,7 +9,8 @@ import pytest
 
 from exogauge.devices.result import BandEstimate, Estimate, StiffnessResult
 from exogauge.identification.result import Prediction
-from exogauge.support.result import Effort, JointEquality, JointSupport, PhaseEffort, SupportResult, Trial
+from exogauge.remarks import About, Remark
+from exogauge.support.result import Best, Effort, JointEquality, JointSupport, PhaseEffort, SupportResult, Trial
 
 JOINTS = ("torso_yaw", "torso_pitch", "r_elbow")
 DEVICES = {"Normal suit": 197.8, "Modified suit": 395.6}
@@ -18,7 +19,7 @@ PHASES = ("standing", "lowering", "holding", "raising")
 ENDS = (2.0, 5.0, 7.0, 10.0, 12.0)  # [s] of standing, lowering, holding, raising, standing
 ORDER = (0, 1, 2, 3, 0)
 RATE = 200.0
-OFFSETS = {"a": 0.1, "b": 0.3, "prior": 2.0}  # [N·m] what is added to the truth
+OFFSETS = {"a": 0.1, "b": 0.3, "paired": 0.2, "prior": 2.0}  # [N·m] what is added to the truth
 
 
 def bent(time: np.ndarray) -> np.ndarray:
@@ -67,6 +68,10 @@ def make_trial(device: str, motion: str, number: int) -> Trial:
         support_a_std=np.full_like(model, 0.15),
         support_b=b,
         support_b_std=np.full_like(model, 0.25),
+        support_paired=model + OFFSETS["paired"],
+        support_paired_std=np.full_like(model, 0.12),
+        low_paired=model + OFFSETS["paired"] - np.where(rest, 1.7, 0.0),
+        high_paired=model + OFFSETS["paired"] + np.where(rest, 1.7, 0.0),
         support_prior=model + OFFSETS["prior"],
         band_model=model,
         low_a=model + OFFSETS["a"] + wave - np.where(rest, 0.9, 0.0),
@@ -99,17 +104,22 @@ def summed(trials: Sequence[Trial], k: int) -> JointSupport:
     first = trials[0]
     assert first.support_a is not None
     assert first.band_model is not None
-    curves = {"a": first.support_a, "b": first.support_b, "prior": first.support_prior, "band_model": first.band_model}
-    stds = {"a": 0.11, "b": 0.21, "prior": 0.31, "band_model": 0.0}
+    assert first.support_paired is not None
+    curves = {
+        "a": first.support_a, "b": first.support_b, "paired": first.support_paired, "prior": first.support_prior,
+        "band_model": first.band_model,
+    }  # fmt: skip
+    stds = {"a": 0.11, "b": 0.21, "paired": 0.16, "prior": 0.31, "band_model": 0.0}
     rmse = {
         name: float(np.sqrt(np.mean((curves[name][:, k] - first.band_model[:, k]) ** 2)))
-        for name in ("a", "b", "prior")
+        for name in ("a", "b", "paired", "prior")
     }
     phases = tuple(
         PhaseEffort(
             name,
             float((first.phase == n).sum() / RATE),
             {key: effort(first.time[first.phase == n], c[first.phase == n, k], stds[key]) for key, c in curves.items()},
+            Best("a", ("a",)),
         )
         for n, name in enumerate(PHASES)
     )
@@ -122,14 +132,15 @@ def summed(trials: Sequence[Trial], k: int) -> JointSupport:
         rmse=rmse,
         rmse_steady={name: 0.9 * value for name, value in rmse.items()},
         by={key: effort(first.time, c[:, k], stds[key]) for key, c in curves.items()},
-        spread={"a": 0.07, "b": 0.08, "prior": 0.08},
+        spread={"a": 0.07, "b": 0.08, "paired": 0.06, "prior": 0.08},
         phases=phases,
-        null={"a": 0.123, "b": 0.321},
+        null={"a": 0.123, "b": 0.321, "paired": 0.213},
         equality=tuple(trial.equality[k] for trial in trials),
         lag_s=tuple(trial.lag_s for trial in trials),
         masked_share=float(1.0 - first.compared[:, k].mean()),
         rest_share=float(first.rest[:, k].mean()),
         rest_half_width=1.7,
+        best=Best("a", ("a", "b")),
     )
 
 
@@ -140,8 +151,8 @@ def support() -> SupportResult:
     return SupportResult(
         trials=tuple(trial for group in groups for trial in group),
         joints=tuple(summed(group, k) for group in groups for k in range(3)),
-        band_model=dict.fromkeys(DEVICES, "stiffness and natural lengths of device.yaml"),
-        warnings=("Log bend_normal_1: its reference starts 12 ms later.",),
+        band_model=dict.fromkeys(DEVICES, Remark(About.BANDS_OF_FILE)),
+        remarks=(Remark(About.TOUCHED, ("bend_normal_1",), numbers=(1.0, 2.0)),),
     )
 
 
@@ -157,7 +168,7 @@ def band(name: str, group: str, truth: float | None, value: float, std: float, t
         error_percent=None if truth is None else 100 * (value - truth) / truth,
         identifiable=told,
         length_identifiable=told,
-        note="" if told else "slack in every log",
+        note=None if told else Remark(About.PULLS_NOWHERE, (name,)),
     )
 
 
@@ -184,7 +195,7 @@ def stiffness() -> tuple[StiffnessResult, ...]:
                     correlation,
                     {"torso_pitch": 0.4},
                     9000,
-                    ("Bands of group B never leave slack.",),
+                    (Remark(About.LENGTHS_TIED, ("band_b_l", "band_b_r")),),
                 )
             )
     return tuple(made)

@@ -11,11 +11,9 @@ from typing import Any
 import pytest
 
 from exogauge.devices.result import StiffnessResult
-from exogauge.studies.results.comparison import compare, verdict
-from exogauge.studies.results.comparison_tables import as_csv, as_latex
+from exogauge.studies.results.comparison import as_csv, as_latex, compare, verdict
 from exogauge.studies.results.document import finite
-from exogauge.studies.results.stiffness_results import stiffness_entries
-from exogauge.studies.results.support_results import support_entries
+from exogauge.studies.results.support_results import stiffness_entries, support_entries
 from exogauge.support.result import SupportResult
 
 
@@ -47,7 +45,13 @@ def test_every_number_is_that_of_its_result(content: dict[str, Any]) -> None:
         numbers = entry["approaches"][row["approach"]]
         assert row["cells"][0]["peak"] == numbers["peak"]
         assert row["cells"][0]["mean"] == numbers["mean"]
-        rmse = {"A": entry["rmse_a"], "B": entry["rmse_b"], "prior": entry["rmse_prior"], "band_model": None}
+        rmse = {
+            "A": entry["rmse_a"],
+            "B": entry["rmse_b"],
+            "paired": entry["rmse_paired"],
+            "prior": entry["rmse_prior"],
+            "band_model": None,
+        }
         assert row["cells"][0]["rmse"] == rmse[row["approach"]]
         here = entry is content["support"][0]
         assert (row["cells"][1] is not None) == here

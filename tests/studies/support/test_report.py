@@ -12,6 +12,7 @@ import pytest
 
 from exogauge.devices.result import StiffnessResult
 from exogauge.identification.result import Identification
+from exogauge.remarks import About, Remark
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.report.stiffness_section import device_views, stiffness_sentence
 from exogauge.studies.report.support_figures import draw_support, outline, runs
@@ -73,7 +74,8 @@ def test_every_number_of_the_captions_is_that_of_the_results(report: str, suppor
         for row in view.errors:
             for value in (*row.rmse, *row.steady):
                 assert value in words(report)
-    assert "RMSE A 0.300 · B 0.410 · maker’s values 2.00 N·m" in report
+    first = support.joints[0].rmse
+    assert f"RMSE A 0.300 · B 0.410 · paired {first['paired']:.3f} · maker’s values 2.00 N·m" in report
 
 
 def test_one_figure_per_motion_with_a_panel_per_device(report: str) -> None:
@@ -132,8 +134,9 @@ def test_without_reference_or_band_values_the_report_says_b_alone(render: Render
 def test_what_the_data_do_not_decide_is_marked_and_said(report: str, stiffness: tuple[StiffnessResult, ...]) -> None:
     view = device_views(stiffness)[0]
     assert [row.group for row in view.groups] == ["A", "B"]
-    assert all(cell is not None and cell.kept for cell in view.groups[1].cells)
-    assert "slack in every log" in report
+    assert all(cell.kept for cell in view.groups[1].cells if cell is not None)
+    assert sum(cell is not None for cell in view.groups[1].cells) == 3
+    assert "B_left pulls nowhere in these motions" in report
     assert "stiffness[A] and natural_length[A_left] trade against each other (correlation 0.97)" in report
     assert "no bounds" in report
 
@@ -143,7 +146,7 @@ def test_markup_in_names_stays_text(render: Render, support: SupportResult) -> N
         support,
         trials=tuple(dataclasses.replace(each, device="<i>$x_1$&") for each in support.trials),
         joints=tuple(dataclasses.replace(each, device="<i>$x_1$&") for each in support.joints),
-        band_model={"<i>$x_1$&": "<b>bench</b>"},
+        band_model={"<i>$x_1$&": Remark(About.BANDS_IDENTIFIED, beside=("<b>bench</b>",))},
     )
     html = render(odd)
     assert "<i>$" not in html
@@ -157,7 +160,8 @@ def test_drawings_do_not_grow_with_the_log(support: SupportResult) -> None:
         name: np.repeat(getattr(trial, name), 20, axis=0)
         for name in (
             "q", "support_a", "support_a_std", "support_b", "support_b_std", "support_prior", "band_model",
-            "low_a", "high_a", "low_b", "high_b", "compared", "steady", "rest", "phase",
+            "low_a", "high_a", "low_b", "high_b", "compared",
+            "support_paired", "support_paired_std", "low_paired", "high_paired", "steady", "rest", "phase",
         )
     }  # fmt: skip
     longer = dataclasses.replace(trial, time=np.arange(20 * trial.time.size) / 200.0, **long)
@@ -194,3 +198,22 @@ def test_runs_are_stretches_of_one_value() -> None:
 )
 def test_an_interval_has_the_digits_of_its_width(low: float, high: float, shown: str) -> None:
     assert between(low, high) == shown
+
+
+def test_a_joint_that_slides_is_drawn_in_newtons_and_millimetres(support: SupportResult) -> None:
+    trial = support.trials[0]
+    joint = trial.joints[0]
+    units = {**trial.prediction.units, f"tau.{joint}": "N"}
+    slides = dataclasses.replace(trial, prediction=dataclasses.replace(trial.prediction, units=units))
+    turns, slid = draw_support([trial], joint, {}, "a"), draw_support([slides], joint, {}, "b")
+    assert ("[N·m]" in turns, "[°]" in turns, f"angle of {joint}" in turns) == (True, True, True)
+    assert ("[N·m]" in slid, "[°]" in slid) == (False, False)
+    assert ("[N]" in slid, "[mm]" in slid, f"position of {joint}" in slid) == (True, True, True)
+
+
+def test_what_the_band_model_is_made_of_is_told_in_words(report: str) -> None:
+    assert "which they are compared with: stiffness and natural length of the device file." in words(report)
+
+
+def test_no_object_of_the_code_is_printed(report: str) -> None:
+    assert not re.search(r"(?:&lt;|<)[A-Z]\w+\.\w+:|\b[A-Z][A-Za-z]+\((?:\w+=|\))", report)

@@ -18,8 +18,14 @@ from exogauge.identification.result import Identification
 from exogauge.studies.evaluate import write
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.results.document import Evaluation, finite, to_json
-from exogauge.studies.results.stiffness_results import stiffness_details, stiffness_entries, stiffness_table
-from exogauge.studies.results.support_results import main_joints, support_entries, support_table
+from exogauge.studies.results.support_results import (
+    main_joints,
+    stiffness_details,
+    stiffness_entries,
+    stiffness_table,
+    support_entries,
+    support_table,
+)
 from exogauge.studies.series.write import write_series
 from exogauge.support.result import SupportResult
 
@@ -47,15 +53,16 @@ def test_every_number_stands_with_its_std_and_unit(support: SupportResult) -> No
     joint = next(each for each in support.joints if (each.motion, each.joint) == ("bend", "torso_pitch"))
     assert found["peak"] == {
         "value": joint.by["a"].peak.value, "std": joint.by["a"].peak.std, "unit": "N·m", "approach": "A",
+        "as_good": ["A", "B"],
     }  # fmt: skip
     assert found["integral"]["unit"] == "N·m·s"
-    assert set(found["approaches"]) == {"A", "B", "prior", "band_model"}
+    assert set(found["approaches"]) == {"A", "B", "paired", "prior", "band_model"}
     assert found["approaches"]["B"]["spread"] == joint.spread["b"]
     assert found["approaches"]["band_model"]["spread"] is None
     assert [part["phase"] for part in found["phases"]] == ["standing", "lowering", "holding", "raising"]
     assert found["phases"][2]["approaches"]["A"]["mean"]["value"] == joint.phases[2].by["a"].mean.value
     assert (found["rmse_a"], found["rmse_b"], found["rmse_prior"]) == tuple(joint.rmse[k] for k in ("a", "b", "prior"))
-    assert found["null"] == {"a": 0.123, "b": 0.321}
+    assert found["null"] == {"a": 0.123, "b": 0.321, "paired": 0.213}
 
 
 def test_what_acts_on_a_joint_that_slides_is_a_force(support: SupportResult) -> None:
@@ -97,8 +104,9 @@ def test_without_a_reference_the_numbers_are_those_of_b(support: SupportResult) 
         ),
         joints=tuple(
             dataclasses.replace(
-                each, by={k: v for k, v in each.by.items() if k != "a"}, rmse={"b": 0.3, "prior": math.nan},
-                rmse_steady={}, null={"b": 0.3}, references=(), equality=(), lag_s=(),
+                each, by={k: v for k, v in each.by.items() if k not in ("a", "paired")},
+                rmse={"b": 0.3, "prior": math.nan}, rmse_steady={}, null={"b": 0.3},
+                references=(), equality=(), lag_s=(),
             )
             for each in support.joints
         ),
@@ -108,7 +116,7 @@ def test_without_a_reference_the_numbers_are_those_of_b(support: SupportResult) 
     assert found["motion_equality"] is None
     assert found["rmse_a"] is None
     assert found["rmse_prior"] is None
-    assert found["rmse_steady"] == {"a": None, "b": None, "prior": None}
+    assert found["rmse_steady"] == {"a": None, "b": None, "paired": None, "prior": None}
 
 
 def test_the_main_joints_are_those_the_device_acts_on(support: SupportResult) -> None:
@@ -136,7 +144,7 @@ def test_stiffness_entries_hold_value_interval_truth_and_error(stiffness: tuple[
     assert first["error_percent"] == pytest.approx(-1.5)
     assert unknown["stiffness_n_per_m"]["std"] is None
     assert unknown["truth_n_per_m"] is None
-    assert unknown["note"] == "slack in every log"
+    assert unknown["note"].startswith("B_left pulls nowhere")
     details = finite(stiffness_details(stiffness))
     assert [each["approach"] for each in details] == ["A", "B", "prior"] * 2
     assert details[0]["correlation"][0][1] == 0.97
@@ -144,7 +152,7 @@ def test_stiffness_entries_hold_value_interval_truth_and_error(stiffness: tuple[
 
 def test_the_tables_hold_every_number(support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> None:
     found = rows(support_table(support))
-    assert len(found) == 12 * (4 + 4 * 4)  # whole motion and four phases, by four approaches
+    assert len(found) == 12 * (5 + 4 * 5)  # whole motion and four phases, by five approaches
     whole = [row for row in found if row["phase"] == "" and row["joint"] == "torso_pitch" and row["approach"] == "A"]
     assert float(whole[0]["rmse"]) == entry(support)["rmse_a"]
     assert float(whole[0]["peak"]) == entry(support)["peak"]["value"]
@@ -218,4 +226,7 @@ def test_an_evaluation_with_a_device_leaves_every_file_that_it_names(
     assert len(found["support"]) == 12
     assert len(found["stiffness"]) == 18
     assert len(found["stiffness_details"]) == 6
-    assert "Log bend_normal_1: its reference starts 12 ms later." in found["warnings"]
+    (told,) = [each for each in found["notices"] if each["code"] == "touched"]
+    assert (told["names"], told["numbers"]) == (["bend_normal_1"], [1.0, 2.0])
+    assert told["sentence"].startswith("bend_normal_1, from 1.00 to 2.00 s: something touched the robot.")
+    assert found["warnings"] == [each["sentence"] for each in found["notices"]]

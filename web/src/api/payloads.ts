@@ -23,6 +23,7 @@ export type PayloadSummary = {
   ground_truth: { mass_kg: number | null };
   logs: PayloadLog[];
   plan: { joints: string[] } | null;
+  findings?: Schemas["PayloadFindingOut"][];
 };
 export type Payload = Omit<Schemas["PayloadOut"], "summary"> & { summary: PayloadSummary };
 export type PayloadResults = Schemas["PayloadResults"];

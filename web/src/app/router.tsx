@@ -30,6 +30,7 @@ export function newRouter() {
               { path: "devices", lazy: () => import("../pages/device/DevicesPage") },
               { path: "devices/:deviceId/*", lazy: () => import("../pages/device/DevicePage") },
               { path: "payloads", lazy: () => import("../pages/payload/PayloadsPage") },
+              { path: "payloads/new", lazy: () => import("../pages/payload/new/NewPayloadPage") },
               { path: "payloads/:payloadId/*", lazy: () => import("../pages/payload/PayloadPage") },
               { path: "compare", lazy: () => import("../pages/compare/ComparePage") },
               { path: "*", element: <NotFound /> },

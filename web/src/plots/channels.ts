@@ -14,6 +14,7 @@ export type Look =
   | "prior"
   | "support_a"
   | "support_b"
+  | "support_paired"
   | "band_model"
   | `other${0 | 1 | 2 | 3 | 4 | 5}`;
 
@@ -32,6 +33,7 @@ const MODELS: [string, string, Look][] = [
 const APPROACHES: [string, string, Look][] = [
   ["support_a", "A: without − with", "support_a"],
   ["support_b", "B: model − measured", "support_b"],
+  ["support_paired", "Paired: B with − B without", "support_paired"],
   ["support_prior", "B, maker’s values", "prior"],
   ["support_band_model", "Band model", "band_model"],
 ];

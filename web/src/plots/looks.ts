@@ -12,6 +12,7 @@ const PENS: Record<Look, Pen> = {
   prior: { colour: { light: "#a85400", dark: "#ffb36b" }, width: 1.5, dash: [2, 4] },
   support_a: { colour: { light: "#1d5fc4", dark: "#8db9ff" }, width: 2 },
   support_b: { colour: { light: "#a8195f", dark: "#ff9cc9" }, width: 2, dash: [9, 3] },
+  support_paired: { colour: { light: "#2b7a3d", dark: "#86d99a" }, width: 2, dash: [4, 2] },
   band_model: { colour: { light: "#1b2327", dark: "#eef3f5" }, width: 1.5, dash: [6, 3, 1.5, 3] },
   other0: { colour: { light: "#1d5fc4", dark: "#8db9ff" }, width: 2 },
   other1: { colour: { light: "#a8195f", dark: "#ff9cc9" }, width: 2, dash: [9, 3] },

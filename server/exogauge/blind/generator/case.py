@@ -13,16 +13,14 @@ from numpy.typing import NDArray
 
 from exogauge.blind.generator import sensors
 from exogauge.blind.generator.axis_run import AxisRun, axis_runs
+from exogauge.blind.generator.dynamics import carrier
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
 from exogauge.blind.generator.log_columns import joint_columns, sensor_columns, table
-from exogauge.blind.generator.log_plans import DURATION_S
-from exogauge.blind.generator.maker import Built, built
-from exogauge.blind.generator.motion import Motion, excitations
+from exogauge.blind.generator.motion import DURATION_S, Motion, excitations
 from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
 from exogauge.blind.generator.plan import CasePlan, plan_case
-from exogauge.blind.generator.robot_files import robot_file, robot_urdf
+from exogauge.blind.generator.robot_files import Built, built, robot_file, robot_urdf
 from exogauge.blind.generator.scene import Scene, scene
-from exogauge.blind.generator.tree import carrier
 from exogauge.blind.generator.true_robot import K_T_STD, draw_robot, record
 from exogauge.blind.generator.wear import draw_wear
 from exogauge.synthetic.random_streams import stream

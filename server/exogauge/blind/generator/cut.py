@@ -9,8 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.blind.generator.dynamics import Kinematics, body_wrench, path_down, seen_from_parent
-from exogauge.blind.generator.tree import Tree, carrier
+from exogauge.blind.generator.dynamics import Kinematics, Tree, body_wrench, carrier, path_down, seen_from_parent
 from exogauge.synthetic.inertia import Mass, joined
 from exogauge.synthetic.robot_facts import Link
 

@@ -14,9 +14,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.cut import Cut, cut_columns
-from exogauge.blind.generator.dynamics import Kinematics, kinematics, regressor_row
+from exogauge.blind.generator.dynamics import Kinematics, Tree, kinematics, regressor_row
 from exogauge.blind.generator.motion import RATE_HZ, Motion
-from exogauge.blind.generator.tree import Tree
 from exogauge.blind.generator.wear import Wear
 
 Array = NDArray[np.float64]

@@ -1,4 +1,6 @@
-"""Excitation: every joint on its own sum of sines, run through fast and slow and stopped, each joint at its own times.
+"""Which logs a case has, what each is for, and which show the same motion.
+
+Excitation: every joint on its own sum of sines, run through fast and slow and stopped, each joint at its own times.
 
 Positions, velocities and accelerations are closed forms, so a joint that stops stands exactly still.
 """
@@ -13,6 +15,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.synthetic.robot_facts import Joint
+
+DURATION_S = 25.0
+
+
+@final
+@dataclass(frozen=True)
+class LogPlan:
+    """path: logs of one path show the same motion. motion: its name, where logs are compared by it."""
+
+    name: str
+    role: str
+    path: int
+    motion: str | None = None
+
+    @property
+    def worn(self) -> bool:
+        return self.role == "with_device"
+
+
+PLAIN = (
+    *(LogPlan(f"id_{n + 1}", "identification", n) for n in range(4)),
+    *(LogPlan(f"val_{n + 1}", "validation", 4 + n) for n in range(2)),
+)
+WITH_DEVICE = (  # in the order in which they were recorded
+    *(LogPlan(f"id_{n + 1}", "identification", n) for n in range(3)),
+    LogPlan("val_1", "validation", 3),
+    LogPlan("reach_plain", "without_device", 4, "reach"),
+    LogPlan("reach_worn_1", "with_device", 4, "reach"),
+    LogPlan("reach_worn_2", "with_device", 4, "reach"),
+    LogPlan("sway_plain", "without_device", 5, "sway"),
+    LogPlan("sway_worn", "with_device", 5, "sway"),
+)
+
 
 Array = NDArray[np.float64]
 

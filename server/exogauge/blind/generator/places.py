@@ -10,8 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.blind.generator.dynamics import path_down
-from exogauge.blind.generator.tree import Tree
+from exogauge.blind.generator.dynamics import Tree, path_down
 
 Array = NDArray[np.float64]
 

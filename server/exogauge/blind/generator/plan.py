@@ -7,11 +7,9 @@ from typing import final
 
 import numpy as np
 
-from exogauge.blind.generator.arm import ARM
 from exogauge.blind.generator.hidden.kinds import IN_BANDS, IN_LOGS, KINDS, ON_REQUEST
-from exogauge.blind.generator.log_plans import PLAIN, WITH_DEVICE, LogPlan
-from exogauge.blind.generator.robot_kind import RobotKind
-from exogauge.blind.generator.torso import TORSO
+from exogauge.blind.generator.motion import PLAIN, WITH_DEVICE, LogPlan
+from exogauge.blind.generator.robot_kind import ARM, TORSO, RobotKind
 from exogauge.synthetic.random_streams import stream
 
 BLOCK = 40  # cases, of which

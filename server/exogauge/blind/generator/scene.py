@@ -14,8 +14,7 @@ from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.cut import cut_wrench
 from exogauge.blind.generator.dynamics import UP, Kinematics, kinematics
 from exogauge.blind.generator.excess import Baseline, CutBaseline, baselines, cut_baseline, thinned_kinematics
-from exogauge.blind.generator.log_plans import LogPlan
-from exogauge.blind.generator.motion import Motion
+from exogauge.blind.generator.motion import LogPlan, Motion
 from exogauge.blind.generator.robot_kind import RobotKind
 from exogauge.blind.generator.stated import Stated, stated
 from exogauge.blind.generator.true_robot import TrueRobot

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.cut import Cut, cut_at, cut_wrench
-from exogauge.blind.generator.dynamics import Kinematics, inverse_dynamics
+from exogauge.blind.generator.dynamics import Kinematics, Tree, bodies_of, inverse_dynamics
 from exogauge.blind.generator.excess import BAND_HZ, Mask, thinned
 from exogauge.blind.generator.motion import RATE_HZ
-from exogauge.blind.generator.tree import Tree, bodies_of
 from exogauge.blind.generator.true_robot import INERTIAL_STD, a_priori_std
 from exogauge.blind.generator.wear import LENGTH_STD, STIFFNESS_STD, Wear
 from exogauge.synthetic.inertia import Mass, of_shape

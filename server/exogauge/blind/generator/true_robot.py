@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.blind.generator.cut import Cut, cut_at
-from exogauge.blind.generator.tree import Tree, bodies_of, tree_of
+from exogauge.blind.generator.dynamics import Tree, bodies_of, tree_of
 from exogauge.synthetic.inertia import Mass, of_shape
 from exogauge.synthetic.robot_facts import Drive, Link
 

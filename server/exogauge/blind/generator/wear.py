@@ -9,11 +9,11 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.blind.generator.dynamics import Tree, carrier
 from exogauge.blind.generator.motion import Motion
 from exogauge.blind.generator.places import Point, Poses, poses, wire
-from exogauge.blind.generator.tree import Tree, carrier
+from exogauge.blind.generator.robot_kind import Wire
 from exogauge.blind.generator.true_robot import FURTHEST
-from exogauge.blind.generator.wear_facts import Wire
 from exogauge.synthetic.robot_facts import Link
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ class Wear:
 
     def device_file(self, name: str) -> Mapping[str, Any]:
         """device.yaml as a tree of plain values."""
-        return {"version": 1, "name": name, "bands": [_entry(band) for band in self.bands]}
+        return {"version": 1, "uncertainty": "none", "name": name, "bands": [_entry(band) for band in self.bands]}
 
     def record(self) -> Mapping[str, Mapping[str, float]]:
         """For the answers."""

@@ -13,7 +13,7 @@ from exogauge.criteria.contact import Touching
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.settings import Recording
-from exogauge.robots.cut_rows import in_sensor
+from exogauge.robots.cuts import in_sensor
 from exogauge.robots.kinematics import Kinematics, subtree
 from exogauge.robots.rows import RowType
 from exogauge.robots.tree import RigidTree

@@ -54,7 +54,7 @@ class Ground:
 
     @property
     def fit(self) -> BandFit:
-        return BandFit(self.model.covariance, self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))
+        return BandFit(self.model.doubt, self.null, self.setting, self.fitted, 1.0 / (self.sigma**2 * self.memory))
 
     def deviations(self, fitted: Fitted) -> Array:
         """(P,) standard deviations."""
@@ -121,10 +121,9 @@ def _floor(gathered: Gathered, own: Sequence[Evidence], approach: Approach) -> A
     not make it less."""
     repeats = [gathered.backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
     if approach == "B":
-        return _rms_of_seen([each.by_model_steady for each in repeats])
-    runs = [np.sqrt(2.0) * each.by_model_steady if each.between_runs_steady is None else each.between_runs_steady
-            for each in repeats]  # fmt: skip
-    once = [one for one, each in zip(runs, repeats, strict=True) if each.between_runs_steady is None]
+        return _rms_of_seen([each.b.steady for each in repeats])
+    runs = [each.between_runs_steady for each in repeats]
+    once = [each.between_runs_steady for each in repeats if each.a is None]
     return np.maximum(_rms_of_seen(runs), _rms_of_seen(once)) if once else _rms_of_seen(runs)
 
 
@@ -141,7 +140,8 @@ def _of_the_robot(model: RobotModel, logs: WearLogs) -> Array:
         if log.slope is not None:
             own = log.slope.astype(np.float64)
             used = log.used[log.sloped, : own.shape[1]]
-            variance = np.einsum("ndp,pq,ndq->nd", own, model.covariance, own, optimize=True)
+            variance = np.einsum("ndp,pq,ndq->nd", own, model.doubt, own, optimize=True)
+            variance += sum(np.sum(each.astype(np.float64) ** 2, axis=2) for each in log.own.values())
             square[: own.shape[1]] += np.sum(np.where(used, variance, 0.0), axis=0)
             count[: own.shape[1]] += used.sum(axis=0)
     return np.asarray(np.sqrt(np.maximum(square, 0.0) / np.maximum(count, 1.0)))

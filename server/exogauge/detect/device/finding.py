@@ -1,4 +1,7 @@
-"""An effect of a band that may be claimed, as a finding: its numbers, its evidence, what it beat."""
+"""An effect of a band that may be claimed, as a finding: its numbers, its evidence, what it beat.
+
+The plot that shows an effect of a band: torque that the wear's model lacks, over what the effect depends on.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.detect.device.baseline import Ground, weighed
-from exogauge.detect.device.evidence import band_evidence
 from exogauge.detect.device.judge import BandJudgement, Folds, apart, rmse
 from exogauge.detect.device.nominal import Contradicted
 from exogauge.detect.device.score import BandScore, Scorer
@@ -17,15 +19,13 @@ from exogauge.devices.result import Estimate
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
 from exogauge.findings.basis import Moment, OfBand
-from exogauge.findings.objection import Objection, Why
-from exogauge.findings.result import Alternative, Finding, HeldOut, Place
+from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
+from exogauge.findings.verdict import Objection, Why
 from exogauge.support.band_model import fit
 from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 
-TELL_APART = 2.0  # standard errors by which the winner must explain more than another effect
-NEARLY_SURE = 2.0  # standard errors, from which a rival is no worse an answer, though it could not be claimed alone
 SHIFT = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
 MUCH_LESS, LITTLE_LESS = 4.0, 0.5  # of the gain: it is moved less, or further, until it falls by something between
 MOST_STEPS = 16
@@ -48,7 +48,10 @@ def name_effect(
     effect, wire = winner.added.effect, ground.setting.wires[winner.added.wire]
     held_out = held(ground, winner.joint, winner.before, winner.after)
     rivals = [each for each in judged if each is not winner]
-    alike = [each for each in rivals if each.z > NEARLY_SURE and abs(apart(winner, each)) < TELL_APART]
+    criteria = ground.model.criteria.device
+    alike = [
+        each for each in rivals if each.z > criteria.nearly_sure and abs(apart(winner, each)) < criteria.tell_apart
+    ]
     others = [rejection(ground, each, Objection(Why.ALIKE) if each in alike else each.objection or Objection(Why.LESS))
               for each in rivals]  # fmt: skip
     return Finding(
@@ -177,3 +180,30 @@ def _instead(ground: Ground, scorer: Scorer, found: Contradicted) -> list[Altern
 
 def _of(effect: BandEffect, confounded: str) -> tuple[str, ...]:
     return (effect.name,) if effect.sort == "law" and confounded in effect.confounds else ()
+
+
+BINS = 40  # at most
+USUAL, FEWEST = 12, 6  # samples in a bin
+UNITS = {"stretch": "m", "rate": "m/s", "clock": "s"}
+NAMES = {"stretch": "band length", "rate": "rate of the band", "clock": "time"}
+
+
+def band_evidence(ground: Ground, wire: Wire, coordinate: str, joint: int, before: Array, after: Array) -> Evidence:
+    """before, after: (N, D) [N·m] residuals, NaN where they do not count; their difference is what the effect adds."""
+    used = np.isfinite(before[:, joint]) & np.isfinite(after[:, joint])
+    values = {"stretch": wire.length, "rate": wire.rate, "clock": ground.setting.logs.clock}[coordinate]
+    at, was, now = values[used], before[used, joint], after[used, joint]
+    bins = int(np.clip(len(at) // USUAL, 1, BINS))
+    edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1))) if len(at) else np.zeros(1)
+    if coordinate == "rate" and len(at):  # what depends on the rate turns round at zero: no bin may hold both sides
+        edges = np.unique([*edges, np.clip(0.0, edges[0], edges[-1])])
+    place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
+    count = np.bincount(place, minlength=max(len(edges) - 1, 1))
+    full = count >= min(FEWEST, max(len(at), 1))
+
+    def mean(of: Array) -> Array:
+        return np.asarray(np.bincount(place, of, minlength=len(count))[full] / count[full])
+
+    spread = np.sqrt(np.maximum(mean(was**2) - mean(was) ** 2, 0.0) / count[full])
+    unit = UNITS[coordinate] if wire.course.routing is not None else UNITS[coordinate].replace("m", "rad")
+    return Evidence(NAMES[coordinate], unit, mean(at), mean(was), mean(now), spread, mean(was - now))

@@ -13,8 +13,8 @@ from exogauge.criteria.wearing import Wearing
 from exogauge.detect.device.baseline import Ground, weighed
 from exogauge.detect.device.score import BandScore, evidence
 from exogauge.findings.basis import LeftOut
-from exogauge.findings.objection import Objection, Why
-from exogauge.search.block_gains import summed, sureness
+from exogauge.findings.verdict import Objection, Why
+from exogauge.search.sums import summed, sureness
 from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, residual
 from exogauge.support.band_rows import BLOCK_S, WearLogs
 
@@ -167,7 +167,8 @@ def rmse(e: Array, joint: int) -> float:
 
 def _objection(judged: BandJudgement, ground: Ground) -> Objection | None:
     criteria, judging = ground.model.criteria.device, ground.model.criteria.judging
-    size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
+    with np.errstate(over="ignore"):  # without any doubt it is as sure as can be
+        size = np.abs(judged.added.coefficients) / np.maximum(judged.std, 1e-300)
     sure = judging.once if judged.once else judging.sure
     if float(size.max()) < sure:
         return Objection(Why.SIZE_NOT_SURE, float(size.max()), sure)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import Criteria
 from exogauge.detect.device.baseline import Ground
 from exogauge.detect.device.judge import Folds, left_out_residual, rmse
-from exogauge.search.block_gains import summed, sureness
+from exogauge.search.sums import summed, sureness
 from exogauge.support.band_model import LENGTH_DOUBT, STIFFNESS_DOUBT, Belief, Fitted, Setting, Wear, believed, fit
 
 Array = NDArray[np.float64]

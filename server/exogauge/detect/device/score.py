@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
-from exogauge.estimation.bounded import bounded_least_squares
+from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_model import Added, Fitted, Setting
 from exogauge.support.band_rows import Wire
 

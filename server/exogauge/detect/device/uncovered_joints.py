@@ -13,9 +13,10 @@ from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.robots.tree import IntArray
 from exogauge.support.balance import Balance, balance, prepare_worn
+from exogauge.support.difference import difference
 from exogauge.support.evaluate import Gathered
 from exogauge.support.evidence import Evidence
-from exogauge.support.repeatability import Plain, difference, repeatability
+from exogauge.support.repeatability import Plain, repeatability
 from exogauge.support.same_motion import Posture
 from exogauge.support.settings import PlainLog, SupportSettings
 
@@ -60,8 +61,7 @@ def look_beyond(
             for each in chosen
         ]
         repeats = repeatability(plains, np.zeros(len(joints)), settings)
-        runs = repeats.between_runs_steady
-        floors.append((np.sqrt(2.0) * repeats.by_model_steady if runs is None else runs, repeats.by_model_steady))
+        floors.append((repeats.between_runs_steady, repeats.b.steady))
         null[motion] = [_kept(each.balance, each.balance.torque, each.balance.steady) for each in plains]
         for each in own:
             _look(model, each, plains, joints, a, b)

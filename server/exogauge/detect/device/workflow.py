@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
-from exogauge.detect.chain import descendant
+from exogauge.criteria.wearing import Wearing
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
@@ -23,17 +23,17 @@ from exogauge.detect.device.nominal import contradicted
 from exogauge.detect.device.score import BandScore, Scorer, candidates
 from exogauge.detect.device.shape import with_best_shape
 from exogauge.detect.device.uncovered_joints import Beyond
+from exogauge.detect.so_far import descendant
 from exogauge.devices.device import Device
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.effects.band import BandEffect
 from exogauge.effects.catalogue import band_effects
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.result import Alternative, ChainStep, Consequence, Discrepancy, Excess, Finding, Link
-from exogauge.findings.verdict import Caveat, Seen
+from exogauge.findings.verdict import Caveat, Objection, Seen, Why
 from exogauge.identification.model import RobotModel
-from exogauge.identification.settings import Progress
-from exogauge.search.block_gains import summed, sureness
-from exogauge.search.may_be_named import not_named, refused, told
+from exogauge.progress import Doing, Progress, unwatched
+from exogauge.search.judge import not_named, refused, told
+from exogauge.search.sums import summed, sureness
 from exogauge.side_by_side import each as side_by_side
 from exogauge.support.band_fit import NamedBands
 from exogauge.support.band_model import Wear, fit
@@ -42,12 +42,6 @@ from exogauge.support.evaluate import Gathered
 
 Array = NDArray[np.float64]
 
-MOST_EFFECTS = 4  # on one wear
-WORTH_JUDGING = 6.0  # evidence (BIC)
-JUDGED = 8  # candidates per round
-REMAINDER = 0.2  # of what an effect explained on a joint: a later one must be larger to be no part of it
-OF_A_WIRE = 0.5  # the same of a wire that nobody declared, which can run anywhere and so fits what any formula leaves
-CLEAR = 1.5  # times the noise floor: up to there a further band is known well enough to look at the others beside it
 LED_ON = 4  # times, as joints are weighed anew each time
 
 
@@ -75,7 +69,7 @@ def find_band_effects(
     so_far: Discrepancy,
     beyond: Beyond | None = None,
     effects: Mapping[str, BandEffect] | None = None,
-    progress: Progress = lambda _fraction, _phrase: None,
+    progress: Progress = unwatched,
 ) -> Discrepancy:
     """so_far: what the joints' search says of the same model; it comes back with the findings of all wears appended.
     gathered, stiffness: supporting torque and bands of the same logs. beyond: the same on joints that no declared band
@@ -84,11 +78,11 @@ def find_band_effects(
     devices = {each.worn.device.name: each.worn.device for each in gathered.evidences}
     found = so_far
     for done, device in enumerate(devices.values()):
-        progress(done / len(devices), f"looking for effects of {device.name}")
+        progress(done / len(devices), Doing.LOOKING_FOR_BAND_EFFECTS, device.name)
         of = device.name if len(devices) > 1 else ""
         said = search_wear(model, gathered, device, stiffness, beyond, effects, len(found.findings), of)
         found = appended(found, said)
-    progress(1.0, "compared")
+    progress(1.0, Doing.COMPARED)
     return found
 
 
@@ -106,18 +100,20 @@ def search_wear(
     ground = lay_ground(model, gathered, device, stiffness, beyond)
     if ground is None:
         return _unjudged(Caveat("no_steady_motion", device.name))
-    folds = folds_of(ground.setting.logs, model.criteria.device)
+    criteria = model.criteria.device
+    folds = folds_of(ground.setting.logs, criteria)
     if not folds.left_out:
         return _unjudged(Caveat("nothing_left_out", device.name))
     first, findings, rejected, tried, unclear = ground, list[Finding](), list[Alternative](), 0, False
     wears, explained = [ground.fitted.wear], np.zeros(len(ground.joints))
     while True:
         ground, judged, count = _judged(ground, effects, folds)
-        judged = [each if each.objection else replace(each, objection=_remainder(each, explained)) for each in judged]
+        beside = [each.objection or _remainder(each, explained, criteria) for each in judged]
+        judged = [replace(each, objection=why) for each, why in zip(judged, beside, strict=True)]
         tried = max(tried, count)
         rejected = [rejection(ground, each, each.objection) for each in judged if each.objection]
         winner = next((each for each in judged if not each.objection), None)
-        if winner is None or len(findings) >= MOST_EFFECTS:
+        if winner is None or len(findings) >= criteria.most_effects:
             break
         sharpened, winner, judged = _sharpened(ground, winner, judged, folds)
         finding = name_effect(named + len(findings) + 1, sharpened, winner, judged, folds, of)
@@ -129,9 +125,8 @@ def search_wear(
         explained = np.maximum(explained, winner.gone)
         ground = weighed(ground, winner.fitted)
         wears.append(ground.fitted.wear)
-        unclear = (
-            winner.added.effect.sort == "wire" and rmse(winner.after, winner.joint) > CLEAR * ground.floor[winner.joint]
-        )
+        wire, left = winner.added.effect.sort == "wire", rmse(winner.after, winner.joint)
+        unclear = wire and left > criteria.clear * ground.floor[winner.joint]
         if unclear:
             break
     scorer, ended = Scorer(ground.setting, ground.fitted), ground
@@ -186,10 +181,11 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     """The ground with further wires that are worth it, the candidates judged, with most evidence first, and how many
     shapes were tried."""
     scorer, tried, worth = Scorer(*whitened(ground)), 0, list[BandScore]()
+    criteria = ground.model.criteria.device
 
     def best_of(candidate: tuple[BandEffect, int]) -> tuple[BandScore | None, int]:
         best, count = scorer.best(*candidate)
-        return None if best is None or best.evidence <= WORTH_JUDGING else scorer.refined(best), count
+        return None if best is None or best.evidence <= criteria.worth_judging else scorer.refined(best), count
 
     for best, count in side_by_side(best_of, candidates(scorer, effects)):
         tried += count
@@ -197,9 +193,9 @@ def _judged(ground: Ground, effects: Mapping[str, BandEffect], folds: Folds) -> 
     for effect in (each for each in effects.values() if each.sort == "wire"):
         ground, scorer, scores, count = further_wires(ground, scorer, effect)
         worth, tried = worth + [scorer.refined(each) for each in scores], tried + count
-    worth = sorted(worth, key=lambda each: -each.evidence)[:JUDGED]
+    worth = sorted(worth, key=lambda each: -each.evidence)[: criteria.judged]
     judged = list(side_by_side(lambda each: judge(ground, each, folds), worth))
-    likely = [each for each in judged if each.evidence > WORTH_JUDGING]
+    likely = [each for each in judged if each.evidence > criteria.worth_judging]
     return ground, sorted(likely, key=lambda one: -one.evidence), tried
 
 
@@ -242,10 +238,11 @@ def _leaves_least(found: Sequence[tuple[Ground, BandJudgement]]) -> tuple[Ground
     return min([found[0], *(each for each in found[1:] if not each[1].objection)], key=left)
 
 
-def _remainder(judged: BandJudgement, explained: Array) -> Objection | None:
+def _remainder(judged: BandJudgement, explained: Array, criteria: Wearing) -> Objection | None:
     """Whether it may be what an effect that was named leaves because real bands follow no formula. explained: (D,)
     [N·m] RMS that the largest of those explained."""
-    share = OF_A_WIRE if judged.added.effect.sort == "wire" else REMAINDER
+    wire = judged.added.effect.sort == "wire"
+    share = criteria.remainder_of_wire if wire else criteria.remainder
     if judged.gone[judged.joint] < share * explained[judged.joint]:
         return Objection(Why.SMALL_BESIDE)
     return None

@@ -1,13 +1,108 @@
-"""Numbers of the maker that a free parameter absorbs: looked for once all that leaves a residual is in the model."""
+"""A number of the maker that data contradict, as a finding. The model holds the change already; new is its name.
+
+Numbers of the maker that a free parameter absorbs: looked for once all that leaves a residual is in the model.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from exogauge.detect.nominal.contradicted import contradicted
-from exogauge.detect.nominal.finding import name_contradiction
+import numpy as np
+
+from exogauge.detect.nominal.contradicted import Change, Contradiction, contradicted, put_back
+from exogauge.detect.nominal.nominal_values import gain_columns
 from exogauge.detect.so_far import SoFar
-from exogauge.search.may_be_named import told
+from exogauge.devices.result import Estimate
+from exogauge.findings.as_told import ALL
+from exogauge.findings.basis import BesideStated
+from exogauge.findings.result import Alternative, Evidence, Finding, Place
+from exogauge.findings.verdict import Objection, Why
+from exogauge.identification.model import RobotModel
+from exogauge.identification.parameters import coefficient_unit
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
+from exogauge.robots.ends import takes_payload
+from exogauge.search.judge import told
+
+NOTHING_TO_DRAW = np.zeros(0)
+
+
+def name_contradiction(
+    rank: int, found: Identification, recordings: Sequence[Recording], settings: Settings, odd: Contradiction
+) -> Finding:
+    """found: with all effects that were named before it."""
+    model, best = found.model, odd.best
+    effect, place = _effect_and_place(model, best)
+    held_out = put_back(found, recordings, best, settings)
+    same = [Alternative("link_mass", place, 1.0, Objection(Why.ONE_BODY))] if effect == "payload" else []
+    same += [Alternative("kt_gain", Place("joint", ALL), 1.0, Objection(Why.ONE_FACTOR))] if odd.or_all_gains else []
+    alike = [*same, *(_alternative(model, each, best) for each in odd.alike)][: model.criteria.nominal.most_alike]
+    return Finding(
+        rank=rank,
+        effect=effect,
+        place=place,
+        parameters=_load(best) if best.of_link else _gain(model, best),
+        held_out=held_out,
+        score=held_out.explained,
+        basis=BesideStated(_doubt(model, best)),
+        alternatives=tuple(_alternative(model, each, best) for each in odd.others),
+        also_possible=tuple(alike),
+        evidence=Evidence("", "", *([NOTHING_TO_DRAW] * 5)),
+    )
+
+
+def _doubt(model: RobotModel, best: Change) -> float:
+    """What the maker doubts: of a mass [kg], of a gain as a share."""
+    if best.of_link:
+        return float(model.solution.prior.std[10 * best.stated.index])
+    stated = _stated_gain(model, best)
+    return stated.std if stated.unit == "1" else stated.std / abs(stated.value)
+
+
+def _load(best: Change) -> dict[str, Estimate]:
+    """Mass, and where its centre is in the link's frame."""
+    mass, std = float(best.value[0]), float(best.std[0])
+    centre, own = best.value[1:4] / mass, best.stated.sort == "scaled"  # the link's centre, whatever the mass
+    doubt = np.zeros(3) if own else np.hypot(best.std[1:4] / mass, centre * std / mass)
+    found = {"mass": Estimate(mass, std, "kg")}
+    return found | {name: Estimate(float(c), float(s), "m") for name, c, s in zip("xyz", centre, doubt, strict=True)}
+
+
+def _gain(model: RobotModel, best: Change) -> dict[str, Estimate]:
+    stated = _stated_gain(model, best)
+    share, std = float(best.value[0]), float(best.std[0])
+    return {
+        "gain": Estimate(stated.value * (1.0 + share), abs(stated.value) * std, stated.unit),
+        "stated": stated,
+        "ratio": Estimate(1.0 + share, std, "1"),
+    }
+
+
+def _stated_gain(model: RobotModel, best: Change) -> Estimate:
+    equations, axis, prior = model.equations, best.stated.index, model.solution.prior
+    column, joint = gain_columns(equations)[axis], model.robot.joints[axis]
+    unit = coefficient_unit("N·m/A", joint.name, model.robot)
+    value = float(prior.seen_mean[column])
+    logged = joint.actuation == "torque"
+    doubt = model.criteria.nominal.torque_doubt
+    std = doubt if logged else float(np.sqrt(prior.seen_covariance[column, column]))
+    return Estimate(value, std, unit)
+
+
+def _alternative(model: RobotModel, each: Change, best: Change) -> Alternative:
+    share = float(np.clip(each.evidence / best.evidence, 0.0, 1.0))
+    return Alternative(*_effect_and_place(model, each), share, Objection(Why.LESS_LIKELY))
+
+
+def _effect_and_place(model: RobotModel, change: Change) -> tuple[str, Place]:
+    """More than stated at a hand is a payload. Any other link, and a lighter hand, has a wrong mass."""
+    robot, index = model.robot, change.stated.index
+    if not change.of_link:
+        return "kt_gain", Place("joint", robot.joints[index].name)
+    heavier = change.value[0] > 0.0
+    effect = "payload" if heavier and takes_payload(robot, index) else "link_mass"
+    return effect, Place("link", robot.tree.bodies[index])
 
 
 def nominal_values(so_far: SoFar) -> SoFar:

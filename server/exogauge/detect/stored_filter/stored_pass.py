@@ -2,6 +2,8 @@
 
 A low-pass smears what jumps: friction, where a joint turns round. How a joint breaks away from rest depends on what
 nobody logs, so only turns at once are looked at.
+
+Logs with a device, filtered as those without it were found to have been stored.
 """
 
 from __future__ import annotations
@@ -20,9 +22,12 @@ from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import measured_channels, predictions
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.settings import Recording
 from exogauge.identification.turns import TurnsOf
 from exogauge.logs.filtering import StoredPass
 from exogauge.logs.model import Log
+from exogauge.logs.stored_band import stored_edge
+from exogauge.support.settings import WornLog
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -162,3 +167,25 @@ def _lowest(cutoffs: Array, score: Array) -> float:
     a, b, _ = np.polyfit(x - x[1], y, 2)
     at = -b / (2.0 * a) if a > 0.0 else 0.0
     return float(np.exp(x[1] + np.clip(at, x[0] - x[1], x[2] - x[1])))
+
+
+def filtered_alike(
+    worn: Sequence[WornLog], recordings: Sequence[Recording], criteria: StoredFilter
+) -> tuple[WornLog, ...]:
+    """recordings: without a device, with the band that was found in them, if any (`band_limits`).
+
+    A log with a device gets the same band where its spectrum ends where theirs do: bands pull as slowly as the robot
+    moves, so an end of the spectrum that is the recorder's own is seen with them on as well. Which cut-off it is cannot
+    be found from such a log by itself, because no model of the wear is known yet.
+    """
+    limited = [each.log for each in recordings if each.log.stored is not None]
+    if not limited:
+        return tuple(worn)
+    edges = [edge.hz for edge in map(stored_edge, limited) if edge]
+    middle, stored = float(np.median(edges)), limited[0].stored
+
+    def alike(each: WornLog) -> bool:
+        edge = stored_edge(each.log)
+        return edge is not None and middle / criteria.alike < edge.hz < middle * criteria.alike
+
+    return tuple(replace(each, log=replace(each.log, stored=stored)) if alike(each) else each for each in worn)

@@ -86,7 +86,7 @@ def body_of(found: PayloadResults) -> Body:
         covariance = J @ C @ J.T
         moved = found.dynamic.possible is not None
         missing = found.missing
-        lacking = missing.said if missing and missing.verdict in ("effects", "unexplained") else ""
+        lacking = missing.said if missing.verdict in ("effects", "unexplained") else ""
         return Body(found.name, found.frame, m, h / m, inertia if decided else None, covariance, moved, lacking)
     if found.static is None:
         raise BadInput(Fault("these results hold no payload", "no_payload", "Run the identification again."))

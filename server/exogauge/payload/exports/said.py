@@ -21,7 +21,7 @@ def said(body: Body, units: str, before: str = "") -> str:
     if body.possible:
         lines.append("the estimate was no possible body; these are the values of the likeliest one that is")
     if body.lacking:
-        lines.append(f"these values are of a rigid body alone; look into the results first. {body.lacking}")
+        lines.append(f"look into the results first. {body.lacking}")
     text = "\n".join(before + plain(line) for line in lines)
     return text.replace("·", " ").replace("²", "^2").encode("ascii", "replace").decode() if before else text
 

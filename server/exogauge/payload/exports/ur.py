@@ -19,7 +19,9 @@ PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 def write(body: Body) -> str:
     cog = ", ".join(fixed(x, 9) for x in body.centre)
     units = "kg, m, kg·m²; inertia about the centre of gravity, [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]"
-    note, given = "# the frame must be that of the tool flange", ""
+    note, given = "# written for the tool flange", ""
+    if not body.frame.startswith("flange"):
+        note = "# the frame must be that of the tool flange: give the sensor's pose in it"
     if body.inertia is None:
         note += "\n# the data decide no inertia: the controller takes zeros"
     else:

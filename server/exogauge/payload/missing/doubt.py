@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 
 from exogauge.payload.dynamics import correlation_time
 from exogauge.payload.missing.effect import Effect
-from exogauge.payload.missing.fit import SIZE, Fitted, Named, Problem, fit, in_floors, residuals, with_best_shape
+from exogauge.payload.missing.fit import (
+    SIZE,
+    Fitted,
+    Named,
+    Problem,
+    fit,
+    in_floors,
+    residuals,
+    weighted,
+    with_best_shape,
+)
 
 Array = NDArray[np.float64]
 
@@ -25,7 +35,10 @@ def numbers(problem: Problem, found: Fitted, named: Sequence[Named], which: int)
 
 
 def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], which: int) -> tuple[Array, Array]:
-    """The same, and their standard deviations. What swings is compared with what slow means say of it too."""
+    """The same, and their standard deviations; of what swings by the slow means that its shape is from."""
+    if swings(named[which].effect):
+        problem = problem.slow()
+        found = fit(problem, named)
     effect, shape = named[which].effect, np.array(named[which].shape)
     own, before = _place(named, which), sum(len(each.shape) for each in named[:which])
     pick = np.r_[own, len(found.x) + before : len(found.x) + before + len(shape)]
@@ -41,8 +54,6 @@ def numbers_with_std(problem: Problem, found: Fitted, named: Sequence[Named], wh
     if effect.jumps:  # nothing changes until the next sample is passed
         of = next(each for each in problem.stretches if each.name == effect.of_log)
         std[0] = float(np.median(np.diff(of.time)))
-    if len(shape) > 1:
-        std = np.hypot(std, np.abs(told(at) - _when_slow(problem, named, which)))
     return told(at), std
 
 
@@ -78,22 +89,28 @@ def below_floor(problem: Problem, found: Fitted) -> bool:
     )
 
 
-def _when_slow(problem: Problem, named: Sequence[Named], which: int) -> Array:
-    """The same numbers from means over many samples: errors of smoothed accelerations look like what swings."""
-    slow, others = problem.slow(), [each for k, each in enumerate(named) if k != which]
-    own = with_best_shape(slow, others, fit(slow, others), named[which].effect, [named[which].shape], CLOSELY)
-    again = [own if k == which else each for k, each in enumerate(named)]
-    return numbers(problem, fit(slow, again), again, which)
+def swings(effect: Effect) -> bool:
+    """Whether it answers to accelerations, so that errors of the kinematics look like it."""
+    return len(effect.bounds) > 1
+
+
+def by_slow_means(problem: Problem, named: Sequence[Named], own: Named) -> Named:
+    """The same with the shape that means over many samples say: a smoother takes the fastest part of the accelerations
+    away, which looks like less damping. named: those beside it."""
+    slow = problem.slow()
+    for _ in range(2):
+        own = with_best_shape(slow, named, fit(slow, named), own.effect, [own.shape], CLOSELY)
+        slow = slow.at(fit(slow, [*named, own]).x[:10])
+    return own
 
 
 def _asked(problem: Problem, found: Fitted, named: Sequence[Named]) -> Array:
     """(N,) what the model says of the rows, in their units."""
     rows = [
-        (each.wrench - residuals(problem.frame, each, named, found.x))[each.use]
-        / (each.floor * np.sqrt(each.memory))
+        weighted(each, (each.wrench - residuals(problem.frame, each, named, found.x))[:, :, None])
         for each in problem.stretches
-    ]  # fmt: skip
-    return np.append(np.concatenate([each.reshape(-1) for each in rows]), np.zeros(SIZE))
+    ]
+    return np.append(np.concatenate(rows), np.zeros(SIZE))
 
 
 def _place(named: Sequence[Named], which: int) -> slice:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.payload.missing.stretch import Stretch
+from exogauge.payload.statics import upright
 from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
@@ -28,9 +29,9 @@ class Frame:
     body: Array
 
     def tilting(self, stretch: Stretch) -> Array:
-        """(T, 6, 2) of a turn of gravity by 1 rad about x and y of the base."""
+        """(T, 6, 2) of a turn of gravity by 1 rad about two axes across it: x and y of a base that stands."""
         still, columns = np.zeros((len(stretch.wrench), 3)), []
-        for axis in np.eye(3)[:2]:
+        for axis in upright(self.gravity)[:2]:
             tipped = -np.einsum("tji,j->ti", stretch.motion.rotation, np.cross(axis, self.gravity))
             columns.append(self.sign * wrench_columns(tipped, still, still) @ self.body)
         return np.stack(columns, axis=2)
@@ -68,6 +69,6 @@ class Effect:
         return 0 if self.unit else len(self.parameters) - len(self.bounds)
 
     @property
-    def numbers(self) -> int:
-        """How many numbers it fits."""
-        return len(self.parameters)
+    def fitted(self) -> int:
+        """How many numbers are chosen by the data."""
+        return self.coefficients + len(self.bounds)

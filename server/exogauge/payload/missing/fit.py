@@ -97,7 +97,7 @@ def left_with(
     """(N,) what is left of the rows with one effect more, the body fitted again beside it."""
     if effect.retimed:
         return fit(problem, [*named, Named(effect, tuple(shape))]).residual
-    C = np.vstack([_weighted(each, _late(effect.columns(problem.frame, each, shape), each, named))
+    C = np.vstack([weighted(each, _late(effect.columns(problem.frame, each, shape), each, named))
                    for each in problem.stretches])  # fmt: skip
     C = np.vstack([C, np.zeros((SIZE, C.shape[1]))])
     before = np.sum(C**2, axis=0)
@@ -158,8 +158,8 @@ def in_floors(problem: Problem, residual: Array) -> list[Array]:
 
 def stacked(problem: Problem, named: Sequence[Named]) -> tuple[Array, Array]:
     """(N, 18 + P) and (N,), divided by floors and by the root of the memory."""
-    rows = [_weighted(each, design(problem.frame, each, named)) for each in problem.stretches]
-    goal = [_weighted(each, _beyond(problem.frame, each, named)[:, :, None]) for each in problem.stretches]
+    rows = [weighted(each, design(problem.frame, each, named)) for each in problem.stretches]
+    goal = [weighted(each, _beyond(problem.frame, each, named)[:, :, None]) for each in problem.stretches]
     return np.vstack(rows), np.vstack(goal)[:, 0]
 
 
@@ -186,10 +186,10 @@ def _beyond(frame: Frame, stretch: Stretch, named: Sequence[Named]) -> Array:
 
 def counted(stretches: Sequence[Stretch]) -> float:
     """Rows, as many as count."""
-    return float(sum(6 * np.count_nonzero(each.use) / each.memory for each in stretches))
+    return float(sum(6 * np.count_nonzero(each.use) / max(each.memory, each.block) for each in stretches))
 
 
-def _weighted(stretch: Stretch, values: Array) -> Array:
+def weighted(stretch: Stretch, values: Array) -> Array:
     """(T, 6, K) -> (6 T', K) of the samples that count."""
     rows, n = values[stretch.use], stretch.block
     if n > 1:

@@ -9,7 +9,7 @@ residuals remember, and nobody knows for how long before it is found.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -18,13 +18,22 @@ from numpy.typing import NDArray
 from exogauge.criteria.criteria import Criteria
 from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, decide
 from exogauge.payload.dynamics import correlation_time
-from exogauge.payload.missing.doubt import CLOSELY, below_floor, covariance, numbers, numbers_with_std
+from exogauge.payload.missing.doubt import (
+    CLOSELY,
+    below_floor,
+    by_slow_means,
+    covariance,
+    numbers,
+    numbers_with_std,
+    swings,
+)
 from exogauge.payload.missing.effect import CHANNELS, Effect, Frame
 from exogauge.payload.missing.fit import (
     SIZE,
     Fitted,
     Named,
     Problem,
+    design,
     fit,
     in_floors,
     left_with,
@@ -75,17 +84,24 @@ class Finding:
 @dataclass(frozen=True)
 class Missing:
     """found: what was named. suspected: what takes something off, while more is left that nothing explains. decision:
-    what may be said. before, after: (6,) rms over floor by log. x, covariance: (18,) body, zero and turn of gravity
-    with what was found. tried: candidates."""
+    what may be said. before, after: (6,) rms over floor by log. tried: candidates. of_body: whether any of what was
+    found changes what is fitted. courses: (T, 6) what of the wrench is that of what was found, of every stretch in the
+    order given. doubt: (18, 18) what it adds to the covariance of [body, zero, turn of gravity]."""
 
     found: tuple[Finding, ...]
     suspected: tuple[Finding, ...]
     decision: Decision
     before: Mapping[str, Array]
     after: Mapping[str, Array]
-    x: Array
-    covariance: Array
     tried: int
+    of_body: bool = False
+    courses: tuple[Array, ...] = ()
+    doubt: Array = field(default_factory=lambda: np.zeros((SIZE, SIZE)))
+
+    @property
+    def in_the_model(self) -> bool:
+        """Whether all else may be told with it: named, of a known size, and nothing else explains as much."""
+        return bool(self.found) and all(each.parameters and not each.rivals for each in self.found)
 
 
 @final
@@ -97,10 +113,17 @@ class _Candidate:
     after: float
 
 
+def unjudged(reason: Caveat) -> Missing:
+    """Where nothing could be looked for."""
+    return Missing((), (), Decision("undecided", "open", reason), {}, {}, 0)
+
+
 def find_missing(
-    fitted: Sequence[Stretch], held_out: Sequence[Stretch], frame: Frame, inclined: bool, criteria: Criteria
-) -> Missing:
-    """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed."""
+    fitted: Sequence[Stretch], held_out: Sequence[Stretch], others: Sequence[Stretch], frame: Frame, inclined: bool,
+    criteria: Criteria,
+) -> Missing:  # fmt: skip
+    """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed. others: in which
+    something may touch, so that they decide nothing at all."""
     problem = Problem(fitted, frame, inclined, criteria)
     effects = catalogue(fitted, inclined)
     named: list[Named] = []
@@ -114,7 +137,7 @@ def find_missing(
         winner = best[0]
         rivals = tuple((each.named.effect.name, each.named.effect.place) for each in best[1:]
                        if winner.evidence - each.evidence < criteria.payload.rival)  # fmt: skip
-        named.append(winner.named)
+        named.append(by_slow_means(problem, named, winner.named) if swings(winner.named.effect) else winner.named)
         claims.append((winner, rivals))
         problem, base = _settled(problem, named)
     found = [_told(problem, base, named, k, *claim) for k, claim in enumerate(claims)]
@@ -132,10 +155,23 @@ def find_missing(
     claimed, suspected = (tuple(found), ()) if not above else ((), tuple(found))
     cannot = () if held_out else (Caveat("not_held_out"),)
     facts = Facts(len(claimed), above, seen, cannot=cannot, judging=criteria.judging)
+    courses = tuple(_course(problem, base, named, each, own) for each in (*fitted, *held_out, *others))
+    C = covariance(problem, base, named)
+    across = C[:SIZE, SIZE:]
+    doubt = across @ np.linalg.pinv(C[SIZE:, SIZE:]) @ across.T
     return Missing(
-        claimed, suspected, decide(facts), before, after, base.x[:SIZE],
-        covariance(problem, base, named)[:SIZE, :SIZE], len(effects),
+        claimed, suspected, decide(facts), before, after, len(effects), bool(named), courses, doubt
     )  # fmt: skip
+
+
+def _course(
+    problem: Problem, found: Fitted, named: Sequence[Named], stretch: Stretch,
+    own: Sequence[tuple[Finding, str, Array]],
+) -> Array:  # fmt: skip
+    """(T, 6) what of a wrench is not that of the body, the zero and noise."""
+    rigid = design(problem.frame, stretch, []) @ found.x[:SIZE]
+    course = stretch.wrench - residuals(problem.frame, stretch, named, found.x) - rigid
+    return np.asarray(course + sum(wrench for _, log, wrench in own if log == stretch.name))
 
 
 def catalogue(fitted: Sequence[Stretch], inclined: bool) -> list[Effect]:
@@ -196,7 +232,6 @@ def _best(
 
 def _evidence(problem: Problem, named: Sequence[Named], base: Fitted, candidate: Named, tried: int) -> float:
     left = left_with(problem, named, base, candidate.effect, candidate.shape)
-    numbers = candidate.effect.numbers
     gained, rows = 0.0, 0.0
     for before, after, stretch in zip(
         in_floors(problem, base.residual), in_floors(problem, left), problem.stretches, strict=True
@@ -205,7 +240,7 @@ def _evidence(problem: Problem, named: Sequence[Named], base: Fitted, candidate:
         then, now = (np.maximum(np.mean(each**2, axis=0), 1.0) for each in (before, after))
         gained += 0.5 * count * float(np.sum(np.log(then / now)))
         rows += 6 * count
-    return gained - 0.5 * numbers * float(np.log(rows)) - float(np.log(tried))
+    return gained - 0.5 * candidate.effect.fitted * float(np.log(rows)) - float(np.log(tried))
 
 
 def _judged(
@@ -267,7 +302,7 @@ def _told(
     rivals: tuple[tuple[str, str], ...],
 ) -> Finding:  # fmt: skip
     effect = named[which].effect
-    if len(effect.bounds) > 1 and below_floor(problem, found):
+    if swings(effect) and below_floor(problem, found):
         parameters: tuple[Parameter, ...] = ()
     else:
         value, std = numbers_with_std(problem, found, named, which)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from exogauge.findings.verdict import Caveat
+from exogauge.payload.dynamics import UNKNOWN_CAUSE
 from exogauge.payload.missing.search import Finding, Missing
 from exogauge.studies.words.rounding import with_std
 
@@ -39,7 +40,7 @@ def verdict_of(missing: Missing) -> str:
     verdict = missing.decision.verdict
     if verdict == "effects":
         named = "; ".join(name_of(each.effect, each.place) for each in missing.found)
-        return f"Missing: {named}. All other numbers here are without it; `missing.values` are with it."
+        return f"Missing: {named}. {_held(missing)}"
     if verdict == "unexplained":
         worst = max((float(ratios.max()), log) for log, ratios in missing.after.items())
         return f"Something is missing that nothing here explains: up to {worst[0]:.3g} times the noise in {worst[1]}."
@@ -48,11 +49,40 @@ def verdict_of(missing: Missing) -> str:
     return f"Nothing is missing above the noise; {missing.tried} effects were looked for."
 
 
+def _held(missing: Missing) -> str:
+    if missing.in_the_model:
+        return "All numbers here are with it; `missing.without` are those of a rigid body behind an ideal sensor alone."
+    why = (
+        "its size is not known"
+        if all(each.parameters for each in missing.found) is False
+        else "it is not the only explanation"
+    )
+    return f"The numbers here are those of a rigid body alone and do not hold: {why}."
+
+
+def cause_of_residual(missing: Missing) -> str:
+    """Why motion leaves more than the stated noise."""
+    verdict = missing.decision.verdict
+    if missing.found and missing.in_the_model:
+        return "what was named missing is taken out already, so the noise is stated too small, or more is missing"
+    if missing.found:
+        return "; ".join(name_of(each.effect, each.place) for each in missing.found)
+    if verdict == "unexplained":
+        return "something is missing that nothing here explains"
+    if verdict == "none":
+        return "nothing is missing above the noise that was measured, so the noise is stated too small"
+    return UNKNOWN_CAUSE
+
+
 def reason_of(reason: Caveat | None) -> str:
     if reason is not None and reason.why == "too_short":
         return f"only {reason.value:.3g} s of motion in {reason.of}"
     if reason is not None and reason.why == "far":
         return f"{reason.of} stands at {reason.value:.3g} times its noise"
+    if reason is not None and reason.why == "noise_unknown":
+        return "the noise of the pose is not known (several clocks, an IMU, a low-pass)"
+    if reason is not None and reason.why == "no_motion":
+        return "no excitation was recorded"
     return "no motion was kept from the fit"
 
 

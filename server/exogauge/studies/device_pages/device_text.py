@@ -36,8 +36,8 @@ def _with_log(check: DeviceCheck) -> bool:
 
 
 def _bands(check: DeviceCheck) -> str:
-    columns = ["band", "group", "via points", "length [m]"]
-    rows: list[list[object]] = [[band.name, band.group, band.points, band.length] for band in check.bands]
+    columns = ["band", "group", "law", "via points", "length [m]"]
+    rows: list[list[object]] = [[band.name, band.group, band.law, band.points, band.length] for band in check.bands]
     if _with_log(check):
         columns += ["shortest [m]", "longest [m]"]
         rows = [[*row, band.shortest, band.longest] for row, band in zip(rows, check.bands, strict=True)]

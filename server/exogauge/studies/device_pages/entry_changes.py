@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from exogauge.devices.band_changes import AddBand, CopyBand, MirrorBand, RemoveBand
+from exogauge.devices.band_changes import (
+    AddBand,
+    CopyBand,
+    InsertPoint,
+    MirrorBand,
+    MovePoint,
+    PlacePoint,
+    RemoveBand,
+    RemovePoint,
+)
 from exogauge.devices.changes import Change, Law, NaturalLength, Pretension, Stiffness
 from exogauge.devices.device import Band, ViaPoint
-from exogauge.devices.point_changes import InsertPoint, MovePoint, PlacePoint, RemovePoint
 from exogauge.studies.device_pages import change_entries as entries
 from exogauge.studies.device_pages.change_entries import ChangeEntry, NewBand
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, final
@@ -17,7 +17,6 @@ from exogauge.devices.bench import Bench
 from exogauge.devices.changes import apply
 from exogauge.devices.what_if import BandLoad, JointLoad, WhatIf, compare
 from exogauge.errors import BadInput, BadStudy, Fault
-from exogauge.identification.settings import Progress
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.device_pages.change_entries import ChangeEntry, ChangesFile, WhatIfSettings
 from exogauge.studies.device_pages.change_text import read_change
@@ -26,8 +25,9 @@ from exogauge.studies.device_pages.entry_changes import changes_of
 from exogauge.studies.device_pages.what_if_text import unit_of, what_if_text
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.yaml_file import load_yaml
-from exogauge.studies.series.columns import Columns
 from exogauge.studies.series.recorded_motion import RecordedMotion, read_motion
+from exogauge.studies.series.write import Columns
+from exogauge.studies.words.remark_words import sentence
 
 Array = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def _changes_file(path: Path) -> list[ChangeEntry]:
     return load_yaml(path.read_bytes(), ChangesFile, file=path.name).changes
 
 
-def compute(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
+def compute(folder: Path, out: Path, progress: Callable[[float, str], None], settings: Mapping[str, Any]) -> None:
     """The job of kind `whatif`: all samples of the log; what_if.json, the series, and the changed device.
 
     folder: of the study. settings: as `WhatIfSettings` says.
@@ -146,7 +146,7 @@ def answer(found: WhatIf, motion: RecordedMotion) -> dict[str, Any]:
             {"band": each.band, "before": band_entry(each.before), "after": band_entry(each.after)}
             for each in found.bands
         ],
-        "notes": list(found.notes),
+        "notes": [sentence(note) for note in found.notes],
         "changed": device_content(found.changed),
     }
 

@@ -8,6 +8,7 @@ from typing import Any
 from exogauge.devices.what_if import BandLoad, WhatIf
 from exogauge.robots.tree import RigidTree
 from exogauge.studies.series.recorded_motion import RecordedMotion
+from exogauge.studies.words.remark_words import sentence
 from exogauge.terminal import text_table
 
 
@@ -16,7 +17,7 @@ def what_if_text(found: WhatIf, motion: RecordedMotion) -> str:
     kept = f"{len(motion.time)} samples" if motion.every == 1 else f"{len(motion.time)} of {motion.of_samples} samples"
     head = f"{motion.log}, {kept}, {motion.time[-1] - motion.time[0]:.1f} s; {motion.device.name}"
     parts = [head, _joint_text(found, motion.tree), _band_text(found)]
-    return "\n\n".join([*parts, *(f"NOTE {note}" for note in found.notes)])
+    return "\n\n".join([*parts, *(f"NOTE {sentence(note)}" for note in found.notes)])
 
 
 def _joint_text(found: WhatIf, tree: RigidTree) -> str:

@@ -2,19 +2,41 @@
 
 A suggestion is sure where the name or the robot's limits leave one reading; every other one says what it rests on and
 waits for a person. What cannot be named gets no suggestion but advice.
+
+A column of a joint: the unit that its name says or the joint's limits allow, its sign, its side of the gear.
+
+Columns of the IMU and of force/torque sensors: a component, told by the axis in its name, and its unit.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
 
 from exogauge.errors import BadLog
 from exogauge.logs.channels import parse_channel
-from exogauge.studies.import_log.body_columns import body_column
-from exogauge.studies.import_log.column_facts import SI, UNKNOWN, Advice, Seen, Suggestion, Wearer
-from exogauge.studies.import_log.column_words import FILLERS, KIND_OF, Words, kinds_in, tokens_of, within, words_of
-from exogauge.studies.import_log.joint_columns import joint_column
+from exogauge.logs.units import STANDARD_GRAVITY, dimensions_of, find_unit
+from exogauge.studies.import_log.column_words import (
+    FILLERS,
+    KIND_OF,
+    OTHER,
+    SI,
+    UNKNOWN,
+    Advice,
+    JointFacts,
+    Seen,
+    Suggestion,
+    Wearer,
+    Words,
+    axis_in,
+    kinds_in,
+    tokens_of,
+    too_large,
+    within,
+    words_of,
+)
 
 JOINT_KINDS = ("q", "dq", "ddq", "i", "tau", "temp")
 RATES_HZ = (5.0, 20_000.0)  # of logs
@@ -149,3 +171,149 @@ def _without_doubles(found: Mapping[str, Suggestion | Advice]) -> dict[str, Sugg
         return Advice(f"{listed} may all be this; keep one and list the others under `ignore`.")
 
     return {name: refusal(doubled[name]) if name in doubled else each for name, each in found.items()}
+
+
+ROOM = 0.05  # [rad or m], and as a share of the limit: a joint may be seen a little beyond its limits
+WORTH = 0.05  # [rad or m] of motion that makes a log worth recording
+
+
+def joint_column(
+    column: Seen, kind: str, joint: str, words: Words, wearer: Wearer, why: str, *, sure: bool
+) -> Suggestion | Advice:
+    """A quantity of a joint: its unit as named, or the one that the joint's limits allow."""
+    channel = parse_channel(f"{kind}.{joint}")
+    side: Literal["joint", "motor"] = "motor" if words.motor_side and kind != "temp" else "joint"
+    if side == "motor":
+        sure, why = False, f"{why}; the motor's side of the gear, by its name"
+    if words.unit is not None:
+        named = find_unit(words.unit)
+        if named is None or named.dimension not in dimensions_of(channel):
+            return Advice(f"Its name says {words.unit}, which is no unit of {channel.kind}. {UNKNOWN}")
+        sign = _sign(column, kind, words.unit, _facts(joint, wearer)) if side == "joint" else 1
+        return _signed(Suggestion(channel.name, words.unit, sign, side, sure, why))
+    facts = _facts(joint, wearer) if side == "joint" else None
+    if kind == "temp":
+        return Suggestion(channel.name, "degC", sure=sure and 0.0 < column.size < 150.0, why=why)
+    units = [unit for unit in (SI[kind], OTHER.get(kind)) if unit]
+    upright = [unit for unit in units if _fits(column, kind, unit, 1, facts)]
+    moving = [unit for unit in upright if _moves(column, kind, unit)]
+    turned = [unit for unit in units if _fits(column, kind, unit, -1, facts) and _moves(column, kind, unit)]
+    if turned and not moving:
+        rests = f"{turned[0]} with the sign reversed stays within the joint's limits, nothing else does"
+        return Suggestion(channel.name, turned[0], -1, side, False, f"{why}; {rests}")
+    if upright:
+        likely = moving or upright
+        unit = likely[-1] if too_large(column, kind) else likely[0]
+        only = len(upright) == 1 and unit in moving and facts is not None and math.isfinite(_limit(facts, kind))
+        rests = f"only {unit} stays within the joint's limits" if only else f"the unit is not named: {unit} is usual"
+        return Suggestion(channel.name, unit, 1, side, sure and only, f"{why}; {rests}")
+    return Advice(
+        f"{why}, but {column.low:.4g} … {column.high:.4g} is beyond its limits in any unit. Check its zero (`offset`), "
+        "its side of the gear, and the joint."
+    )
+
+
+def _facts(joint: str, wearer: Wearer) -> JointFacts | None:
+    return next((each for each in wearer.joints or () if each.name == joint), None)
+
+
+def _limit(facts: JointFacts, kind: str) -> float:
+    return facts.velocity if kind == "dq" else facts.upper - facts.lower if kind == "q" else math.inf
+
+
+def _fits(column: Seen, kind: str, unit: str, sign: int, facts: JointFacts | None) -> bool:
+    found = find_unit(unit)
+    if facts is None or found is None or kind not in ("q", "dq"):
+        return sign == 1
+    low, high = sorted((sign * column.low * found.factor, sign * column.high * found.factor))
+    if kind == "dq":
+        return max(abs(low), abs(high)) <= facts.velocity * (1.0 + ROOM) and sign == 1
+    return low >= facts.lower - ROOM * (1.0 + abs(facts.lower)) and high <= facts.upper + ROOM * (
+        1.0 + abs(facts.upper)
+    )
+
+
+def _moves(column: Seen, kind: str, unit: str) -> bool:
+    """Whether a position, read in this unit, moves enough to have been worth a log."""
+    found = find_unit(unit)
+    return kind != "q" or found is None or (column.high - column.low) * found.factor >= WORTH
+
+
+def _sign(column: Seen, kind: str, unit: str, facts: JointFacts | None) -> Literal[1, -1]:
+    reversed_only = not _fits(column, kind, unit, 1, facts) and _fits(column, kind, unit, -1, facts)
+    return -1 if kind == "q" and reversed_only else 1
+
+
+def _signed(found: Suggestion) -> Suggestion:
+    if found.sign == 1:
+        return found
+    return replace(
+        found, sure=False, why=f"{found.why}; only with the sign reversed it stays within the joint's limits"
+    )
+
+
+GRAVITY = {"m/s^2": STANDARD_GRAVITY, "g": 1.0, "mg": 1000.0, "mm/s^2": 1000.0 * STANDARD_GRAVITY}  # in each unit
+NEAR = 0.1  # relative
+FORCES = {"force": "f", "forces": "f", "torque": "m", "torques": "m", "moment": "m"}
+
+
+def body_column(
+    column: Seen, words: Words, kinds: tuple[str, ...], wearer: Wearer, norms: Mapping[str, float]
+) -> Suggestion | Advice | None:
+    """IMU and force/torque sensors: a component told by its axis. None where the name has no axis."""
+    axis = axis_in(words.tokens)
+    if axis is None:
+        return None
+    kind = axis[0]
+    if not kind:
+        forces = {"force": "f", "forces": "f", "torque": "m", "torques": "m", "moment": "m"}
+        kind = next((forces[token] for token in words.tokens if token in forces), "")
+        kind = kind or next((each for each in kinds if each in ("acc", "gyro")), "")
+    if kind in ("acc", "gyro"):
+        return _imu(column, kind, axis[1], words, norms)
+    if kind not in ("f", "m"):
+        return None
+    sensor = _sensor_in(words, wearer)
+    if sensor is None:
+        known = ", ".join(wearer.sensors) or "the robot has none, or no robot is given"
+        return Advice(f"A component of a wrench, but of which sensor? ({known}) {UNKNOWN}")
+    unit = words.unit or (OTHER[kind] if kind in OTHER and too_large(column, kind) else SI[kind])
+    channel = parse_channel(f"ft.{sensor}.{kind}{axis[1]}")
+    found = find_unit(unit)
+    if found is None or found.dimension not in dimensions_of(channel):
+        return Advice(f"Its name says {unit}, which is no unit of a {'force' if kind == 'f' else 'moment'}. {UNKNOWN}")
+    rests = "" if words.unit else f"; the unit is not named: {unit} is usual"
+    return Suggestion(channel.name, unit, sure=words.unit is not None, why=f"the {channel.axis} of {sensor}{rests}")
+
+
+def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, float]) -> Suggestion | Advice:
+    channel = parse_channel(f"{kind}.{axis}")
+    if words.unit is not None:
+        unit = find_unit(words.unit)
+        if unit is None or unit.dimension not in dimensions_of(channel):
+            return Advice(f"Its name says {words.unit}, which is no unit of {channel.kind}. {UNKNOWN}")
+        return Suggestion(channel.name, words.unit, sure=True, why=f"the name says {kind} along {axis}")
+    size = norms.get(column.name)
+    if kind == "acc" and size is not None:
+        for unit_name, gravity in GRAVITY.items():
+            if abs(size / gravity - 1.0) < NEAR:
+                return Suggestion(
+                    channel.name, unit_name, sure=True, why=f"its usual size is {size:.4g}: gravity in {unit_name}"
+                )
+        return Advice(
+            f"Its usual size, {size:.4g}, is gravity in no unit. Give its unit, and check that gravity is in it."
+        )
+    unit_name = OTHER[kind] if kind in OTHER and too_large(column, kind) else SI[kind]
+    return Suggestion(channel.name, unit_name, why=f"the unit is not named: {unit_name} is usual")
+
+
+def _sensor_in(words: Words, wearer: Wearer) -> str | None:
+    if wearer.sole is not None:
+        return wearer.sole
+    for sensor in sorted(wearer.sensors, key=len, reverse=True):
+        if within(tokens_of(sensor), words.tokens) is not None:
+            return sensor
+    if wearer.joints is not None:
+        return None
+    rest = [token for token in words.tokens if token not in FILLERS | set(KIND_OF) and axis_in((token,)) is None]
+    return "_".join(rest) or None

@@ -1,6 +1,8 @@
 """A first look at a foreign log, before a mapping says what it holds: columns, ranges, first rows, what each may be.
 
 With a mapping that is complete, also what the doctor says of the log that it makes.
+
+A mapping.yaml drafted by looking at the files: what is suggested, and as comments what a person has to see to.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 
 from exogauge.errors import BadInput, BadLog, Fault
@@ -20,14 +23,24 @@ from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import RawArray, Table, TextLayout, read_names
-from exogauge.studies.import_log.column_facts import Advice, JointFacts, Seen, Suggestion, Wearer
+from exogauge.robots.description import Robot
 from exogauge.studies.import_log.column_guess import guess
-from exogauge.studies.import_log.column_words import axis_in, kinds_in, words_of
+from exogauge.studies.import_log.column_words import (
+    Advice,
+    JointFacts,
+    Seen,
+    Suggestion,
+    Wearer,
+    axis_in,
+    kinds_in,
+    words_of,
+)
 from exogauge.studies.import_log.mapping_proposal import proposal
 
-if TYPE_CHECKING:  # what examines a log is imported when there is one: it takes longer than the look
+if TYPE_CHECKING:
     from exogauge.logs.findings import Expectation
     from exogauge.robots.description import Robot
+
 
 FIRST_ROWS = 20
 AROUND = 200  # samples to each side of a finding
@@ -36,7 +49,7 @@ TEXT = ("not_a_number",)
 NO_LOG: dict[str, Any] = {"faults": [], "findings": [], "channels": [], "clock": None}
 
 
-def preview(path: Path, file: str, robot: Robot | None, layout: TextLayout | None = None) -> dict[str, Any]:
+def preview(path: Path, file: str, worn: Wearer, layout: TextLayout | None = None) -> dict[str, Any]:
     """{file, rows, header, columns, mapping, proposal}; mapping: of what is sure, proposal: of all suggestions.
 
     A column has name, dtype, shape, min, max, missing, samples (its first rows), suggestion and advice. Raises BadLog.
@@ -46,7 +59,7 @@ def preview(path: Path, file: str, robot: Robot | None, layout: TextLayout | Non
     values, texts = _values(table, names)
     flat = {name: each for name, each in values.items() if np.squeeze(each).ndim <= 1}
     seen = [_seen(name, np.atleast_1d(np.squeeze(each))) for name, each in flat.items()]
-    found = guess(seen, wearer(robot), _norms(flat))
+    found = guess(seen, worn, _norms(flat))
     columns = [
         _text_column(texts[name]) | {"name": name} if name in texts else _column(name, values[name], found.get(name))
         for name in names
@@ -200,3 +213,24 @@ def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:
             vectors: NDArray[np.float64] = np.stack([np.asarray(values[name], np.float64) for name in members.values()])
             found |= dict.fromkeys(members.values(), float(np.nanmedian(np.linalg.norm(vectors, axis=0))))
     return found
+
+
+HEAD = "# Drafted from names, ranges and the robot. Check what is marked ?; name or ignore what is marked !."
+
+
+def draft(paths: Sequence[Path], robot: Robot | None) -> str:
+    """The mapping of all files together, those of a file one after the other. Raises BadLog."""
+    looks = [preview(path, path.name, wearer(robot)) for path in paths]
+    lines = [HEAD]
+    for look in looks:
+        for column in look["columns"]:
+            found = column["suggestion"]
+            if found is not None and not found["sure"]:
+                lines.append(
+                    f"# ? {look['file']}: {column['name']} as {found['channel']} [{found['unit']}]: {found['why']}"
+                )
+            elif column["advice"]:
+                lines.append(f"# ! {look['file']}: {column['name']}: {column['advice']}")
+    content = {"version": 1, "files": [part for look in looks for part in look["proposal"]["files"]]}
+    comments = [" ".join(line.split()) for line in lines]
+    return "\n".join([*comments, yaml.safe_dump(content, allow_unicode=True, sort_keys=False, width=120)])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exogauge.logs.channels import WRENCH_AXES, parse_channel
-from exogauge.studies.import_log.column_facts import Suggestion
+from exogauge.studies.import_log.column_words import Suggestion
 
 
 def proposal(file: str, found: Mapping[str, Suggestion], header: bool = True) -> dict[str, Any]:

@@ -9,9 +9,10 @@ from typing import final
 import numpy as np
 
 from exogauge.errors import BadLog, BadStudy, Fault
-from exogauge.identification.settings import Progress, Recording
+from exogauge.identification.settings import Recording
 from exogauge.identification.turns import WIDEST
 from exogauge.logs.model import Log
+from exogauge.progress import Doing, Progress, unwatched
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.open import Study, read_recordings, read_worn
 from exogauge.support.motions import require_same_motions
@@ -41,7 +42,7 @@ class Admitted:
         return [PlainLog(each.log, motions[each.log.recording].motion, each.held_out) for each in recordings]
 
 
-def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction, _phrase: None) -> Admitted:
+def admit(study: Study, worn: bool = True, progress: Progress = unwatched) -> Admitted:
     """Every log that is read, and none that nothing can be made of. worn: those with a device too.
 
     Raises BadLog for a column that is missing and a clock that cannot be right, BadStudy for motions with the device
@@ -63,7 +64,7 @@ def admit(study: Study, worn: bool = True, progress: Progress = lambda _fraction
     if faults:
         raise BadLog(faults)
     if logs.worn:
-        progress(0.08, "comparing the motions with and without the device")
+        progress(0.08, Doing.COMPARING_MOTIONS)
         try:
             require_same_motions(study.robot, logs.worn, logs.plain, study.support_settings)
         except BadStudy as different:  # the fault names the file, not only the log

@@ -7,7 +7,7 @@ import io
 import math
 from collections.abc import Iterator, Sequence
 
-from exogauge.devices.bench_line import bench_line
+from exogauge.devices.bench import bench_line
 from exogauge.devices.device import BenchTest
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten

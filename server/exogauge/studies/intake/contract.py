@@ -2,12 +2,51 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import PurePosixPath
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from exogauge.studies.intake.contract_record import Conditions, DeviceRecord
+
+def _as_day(value: Any) -> Any:
+    """YAML makes a date of 2026-03-01."""
+    return value.isoformat() if type(value) is date else value
+
+
+def _as_text(value: Any) -> Any:
+    """A serial number or size may be written as a number."""
+    return str(value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+
+Text = Annotated[str, BeforeValidator(_as_text), Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+Day = Annotated[str, BeforeValidator(_as_day), Field(pattern=r"^\d{4}-\d{2}-\d{2}$")]
+
+
+class _Told(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class DeviceRecord(_Told):
+    """`record` in device.yaml: which specimen was worn, and how."""
+
+    model: Text | None = None
+    size: Text | None = None
+    serial: Text | None = None
+    straps: Text | None = None
+    pretension: Text | None = None
+    garment: Text | None = None
+
+
+class Conditions(_Told):
+    """`conditions` in study.yaml: when and under what the logs were recorded."""
+
+    recorded: Day | None = None
+    place: Text | None = None
+    temperature: Text | None = None
+    robot_cover: Text | None = None
+    payload: Text | None = None
+
 
 Step = Literal["identify", "support", "stiffness", "discrepancy"]
 STEPS: tuple[Step, ...] = ("identify", "support", "stiffness", "discrepancy")
@@ -224,8 +263,26 @@ class Noise(_Part):
     moment: Positive | None = None
 
 
+class RobotUncertainty(_Part):
+    """Standard uncertainties that no log shows; of a key that is left out, what is usual (`criteria.declaring`)."""
+
+    ft_gain: NotNegative | None = None
+    ft_gain_common: NotNegative | None = None
+    ft_zero_force: NotNegative | None = None
+    ft_zero_moment: NotNegative | None = None
+    kt_drift: NotNegative | None = None
+    imu_tilt: NotNegative | None = None
+
+
+class DeviceUncertainty(_Part):
+    """Standard uncertainties [m] that no log shows; of a key that is left out, what is usual."""
+
+    via_points: NotNegative | None = None
+    donning: NotNegative | None = None
+
+
 class RobotFile(_Part):
-    """robot.yaml"""
+    """robot.yaml. uncertainty `none`: of a simulated robot, which is what it is said to be."""
 
     version: Literal[1]
     name: Name | None = None
@@ -238,6 +295,7 @@ class RobotFile(_Part):
     transmission: Transmission | None = None
     noise: Noise = Noise()
     inertial_prior_std: dict[str, Positive] = {}
+    uncertainty: RobotUncertainty | Literal["none"] = RobotUncertainty()
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -291,3 +349,4 @@ class DeviceFile(_Part):
     bands: Annotated[list[Band], Field(min_length=1, max_length=200)]
     tied: Annotated[list[Name], Field(max_length=200)] = []
     record: DeviceRecord = DeviceRecord()
+    uncertainty: DeviceUncertainty | Literal["none"] = DeviceUncertainty()

@@ -10,6 +10,7 @@ from typing import Any, TypeVar, final
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from exogauge.criteria.declaring import Declaring
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import law_faults
@@ -85,6 +86,7 @@ def read_device(
 def _device(entry: contract.DeviceFile, benches: dict[int, BenchTest]) -> Device:
     """Bands of one group share their stiffness, so one that gives none takes that of its group."""
     known: dict[str, float] = {}
+    point_std, donning_std = _uncertainty(entry)
     for band in entry.bands:
         if band.stiffness_n_per_m is not None:
             known.setdefault(band.group or band.name, band.stiffness_n_per_m)
@@ -99,10 +101,23 @@ def _device(entry: contract.DeviceFile, benches: dict[int, BenchTest]) -> Device
             law=band.law,
             law_values=dict(band.law_values),
             bench=benches.get(k),
+            point_std=point_std,
+            donning_std=donning_std,
         )
         for k, band in enumerate(entry.bands)
     )
     return Device(entry.name, bands, frozenset(entry.tied))
+
+
+def _uncertainty(entry: contract.DeviceFile) -> tuple[float, float]:
+    """[m] of via points and of putting it on, as stated or as is usual."""
+    if entry.uncertainty == "none":
+        return 0.0, 0.0
+    stated, usual = entry.uncertainty, Declaring()
+    return (
+        usual.via_points if stated.via_points is None else stated.via_points,
+        usual.donning if stated.donning is None else stated.donning,
+    )
 
 
 def _drafts(content: dict[Any, Any]) -> list[_Draft]:

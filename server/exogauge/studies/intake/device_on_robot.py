@@ -11,8 +11,7 @@ from exogauge.sandbox import LogRequest, parse_log
 from exogauge.studies.intake.bare_urdf import robot_of_urdf
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import StudyFile
-from exogauge.studies.intake.device_check import DeviceCheck, check_device
-from exogauge.studies.intake.device_doubts import device_doubts
+from exogauge.studies.intake.device_check import DeviceCheck, check_device, device_doubts
 from exogauge.studies.intake.device_file import read_device
 from exogauge.studies.intake.open import log_names
 from exogauge.studies.intake.read_log import read_entry

@@ -21,11 +21,11 @@ from exogauge.robots.description import Robot
 from exogauge.robots.urdf_check import raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
-from exogauge.studies.intake.known_loads import read_known_loads
 from exogauge.studies.intake.read_log import read_entries
 from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
-from exogauge.studies.intake.worn_devices import read_devices
+from exogauge.studies.intake.worn_devices import read_devices, read_known_loads
 from exogauge.studies.intake.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
+from exogauge.studies.words.notices import Notice, notice
 from exogauge.support.settings import SupportSettings, WornLog
 
 NOTHING_HELD_OUT = "no log was held out (role validation or without_device), so nothing could be claimed"
@@ -59,7 +59,7 @@ class Study:
     log_names: of `file.logs`, one each, unique: names of logs, channels' tables and series files.
     urdf: bytes of the robot's URDF. settings, support_settings: those of study.yaml with the caller's on top.
     devices: by file, in the order in which they are named. log_devices: the device file of each log, None where it
-    wears none. warnings: what looks like a slip in them, and inertias of the URDF that no body has.
+    wears none. notices: what looks like a slip in them, and inertias of the URDF that no body has.
     """
 
     bundle: Bundle
@@ -73,7 +73,7 @@ class Study:
     support_settings: SupportSettings
     devices: Mapping[str, Device]
     log_devices: tuple[str | None, ...]
-    warnings: tuple[str, ...]
+    notices: tuple[Notice, ...]
 
     def __enter__(self) -> Self:
         return self
@@ -129,7 +129,7 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         support_settings=support_settings,
         devices=worn.devices,
         log_devices=worn.of_log,
-        warnings=(*raised_inertias(urdf, robot_file.urdf), *worn.warnings),
+        notices=(*map(notice, raised_inertias(urdf, robot_file.urdf)), *worn.notices),
     )
 
 
@@ -210,7 +210,7 @@ def _steps(file: StudyFile, log_devices: Sequence[str | None], name: str, data: 
     asked = {"identify", *(file.steps or STEPS)}
     if "stiffness" in asked:
         asked.add("support")
-    no_support = None if any(log_devices) else "no log with role with_device"
+    no_support = None if any(log_devices) else "no log was recorded with the device on (role with_device)"
     held_out = any(entry.role in ("validation", "without_device") for entry in file.logs)
     no_claim = None if held_out else NOTHING_HELD_OUT
     why = {"support": no_support, "stiffness": no_support, "discrepancy": no_claim}

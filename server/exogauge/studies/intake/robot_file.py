@@ -10,7 +10,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.declaring import Declaring
 from exogauge.errors import BadRobot, Fault
+from exogauge.robots.declared import EXACT, Declared
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -22,6 +24,7 @@ from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, load_y
 Array = NDArray[np.float64]
 
 MAX_URDF_BYTES = 20_000_000
+USUAL = Declaring()
 SIGN = {"world_on_robot": 1.0, "robot_on_world": -1.0, "payload_on_sensor": 1.0, "sensor_on_payload": -1.0}
 
 
@@ -114,6 +117,18 @@ def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot
         axes_from_joints=axes_from_joints(entry),
         noise=entry.noise.model_dump(exclude_none=True),
         inertial_std=_inertial_std(entry.inertial_prior_std, tree, page),
+        declared=_declared(entry),
+    )
+
+
+def _declared(entry: RobotFile) -> Declared:
+    """As stated, and what is usual of the rest."""
+    if entry.uncertainty == "none":
+        return EXACT
+    values = {key: (value, getattr(USUAL, key)) for key, value in entry.uncertainty.model_dump().items()}
+    left_out = frozenset(key for key, (value, _) in values.items() if value is None)
+    return Declared(
+        **{key: usual if value is None else value for key, (value, usual) in values.items()}, defaulted=left_out
     )
 
 

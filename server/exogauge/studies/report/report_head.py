@@ -10,9 +10,9 @@ from typing import final
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.studies.report.figures import label
 from exogauge.studies.report.stiffness_section import headline_band, stiffness_sentence
-from exogauge.studies.report.support_section import strongest, support_sentence
+from exogauge.studies.report.support_section import MEASURED, NAMES, SAID, strongest, support_sentence
 from exogauge.studies.results.document import Evaluation, Summary
-from exogauge.studies.results.support_results import devices
+from exogauge.studies.results.support_results import best_approach, devices
 from exogauge.studies.words.discrepancy_sentences import verdict_sentence
 from exogauge.studies.words.rounding import rounded, significant, with_std
 from exogauge.support.result import JointSupport
@@ -123,25 +123,24 @@ def tiles(evaluation: Evaluation, pooled: Sequence[Summary]) -> list[list[Tile]]
 
 
 def _support_tile(joint: JointSupport) -> Tile | None:
-    """RMSE against the band model by A where there is one, else by B; None where nothing can be compared."""
-    prior = joint.rmse.get("prior", math.nan)
-    approach = "a" if math.isfinite(joint.rmse.get("a", math.nan)) else "b"
+    """RMSE against the band model by the best approach; None where nothing can be compared."""
+    prior, approach = joint.rmse.get("prior", math.nan), best_approach(joint)
     found = joint.rmse.get(approach, math.nan)
     if not (math.isfinite(prior) and math.isfinite(found)):
         return None
-    other = joint.rmse.get("b", math.nan)
-    beside = f"B {significant(other)} N·m · " if approach == "a" and math.isfinite(other) else ""
+    others = [(NAMES[name], joint.rmse.get(name, math.nan)) for name in MEASURED if name != approach]
+    beside = "".join(f"{name} {significant(rmse)} {joint.unit} · " for name, rmse in others if math.isfinite(rmse))
     return Tile(
         f"Support · {joint.device}",
-        f"RMSE against the band model, by {approach.upper()}",
-        *(significant(prior), significant(found), "N·m"),
+        f"RMSE against the band model, by {SAID[approach]}",
+        *(significant(prior), significant(found), joint.unit),
         *percent(prior, found, None),
         f"{beside}{joint.motion}, {joint.joint}",
     )
 
 
 def _stiffness_tile(found: Sequence[StiffnessResult], device: str) -> Tile | None:
-    """With the maker's values and by A, else by B; None where the data do not decide the stiffness."""
+    """With the maker's values and by the best approach; None where the data do not decide the stiffness."""
     headline = headline_band(found, device)
     if headline is None:
         return None
@@ -153,7 +152,7 @@ def _stiffness_tile(found: Sequence[StiffnessResult], device: str) -> Tile | Non
         note = f"truth {significant(truth, 4)} N/m, error {rounded(band.error_percent, 1)} %"
     return Tile(
         f"Stiffness · {device}",
-        f"band group {band.group}, by {approach}",
+        f"band group {band.group}, by {SAID[approach]}",
         *("–" if prior is None else shown(prior), shown(band.stiffness), "N/m"),
         *percent(math.nan if prior is None else prior.value, band.stiffness.value, truth),
         note,

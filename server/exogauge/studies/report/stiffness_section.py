@@ -10,11 +10,14 @@ from typing import final
 import numpy as np
 
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
-from exogauge.studies.report.support_section import plus_minus
+from exogauge.studies.report.support_section import SAID, plus_minus
+from exogauge.studies.results.support_results import cross_checks, headline_approach
+from exogauge.studies.words.doubt_words import source_advice, source_words
 from exogauge.studies.words.finding_sentences import band_note
+from exogauge.studies.words.remark_words import sentence
 from exogauge.studies.words.rounding import between, rounded, significant
 
-APPROACHES: tuple[Approach, ...] = ("A", "B", "prior")
+APPROACHES: tuple[Approach, ...] = ("A", "B", "paired", "prior")
 ALIKE = 0.95  # correlation from which two parameters are named as hard to tell apart
 
 
@@ -49,8 +52,32 @@ class LengthRow:
 
 @final
 @dataclass(frozen=True)
+class DoubtRow:
+    """One source of doubt: by group, standard deviation alone, [N/m] and in per cent of the variance."""
+
+    words: str
+    cells: tuple[tuple[str, str], ...]
+    advice: str
+
+
+@final
+@dataclass(frozen=True)
+class CheckRow:
+    """Two parts that ought to give one stiffness. difference: with its std, [N/m]; z, limit: of it."""
+
+    group: str
+    approach: str
+    between: str
+    difference: str
+    z: str
+    agrees: bool
+
+
+@final
+@dataclass(frozen=True)
 class DeviceView:
-    """alike: sentences on parameters that trade against each other. rest: joint, RMS by approach."""
+    """doubts: of the stiffness of each group by the approach doubted, the largest first. alike: sentences on parameters
+    that trade against each other. rest: joint, RMS by approach."""
 
     device: str
     groups: tuple[GroupRow, ...]
@@ -59,6 +86,9 @@ class DeviceView:
     notes: tuple[str, ...]
     rest: tuple[tuple[str, tuple[str, ...]], ...]
     samples: tuple[str, ...]
+    doubted: str
+    doubts: tuple[DoubtRow, ...]
+    checks: tuple[CheckRow, ...]
 
 
 def device_views(found: Sequence[StiffnessResult]) -> list[DeviceView]:
@@ -81,6 +111,7 @@ def _device_view(device: str, by: dict[Approach, StiffnessResult]) -> DeviceView
         for band in bands
     )
     joints = dict.fromkeys(joint for each in by.values() for joint in each.rms)
+    doubted = next((a for a in APPROACHES if a in by and a != "prior"), None)
     return DeviceView(
         device,
         tuple(groups),
@@ -92,7 +123,49 @@ def _device_view(device: str, by: dict[Approach, StiffnessResult]) -> DeviceView
             for joint in joints
         ),
         tuple(f"{by[a].samples:,}".replace(",", "\u202f") if a in by else "" for a in APPROACHES),
+        doubted or "",
+        _doubts([_of(by, doubted, row.bands[0]) for row in groups] if doubted else []),
+        _checks(by),
     )
+
+
+def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:
+    return tuple(
+        CheckRow(
+            each["group"],
+            "" if each["check"] == "approaches" else each["approach"],
+            " – ".join(each["between"]),
+            plus_minus(Estimate(each["difference"], each["std"], "N/m")),
+            f"{rounded(abs(each['z']), 1)} of {rounded(each['limit'], 1)}",
+            each["agrees"],
+        )
+        for each in cross_checks(list(by.values()))
+    )
+
+
+def _doubts(bands: Sequence[BandEstimate | None]) -> tuple[DoubtRow, ...]:
+    """Sources in the order of their largest share in any group."""
+    by_group = [{part.source: part.stiffness**2 for part in band.budget} if band else {} for band in bands]
+    whole = [math.fsum(each.values()) for each in by_group]
+    largest: dict[str, float] = {}
+    for each, total in zip(by_group, whole, strict=True):
+        for source, square in each.items():
+            largest[source] = max(largest.get(source, 0.0), square / total if total > 0.0 else 0.0)
+    rows = []
+    for source in sorted(largest, key=lambda source: -largest[source]):
+        cells = tuple(
+            ("–", "")
+            if source not in each
+            else (significant(math.sqrt(each[source]), 2), _per_cent(each[source], total))
+            for each, total in zip(by_group, whole, strict=True)
+        )
+        rows.append(DoubtRow(source_words(source), cells, source_advice(source)))
+    return tuple(rows)
+
+
+def _per_cent(square: float, whole: float) -> str:
+    share = 100.0 * square / whole if whole > 0.0 else 0.0
+    return "< 1 %" if share < 1.0 else f"{share:.0f} %"
 
 
 def _of(by: dict[Approach, StiffnessResult], approach: Approach, band: str) -> BandEstimate | None:
@@ -150,21 +223,23 @@ def _why(one: str, other: str) -> str:
 def _notes(by: dict[Approach, StiffnessResult]) -> tuple[str, ...]:
     """What the identification says of bands and of the whole, each sentence once."""
     identified = [each for approach, each in by.items() if approach != "prior"]
-    whole = [note for each in identified for note in each.notes]
+    whole = [sentence(note) for each in identified for note in each.notes]
     of_bands = [f"{band.band}: {said}" for each in identified for band in each.bands if (said := band_note(band))]
     return tuple(dict.fromkeys([*whole, *of_bands]))
 
 
 def headline_band(found: Sequence[StiffnessResult], device: str) -> tuple[Approach, BandEstimate] | None:
-    """By A, else by B: the first decided band whose truth is known, else the first decided one."""
-    for each in (
-        each for approach in ("A", "B") for each in found if (each.device, each.approach) == (device, approach)
-    ):
-        decided = [band for band in each.bands if band.identifiable]
-        chosen = next((band for band in decided if band.true_stiffness is not None), next(iter(decided), None))
-        if chosen is not None:
-            return each.approach, chosen
-    return None
+    """Of the first decided group whose truth is known, else of the first decided one: by the approach with the
+    smallest doubt."""
+    decided = [
+        (each.approach, band)
+        for each in found
+        if each.device == device
+        for band in each.bands
+        if each.approach == headline_approach(found, device, band.group)
+    ]
+    known = (pair for pair in decided if pair[1].true_stiffness is not None)
+    return next(known, next(iter(decided), None))
 
 
 def stiffness_sentence(found: Sequence[StiffnessResult], device: str) -> str:
@@ -173,5 +248,5 @@ def stiffness_sentence(found: Sequence[StiffnessResult], device: str) -> str:
     if headline is None:
         return ""
     approach, band = headline
-    text = f"Stiffness of band group {band.group} {plus_minus(band.stiffness)} N/m by approach {approach}"
+    text = f"Stiffness of band group {band.group} {plus_minus(band.stiffness)} N/m by {SAID[approach]}"
     return f"{text}." if band.true_stiffness is None else f"{text} (truth {significant(band.true_stiffness, 4)})."

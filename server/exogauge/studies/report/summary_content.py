@@ -10,8 +10,8 @@ from typing import Any, final
 from exogauge.devices.result import Estimate
 from exogauge.studies.report.page_model import Block, Column, Page, Row, Table, plain
 from exogauge.studies.report.summary_configuration import configuration_facts, provenance_facts
-from exogauge.studies.report.summary_figure import support_figure
-from exogauge.studies.report.support_section import plus_minus
+from exogauge.studies.report.summary_figure import support_figure, units_of
+from exogauge.studies.report.support_section import SAID, plus_minus
 from exogauge.studies.words.names import NO_BREAK, counted, listed
 from exogauge.studies.words.rounding import significant
 
@@ -55,7 +55,7 @@ def summary_content(results: Mapping[str, Any], detail: Detail) -> Page:
     figure = support_figure(by_weight(results["support"])[: detail.supports], detail.name)
     unsaid = Block("What these data cannot say", points=tuple(_unsaid(results, detail)))
     rows = [
-        Row((Block("Scope", (_scope(results["scope"]["sentence"], 2 * detail.sentence),)),)),
+        Row((Block("Scope", (_scope(results["scope"], 2 * detail.sentence),)),)),
         Row((Block("What was found", tuple(plain(each, detail.sentence) for each in _found(results, detail))),)),
     ]
     if support is not None:
@@ -77,10 +77,10 @@ def _kicker(results: Mapping[str, Any], detail: Detail) -> str:
     return f"exogauge · one-page report · {about}"
 
 
-def _scope(sentence: str, most: int) -> str:
+def _scope(scope: Mapping[str, Any], most: int) -> str:
     """Where it is too long, what it ends with stays: that nothing is claimed beyond."""
-    head, _, tail = sentence.rpartition("; ")
-    if len(sentence) <= most or 2 * len(tail) > most:
+    sentence, (head, tail) = scope["sentence"], scope.get("clauses", ("", ""))
+    if len(sentence) <= most or not tail or 2 * len(tail) > most:
         return plain(sentence, most)
     return f"{plain(head, most - len(tail))} {tail}"
 
@@ -108,19 +108,18 @@ def _errors(pooled: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _strongest(results: Mapping[str, Any], device: str) -> str:
-    """Where this wear supports most, by A where there is one."""
+    """Where this wear supports most, by the best approach."""
     peaks = [
-        (each["approaches"][approach]["peak"], approach, each)
+        (each["peak"], each["peak"]["approach"], each)
         for each in by_weight(results["support"])
-        for approach in ("A", "B")[: 1 if "A" in each["approaches"] else 2]
-        if each["device"] == device and approach in each["approaches"]
+        if each["device"] == device and each["peak"] is not None
     ]
     known = [found for found in peaks if found[0]["value"] is not None]
     if not known:
         return f"Nothing is said of the support of “{device}”."
     peak, approach, each = max(known, key=lambda found: abs(found[0]["value"]))
     size = estimate({**peak, "value": abs(peak["value"])})
-    return f"“{device}” gives up to {size} N·m at {each['joint']} in {each['motion']} (approach {approach})."
+    return f"“{device}” gives up to {size} {peak['unit']} at {each['joint']} in {each['motion']} ({SAID[approach]})."
 
 
 def _support(results: Mapping[str, Any], detail: Detail) -> Block | None:
@@ -129,21 +128,22 @@ def _support(results: Mapping[str, Any], detail: Detail) -> Block | None:
     if not found:
         return None
     columns = (
-        Column("Motion, joint", 0.19), Column("Wear", 0.17), Column("Peak A", 0.19, True),
-        Column("Peak B", 0.175, True), Column("Bands", 0.085, True), Column("RMSE A", 0.095, True),
-        Column("RMSE B", 0.095, True),
+        Column("Motion, joint", 0.16), Column("Wear", 0.13), Column("Peak A", 0.13, True),
+        Column("Peak B", 0.13, True), Column("Paired", 0.13, True), Column("Bands", 0.08, True),
+        Column("RMSE A", 0.08, True), Column("RMSE B", 0.08, True), Column("Paired", 0.08, True),
     )  # fmt: skip
     rows = tuple(
         (
             f"{plain(each['motion'], detail.name)}, {plain(each['joint'], detail.name)}",
             plain(each["device"], detail.name),
-            *(_peak(each, approach) for approach in ("A", "B")),
+            *(_peak(each, approach) for approach in ("A", "B", "paired")),
             _model_peak(each),
-            *(figure(each[f"rmse_{approach}"]) for approach in ("a", "b")),
+            *(figure(each[f"rmse_{approach}"]) for approach in ("a", "b", "paired")),
         )
         for each in found[: detail.supports]
     )
-    caption = "N·m on the joint, positive along its axis; RMSE against the band model (Bands)" + _more(found, rows)
+    units = units_of(found[: detail.supports])
+    caption = f"{units} on the joint, positive along its axis; RMSE against the band model (Bands)" + _more(found, rows)
     return Block("Supporting torque", table=Table(caption, columns, rows))
 
 
@@ -180,13 +180,13 @@ def _stiffness(results: Mapping[str, Any], detail: Detail) -> Block | None:
         for band in wear["bands"]
     }
     columns = (
-        Column("Wear, bands", 0.34), Column("A", 0.22, True), Column("B", 0.22, True), Column("Stated", 0.11, True),
-        Column("Truth", 0.11, True),
+        Column("Wear, bands", 0.25), Column("A", 0.18, True), Column("B", 0.18, True), Column("Paired", 0.18, True),
+        Column("Stated", 0.105, True), Column("Truth", 0.105, True),
     )  # fmt: skip
     rows = tuple(
         (
             f"{plain(device, detail.name)}, {plain(group, detail.name)}",
-            *(_stiff(by.get(approach)) for approach in ("A", "B")),
+            *(_stiff(by.get(approach)) for approach in ("A", "B", "paired")),
             figure(stated.get((device, group)), 4),
             figure(next(iter(by.values()))["truth_n_per_m"], 4),
         )
@@ -214,9 +214,8 @@ def _unsaid(results: Mapping[str, Any], detail: Detail) -> list[str]:
         widest = max(at_rest, key=lambda each: float(each["rest_half_width"]))
         where = f"{widest['joint']} in {widest['motion']}"
         size = figure(widest["rest_half_width"], 2)
-        said.insert(
-            -1, f"Where a joint stands still, friction leaves an interval: by B up to ±{NO_BREAK}{size} N·m ({where})."
-        )
+        within = f"±{NO_BREAK}{size} {units_of([widest])} ({where})"
+        said.insert(-1, f"Where a joint stands still, friction leaves an interval: by B up to {within}.")
     undecided_groups = sorted({each["group"] for each in results["stiffness"] if _undecided(each)})
     if undecided_groups:
         said.insert(-1, f"Stiffness that the data do not decide: band groups {listed(undecided_groups[:6])}.")

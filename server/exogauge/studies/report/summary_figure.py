@@ -36,7 +36,11 @@ def support_figure(chosen: Sequence[Mapping[str, Any]], name: int) -> Drawing | 
         x = at(k * step)
         marks.append(Line(x, TOP, x, bottom, "muted" if k == 0 else "line", 0.15))
         marks.append(Label(x, bottom + 2.6, significant(k * step, 2), SMALL, "muted", "middle"))
-    marks.append(Label(LEFT + 0.5 * (WIDTH - LEFT - RIGHT), bottom + 5.6, "peak [N·m]", SMALL, "muted", "middle"))
+    marks.append(
+        Label(
+            LEFT + 0.5 * (WIDTH - LEFT - RIGHT), bottom + 5.6, f"peak [{units_of(entries)}]", SMALL, "muted", "middle"
+        )
+    )
     for n, each in enumerate(entries):
         y = TOP + PITCH * (n + 0.5)
         marks.append(Label(0.0, y - 0.5, plain(f"{each['motion']}, {each['joint']}", 26), SMALL, "ink"))
@@ -45,13 +49,19 @@ def support_figure(chosen: Sequence[Mapping[str, Any]], name: int) -> Drawing | 
     return Drawing(WIDTH, bottom + FOOT - 1.5, tuple(marks), _words(entries))
 
 
+def units_of(entries: Sequence[Mapping[str, Any]]) -> str:
+    """`N·m`; `N·m, N` where some joints slide."""
+    peaks = [effort["peak"] for each in entries for effort in each["approaches"].values()]
+    return ", ".join(dict.fromkeys(peak["unit"] for peak in peaks)) or "N·m"
+
+
 def _whiskers(entry: Mapping[str, Any], y: float, at: Any) -> Iterator[Mark]:
-    """Model as a tall tick; B below, A above it, as dots with their doubt."""
+    """Model as a tall tick; A above, B on and the paired estimate below it, as dots with their doubt."""
     approaches = entry["approaches"]
     if _value(entry, "band_model") is not None:
         x = at(approaches["band_model"]["peak"]["value"])
         yield Line(x, y - 2.4, x, y + 2.4, "ink", 0.45)
-    for approach, colour, shift in (("A", "identified", -1.0), ("B", "measured", 1.0)):
+    for approach, colour, shift in (("A", "identified", -1.4), ("B", "measured", 0.0), ("paired", "prior", 1.4)):
         value = _value(entry, approach)
         if value is not None:
             low, high = _span(entry, approach)
@@ -60,15 +70,15 @@ def _whiskers(entry: Mapping[str, Any], y: float, at: Any) -> Iterator[Mark]:
 
 
 def _legend() -> Iterator[Mark]:
-    for k, (text, colour) in enumerate((("A", "identified"), ("B", "measured"))):
+    for k, (text, colour) in enumerate((("A", "identified"), ("B", "measured"), ("paired", "prior"))):
         yield Box(LEFT + 8.0 * k, 1.2, 1.3, 1.3, colour)  # type: ignore[arg-type]
         yield Label(LEFT + 8.0 * k + 2.2, 2.6, text, SMALL, "ink")
-    yield Line(LEFT + 16.4, 0.6, LEFT + 16.4, 3.2, "ink", 0.45)
-    yield Label(LEFT + 18.0, 2.6, "band model", SMALL, "ink")
+    yield Line(LEFT + 28.4, 0.6, LEFT + 28.4, 3.2, "ink", 0.45)
+    yield Label(LEFT + 30.0, 2.6, "band model", SMALL, "ink")
 
 
 def _shown(entry: Mapping[str, Any]) -> bool:
-    return any(_value(entry, approach) is not None for approach in ("A", "B"))
+    return any(_value(entry, approach) is not None for approach in ("A", "B", "paired"))
 
 
 def _value(entry: Mapping[str, Any], approach: str) -> float | None:
@@ -96,6 +106,6 @@ def _step(least: float) -> float:
 
 def _words(entries: Sequence[Mapping[str, Any]]) -> str:
     return (
-        f"Peak supporting torque of {len(entries)} combinations of motion, joint and wear by approaches A and B and by "
-        "the band model, with two standard deviations; the numbers stand in the table beside it."
+        f"Peak supporting torque of {len(entries)} combinations of motion, joint and wear by A, B and the paired "
+        "estimate and by the band model, with two standard deviations; the numbers stand in the table beside it."
     )

@@ -1,4 +1,7 @@
-"""summary.html and summary.pdf: the whole evaluation on one sheet of A4, from one content."""
+"""summary.html and summary.pdf: the whole evaluation on one sheet of A4, from one content.
+
+summary.html: the one-page report for the screen and for printing on one sheet of A4; no outside requests.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
-from exogauge.studies.report.page_model import Page
+import jinja2
+
+from exogauge.studies.report.page_model import Box, Drawing, Label, Line, Page
 from exogauge.studies.report.summary_content import DETAILS, summary_content
-from exogauge.studies.report.summary_html import render_html
 from exogauge.studies.report.summary_pdf import render_pdf
 
 SCALES = (1.0, 0.94, 0.88, 0.82)  # of the letters; smaller ones nobody reads
@@ -39,3 +43,21 @@ def summary_page(results: Mapping[str, Any]) -> SummaryPage:
 def _printed(content: Page, scale: float) -> SummaryPage:
     pdf, fits = render_pdf(content, scale)
     return SummaryPage(render_html(content, scale).encode(), pdf, content, fits)
+
+
+_ENVIRONMENT = jinja2.Environment(
+    loader=jinja2.PackageLoader("exogauge.studies", "templates"),
+    autoescape=True,
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+
+
+def render_html(page: Page, scale: float, kind: str = "one-page report") -> str:
+    """scale: of the letters, 1 for 7.6 pt: that at which the page fits its sheet. kind: of document, for its title."""
+    return _ENVIRONMENT.get_template("summary.html.j2").render(page=page, scale=scale, marks=_marks, kind=kind)
+
+
+def _marks(drawing: Drawing) -> list[tuple[str, Line | Box | Label]]:
+    return [(type(mark).__name__.lower(), mark) for mark in drawing.marks]

@@ -42,17 +42,31 @@ def draw_support(trials: Sequence[Trial], joint: str, notes: Mapping[str, str], 
         return svg_text(figure, key)
 
 
+def effort_unit(trial: Trial, joint: str) -> str:
+    """N of a joint that slides, else N·m."""
+    return trial.prediction.units.get(f"tau.{joint}", "N·m")
+
+
 def _angle(axis: Any, trials: Sequence[Trial], joint: str) -> None:
+    slides = effort_unit(trials[0], joint) == "N"
     axis.grid(axis="y")
     for n, trial in enumerate(trials):
-        angle = np.rad2deg(trial.q[:, trial.joints.index(joint)])
+        position = trial.q[:, trial.joints.index(joint)]
+        position = 1e3 * position if slides else np.rad2deg(position)
         colour = COLOURS["--ink" if n == 0 else "--muted"]
-        axis.plot(*thin_out(trial.time - trial.time[0], angle), color=colour, linewidth=1.1 if n == 0 else 0.7)
-    axis.set_title(f"angle of {joint}", loc="left", fontsize=9.5, fontweight="bold", color=COLOURS["--ink"], pad=17)
+        axis.plot(*thin_out(trial.time - trial.time[0], position), color=colour, linewidth=1.1 if n == 0 else 0.7)
+    axis.set_title(
+        f"{'position' if slides else 'angle'} of {joint}",
+        loc="left",
+        fontsize=9.5,
+        fontweight="bold",
+        color=COLOURS["--ink"],
+        pad=17,
+    )
     low, high = axis.get_ylim()
     if high - low < LEAST_ANGLE:
         axis.set_ylim(0.5 * (low + high - LEAST_ANGLE), 0.5 * (low + high + LEAST_ANGLE))
-    axis.set_ylabel("[°]")
+    axis.set_ylabel("[mm]" if slides else "[°]")
 
 
 def _torque(axis: Any, trial: Trial, joint: str) -> None:
@@ -69,7 +83,10 @@ def _torque(axis: Any, trial: Trial, joint: str) -> None:
         drawn = thin_out(time, trial.band_model[:, k])
         axis.plot(*drawn, color=COLOURS["--ink"], linewidth=2.0, linestyle=(0, (3.0, 1.6)))
     _draw_a(axis, trial, k)
-    axis.set_ylabel("[N·m]")
+    if trial.support_paired is not None:
+        drawn = thin_out(time, trial.support_paired[:, k])
+        axis.plot(*drawn, color=COLOURS["--identified"], linewidth=1.4, linestyle=(0, (4.0, 1.4)))
+    axis.set_ylabel(f"[{effort_unit(trial, joint)}]")
 
 
 def _draw_a(axis: Any, trial: Trial, k: int) -> None:
@@ -88,7 +105,7 @@ def span(trials: Sequence[Trial], joint: str) -> tuple[float, float]:
     lines = [
         values[:, trial.joints.index(joint)]
         for trial in trials
-        for values in (trial.support_a, trial.support_b, trial.support_prior, trial.band_model)
+        for values in (trial.support_b, trial.support_paired, trial.support_prior, trial.band_model)
         if values is not None
     ]
     found = np.concatenate([[0.0], *(line[np.isfinite(line)] for line in lines)])

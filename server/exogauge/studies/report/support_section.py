@@ -15,7 +15,11 @@ from exogauge.studies.results.support_results import best_approach, equality, la
 from exogauge.studies.words.rounding import rounded, significant, with_std
 from exogauge.support.result import Effort, JointSupport, SupportResult, Trial
 
-COMPARED = ("a", "b", "prior")
+COMPARED = ("a", "b", "paired", "prior")
+MEASURED = ("a", "b", "paired")
+NAMES = {"a": "A", "b": "B", "paired": "paired"}
+SAID = {"a": "approach A", "b": "approach B", "paired": "the paired estimate"}
+SAID |= {"A": SAID["a"], "B": SAID["b"]}
 
 
 @final
@@ -38,18 +42,19 @@ class ErrorRow:
     main: bool
     rmse: tuple[str, ...]
     steady: tuple[str, ...]
-    null: tuple[str, str]
-    spread: tuple[str, str]
+    null: tuple[str, ...]
+    spread: tuple[str, ...]
+    best: str
 
 
 @final
 @dataclass(frozen=True)
 class EffortRow:
-    """One phase: peak, mean and integral, each as (A, B, band model) in text, empty where there is none."""
+    """One phase: peak, mean and integral, each as (A, B, paired, band model) in text, empty where there is none."""
 
     phase: str
     duration: str
-    cells: tuple[tuple[str, str, str], ...]
+    cells: tuple[tuple[str, ...], ...]
 
 
 @final
@@ -129,7 +134,7 @@ def _figure(support: SupportResult, motion: str, joint: str, key: str) -> Suppor
 
 def rmse_note(joint: JointSupport) -> str:
     """Like the captions of Figs 12 and 13: RMSE of every approach against the band model."""
-    words = {"a": "A", "b": "B", "prior": "maker’s values"}
+    words = {"a": "A", "b": "B", "paired": "paired", "prior": "maker’s values"}
     parts = [
         f"{words[approach]} {significant(joint.rmse[approach])}"
         for approach in COMPARED
@@ -145,8 +150,9 @@ def _error_row(joint: JointSupport, main: bool) -> ErrorRow:
         main,
         tuple(_text(joint.rmse, approach) for approach in COMPARED),
         tuple(_text(joint.rmse_steady, approach) for approach in COMPARED),
-        (_text(joint.null, "a", 2), _text(joint.null, "b", 2)),
-        (_text(joint.spread, "a", 2), _text(joint.spread, "b", 2)),
+        tuple(_text(joint.null, approach, 2) for approach in MEASURED),
+        tuple(_text(joint.spread, approach, 2) for approach in MEASURED),
+        "" if joint.best is None else NAMES[joint.best.approach],
     )
 
 
@@ -160,7 +166,7 @@ def _effort_table(joint: JointSupport, main: bool) -> EffortTable:
     return EffortTable(joint.device, joint.joint, main, tuple(rows))
 
 
-def _cells(by: Mapping[str, Effort]) -> tuple[tuple[str, str, str], ...]:
+def _cells(by: Mapping[str, Effort]) -> tuple[tuple[str, ...], ...]:
     """Peak, mean, integral; the band model's without its std, which is that between trials alone."""
 
     def cell(approach: str, quantity: str) -> str:
@@ -169,7 +175,7 @@ def _cells(by: Mapping[str, Effort]) -> tuple[tuple[str, str, str], ...]:
     def model(quantity: str) -> str:
         return significant(getattr(by["band_model"], quantity).value) if "band_model" in by else ""
 
-    return tuple((cell("a", each), cell("b", each), model(each)) for each in ("peak", "mean", "integral"))
+    return tuple((*(cell(one, each) for one in MEASURED), model(each)) for each in ("peak", "mean", "integral"))
 
 
 def plus_minus(estimate: Estimate) -> str:
@@ -211,13 +217,13 @@ def strongest(support: SupportResult, device: str) -> JointSupport | None:
 
 def support_sentence(joint: JointSupport) -> str:
     """`Normal suit (bend): up to 5.1 ± 0.2 N·m of support at torso_pitch by approach A (band model 5.0).`"""
-    approach = best_approach(joint.by)
+    approach = best_approach(joint)
     if approach not in joint.by:
         return ""
     peak = joint.by[approach].peak
     size = plus_minus(Estimate(abs(peak.value), peak.std, peak.unit))
-    text = f"{joint.device} ({joint.motion}): up to {size} {joint.unit} of support at {joint.joint} by approach "
-    text += approach.upper()
+    text = f"{joint.device} ({joint.motion}): up to {size} {joint.unit} of support at {joint.joint} by "
+    text += SAID[approach]
     if "band_model" in joint.by:
         text += f" (band model {significant(abs(joint.by['band_model'].peak.value))})"
     return f"{text}."

@@ -25,8 +25,9 @@ from exogauge.studies.report.report_tables import (
 )
 from exogauge.studies.report.stiffness_section import device_views
 from exogauge.studies.report.support_section import motion_views
-from exogauge.studies.results.document import Evaluation, Summary, results, summaries
-from exogauge.studies.words.notices import by_sort, notice, repeats
+from exogauge.studies.results.document import Evaluation, Summary, all_notices, results, summaries
+from exogauge.studies.words.notices import by_sort, repeats
+from exogauge.studies.words.remark_words import sentence
 from exogauge.studies.words.rounding import significant
 
 MAX_DRAWN_LOGS = 4
@@ -38,6 +39,7 @@ _ENVIRONMENT = jinja2.Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
+_ENVIRONMENT.filters["sentence"] = sentence
 
 
 @final
@@ -71,7 +73,7 @@ def render_report(evaluation: Evaluation) -> str:
         stiffness_views=device_views(evaluation.stiffness),
         tile_rows=tiles(evaluation, pooled),
         held_out=held_out,
-        notices=[notice(each) for each in content["warnings"]],
+        notices=all_notices(evaluation),
         findings=by_sort(content["doctor"]),
         parted=any(fit.rmse_at_rest is not None for fit in found.validation),
         held_out_tables=fit_tables(found, held_out=True),

@@ -1,17 +1,23 @@
-"""What the search for missing effects found, as results.json holds it."""
+"""What the search for missing effects found, as results.json holds it.
+
+Planned motions as results.json and their tables hold them: one file each, to be moved along as it is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from exogauge.devices.result import Estimate
 from exogauge.findings.basis import OfBand
-from exogauge.findings.objection import Objection
+from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Alternative, Discrepancy, Evidence, Excess, Finding, Lineage, Link, Place
-from exogauge.studies.results.planned_motions import planned_entries
+from exogauge.findings.verdict import Objection
+from exogauge.studies.csv_table import csv_table
 from exogauge.studies.results.support_results import number
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
 from exogauge.studies.words.finding_sentences import (
@@ -20,6 +26,7 @@ from exogauge.studies.words.finding_sentences import (
     motion_words,
     note_words,
     objection_words,
+    planned_sentence,
     reason_words,
     where_words,
 )
@@ -79,10 +86,15 @@ def _finding(finding: Finding, first_plan: int) -> dict[str, Any]:
         "alternatives": [_alternative(each) for each in finding.alternatives],
         "also_possible": [_alternative(each) for each in finding.also_possible],
         "motion": motion_words(finding),
-        "apart": [asdict(each) for each in finding.apart],
+        "apart": [_apart(each) for each in finding.apart],
         "planned": planned_entries(finding, first_plan),
         "curve": _curve(finding.evidence, finding.held_out.unit),
     } | ({"device": finding.basis.device} if isinstance(finding.basis, OfBand) and finding.basis.device else {})
+
+
+def _apart(apart: Apart) -> dict[str, Any]:
+    """Without the criteria that it was judged by: they stand with the others."""
+    return {name: value for name, value in asdict(apart).items() if name not in ("enough", "longest")}
 
 
 def _excess(excess: Excess) -> dict[str, Any]:
@@ -148,4 +160,51 @@ def _curve(evidence: Evidence, unit: str) -> dict[str, Any]:
         "coordinate": {"name": evidence.coordinate, "unit": evidence.unit, "values": evidence.at},
         "unit": unit,
         **{name: getattr(evidence, name) for name in ("before", "after", "spread", "model", "along_motion")},
+    }
+
+
+PLANNED = "planned_motion_*.csv"
+PLACES = 5  # decimals: 10 µrad
+
+
+def planned_files(found: Discrepancy | None) -> Iterator[tuple[str, PlannedMotion]]:
+    """`planned_motion_1` …, in the order of the findings."""
+    plans = [plan for finding in (found.findings if found else ()) for plan in finding.plans]
+    for index, plan in enumerate(plans, 1):
+        yield f"planned_motion_{index}", plan
+
+
+def file_name(name: str) -> str:
+    return f"{name}.csv"
+
+
+def planned_entries(finding: Finding, first: int) -> list[dict[str, Any]]:
+    """`planned[]` of a finding; first: number of its first file."""
+    return [_entry(plan, file_name(f"planned_motion_{number}")) for number, plan in enumerate(finding.plans, first)]
+
+
+def motion_table(plan: PlannedMotion) -> bytes:
+    """One repeat. t [s], then `q.<joint>` [rad, or m of a prismatic joint] of every joint, moved or not."""
+    columns = ("t", *(f"q.{name}" for name in plan.joints))
+    rows: Sequence[Sequence[float]] = np.round(np.column_stack([plan.time, plan.q]), PLACES).tolist()
+    return csv_table(columns, rows)
+
+
+def _entry(plan: PlannedMotion, file: str) -> dict[str, Any]:
+    sweep = plan.sweep
+    return {
+        "file": file,
+        "joint": plan.joint,
+        "kind": sweep.kind,
+        "amplitude": sweep.amplitude,
+        "offset": sweep.offset,
+        "slowest": sweep.slowest,
+        "fastest": sweep.fastest,
+        "period_s": sweep.period or None,
+        "unit": plan.unit,
+        "companion": {"joint": plan.companion, "range": list(plan.companion_range)} if plan.companion else None,
+        "repeats": plan.repeats,
+        "duration_s": plan.duration,
+        "tells_from": [each.rival for each in plan.pairs],
+        "sentence": planned_sentence(plan),
     }

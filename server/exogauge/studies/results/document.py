@@ -1,4 +1,7 @@
-"""results.json and the result tables: the contract's keys, finite numbers, the same bytes for the same inputs."""
+"""results.json and the result tables: the contract's keys, finite numbers, the same bytes for the same inputs.
+
+`criteria` in results.json: every number that decided, with its reason and its source.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any, final
 
+from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.criterion import listed
 from exogauge.devices.result import StiffnessResult
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.added_columns import COMPONENTS, MASS
@@ -18,15 +23,19 @@ from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.intake.bundle import Input
 from exogauge.studies.intake.open import Step
-from exogauge.studies.results.configuration import configuration_entry, software, stated_settings
-from exogauge.studies.results.criteria_results import criteria_entries
+from exogauge.studies.results.configuration import (
+    StudyRecord,
+    configuration_entry,
+    says_synthetic,
+    software,
+    stated_settings,
+)
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.schema import StudyResults
 from exogauge.studies.results.scope import scope_entry
-from exogauge.studies.results.stiffness_results import stiffness_details, stiffness_entries
-from exogauge.studies.results.study_record import StudyRecord, says_synthetic
-from exogauge.studies.results.support_results import support_entries
+from exogauge.studies.results.support_results import cross_checks, stiffness_details, stiffness_entries, support_entries
 from exogauge.studies.words.names import channel
+from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.reading_words import READING
 from exogauge.support.result import SupportResult
 from exogauge.support.settings import SupportSettings
@@ -42,7 +51,7 @@ TRUNK_WORDS = ("torso", "waist", "chest", "lumbar", "trunk", "spine")
 class Evaluation:
     """All that an evaluation found: what results.json, the tables and the report are written from.
 
-    findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … warnings: in sentences.
+    findings: of the doctor, as mappings with `log`, `severity`, `channel`, `detail` … notices: to be kept in mind.
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
     discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach. logs: those that
     a series shows the joints' motion of. taken_over: rank of a finding -> file of the device that states it.
@@ -55,7 +64,7 @@ class Evaluation:
     inputs: Sequence[Input]
     findings: Sequence[Mapping[str, Any]]
     identification: Identification
-    warnings: Sequence[str]
+    notices: Sequence[Notice]
     files: Mapping[str, str]
     support: SupportResult | None = None
     stiffness: Sequence[StiffnessResult] = ()
@@ -89,6 +98,12 @@ class Summary:
     noise_floor: float
 
 
+def all_notices(evaluation: Evaluation) -> list[Notice]:
+    """Of the study, of the identification, of the supporting torque."""
+    support = evaluation.support.remarks if evaluation.support else ()
+    return [*evaluation.notices, *map(notice, (*evaluation.identification.remarks, *support))]
+
+
 def results(evaluation: Evaluation) -> dict[str, Any]:
     """The content of results.json, held to its schema; NaN and infinity become null."""
     found, support = evaluation.identification, evaluation.support
@@ -118,7 +133,8 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         ],
         "settings": stated_settings(evaluation.settings),
         "criteria": criteria_entries(evaluation.settings.criteria),
-        "warnings": [*evaluation.warnings, *found.warnings, *(support.warnings if support else ())],
+        "warnings": [each.sentence for each in all_notices(evaluation)],
+        "notices": [each.as_data() for each in all_notices(evaluation)],
         "doctor": list(evaluation.findings),
         "identification": {
             "summary": [asdict(each) for each in summaries(found, joints)],
@@ -148,6 +164,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         },
         "support": support_entries(support) if support else [],
         "stiffness": stiffness_entries(evaluation.stiffness),
+        "cross_checks": cross_checks(evaluation.stiffness),
         "stiffness_details": stiffness_details(evaluation.stiffness),
         "discrepancy": discrepancy_entry(evaluation.discrepancy, evaluation.taken_over),
         "reading": READING,
@@ -305,3 +322,17 @@ def finite(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     return str(value)
+
+
+def criteria_entries(criteria: Criteria) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": each.name,
+            "value": list(each.value) if isinstance(each.value, tuple) else each.value,
+            "unit": each.unit,
+            "why": each.why,
+            "source": each.source.kind,
+            "where": each.source.where,
+        }
+        for each in listed(criteria)
+    ]

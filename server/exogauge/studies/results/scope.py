@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from exogauge.robots.description import Robot
-from exogauge.studies.results.study_record import JointTravel, LogRecord, StudyRecord
+from exogauge.studies.results.configuration import JointTravel, LogRecord, StudyRecord
 from exogauge.studies.results.support_results import main_joints
 from exogauge.studies.words.names import counted, listed
 from exogauge.studies.words.rounding import rounded, significant
@@ -15,6 +15,7 @@ from exogauge.support.result import SupportResult
 
 SHOWN_MOTIONS = 3  # with their joints in the sentence; of the others the number
 SHOWN_JOINTS = 4
+LIMIT = "nothing is claimed beyond these positions and speeds, this wear, these settings and this software."
 RAD, M = "rad", "m"
 
 
@@ -33,7 +34,8 @@ def scope_entry(record: StudyRecord, robot: Robot, synthetic: bool, support: Sup
         "not_moved": [each["joint"] for each in identified if not each["moved"]],
         "motions": _motions(record, support, units) if support else [],
     }
-    return {"sentence": sentence(entry, len(fitted)), **entry, "not_said": not_said(entry)}
+    clauses = [holds_for(entry, len(fitted)), LIMIT]
+    return {"sentence": "; ".join(clauses), "clauses": clauses, **entry, "not_said": not_said(entry)}
 
 
 def _units(robot: Robot) -> dict[str, str]:
@@ -68,8 +70,8 @@ def _widest(travels: Sequence[JointTravel]) -> dict[str, float]:
     }
 
 
-def sentence(entry: dict[str, Any], fitted: int) -> str:
-    """One sentence. entry: the scope without it."""
+def holds_for(entry: dict[str, Any], fitted: int) -> str:
+    """For what the results hold. entry: the scope without it."""
     hold, robot = "hese results hold for", f"{entry['robot']} as recorded"
     text = f"Synthetic data: t{hold} the simulated robot {robot}" if entry["synthetic"] else f"T{hold} {robot}"
     if entry["devices"]:
@@ -83,7 +85,7 @@ def sentence(entry: dict[str, Any], fitted: int) -> str:
         joints = every if moved == total else f"{moved} of {counted(total, 'joint')}"
         move = "moves" if fitted == 1 else "move"
         text += f"; what is said of the robot itself rests on {counted(fitted, 'fitted log')} that {move} {joints}"
-    return f"{text}; nothing is claimed beyond these positions and speeds, this wear, these settings and this software."
+    return text
 
 
 def _motion_words(motions: Sequence[dict[str, Any]]) -> str:

@@ -1,16 +1,26 @@
-"""Supporting torque as results.json and support.csv hold it."""
+"""Supporting torque as results.json and support.csv hold it.
+
+Stiffness and natural length of the bands as results.json and stiffness.csv hold them.
+
+What a named effect does to supporting torque and stiffness: the same logs with the model before and after.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from exogauge.devices.result import Estimate
+from exogauge.devices.result import Estimate, StiffnessResult
+from exogauge.findings.result import Consequence
 from exogauge.studies.csv_table import csv_table
+from exogauge.studies.words.doubt_words import source_advice, source_words
+from exogauge.studies.words.finding_sentences import band_note
+from exogauge.studies.words.remark_words import sentence
 from exogauge.support.result import Effort, JointEquality, JointSupport, SupportResult, Trial, Verdict
 
-APPROACHES = {"a": "A", "b": "B", "prior": "prior", "band_model": "band_model"}  # in the numerics: in the files
+APPROACHES = {"a": "A", "b": "B", "paired": "paired", "prior": "prior", "band_model": "band_model"}  # as in the files
+WITH_ERROR = ("a", "b", "paired", "prior")
 QUANTITIES = ("peak", "mean", "integral")
 MOST_MAIN_JOINTS = 2
 MAIN_SHARE = 0.3  # of the largest torque, from which a second joint counts as a main one
@@ -30,8 +40,8 @@ def support_entries(support: SupportResult) -> list[dict[str, Any]]:
             "main": each.joint in main[each.motion],
             "logs": list(each.logs),
             "references": list(each.references),
-            **{f"rmse_{approach}": each.rmse.get(approach) for approach in ("a", "b", "prior")},
-            "rmse_steady": {approach: each.rmse_steady.get(approach) for approach in ("a", "b", "prior")},
+            **{f"rmse_{approach}": each.rmse.get(approach) for approach in WITH_ERROR},
+            "rmse_steady": {approach: each.rmse_steady.get(approach) for approach in WITH_ERROR},
             "motion_equality": equality(support.trials, each),
             **_headline(each),
             "approaches": {
@@ -43,14 +53,15 @@ def support_entries(support: SupportResult) -> list[dict[str, Any]]:
                     "phase": part.phase,
                     "duration_s": part.duration_s,
                     "approaches": {APPROACHES[approach]: _effort(effort) for approach, effort in part.by.items()},
+                    "best": None if part.best is None else APPROACHES[part.best.approach],
                 }
                 for part in each.phases
             ],
-            "null": {approach: each.null.get(approach) for approach in ("a", "b")},
+            "null": {approach: each.null.get(approach) for approach in ("a", "b", "paired")},
             "masked_share": each.masked_share,
             "rest_share": each.rest_share,
             "rest_half_width": each.rest_half_width,
-            "band_model": support.band_model.get(each.device),
+            "band_model": sentence(values) if (values := support.band_model.get(each.device)) else None,
         }
         for each in support.joints
     ]
@@ -115,15 +126,15 @@ def main_joints(support: SupportResult, motion: str) -> tuple[str, ...]:
 
 def largest(joint: JointSupport) -> float:
     """Size of the peak torque [N·m] by the band model, or by the best approach that there is."""
-    for approach in ("band_model", "a", "b"):
+    for approach in ("band_model", best_approach(joint)):
         if approach in joint.by and math.isfinite(joint.by[approach].peak.value):
             return abs(joint.by[approach].peak.value)
     return 0.0
 
 
-def best_approach(by: Mapping[str, Effort]) -> str:
-    """A where there is one, else B."""
-    return "a" if "a" in by else "b"
+def best_approach(joint: JointSupport) -> str:
+    """Whose own null test says it is best."""
+    return joint.best.approach if joint.best and joint.best.approach in joint.by else "b"
 
 
 def support_table(support: SupportResult) -> bytes:
@@ -152,11 +163,13 @@ def _numbers(effort: Effort) -> list[Any]:
 
 
 def _headline(joint: JointSupport) -> dict[str, Any]:
-    """Peak, mean and integral of the whole motion, by A where there is one."""
-    approach = best_approach(joint.by)
+    """Peak, mean and integral of the whole motion, by the best approach."""
+    approach = best_approach(joint)
     if approach not in joint.by:
         return dict.fromkeys(QUANTITIES)
-    return {name: {**entry, "approach": APPROACHES[approach]} for name, entry in _effort(joint.by[approach]).items()}
+    as_good = joint.best.as_good if joint.best else (approach,)
+    said = {"approach": APPROACHES[approach], "as_good": [APPROACHES[name] for name in as_good if name in joint.by]}
+    return {name: {**entry, **said} for name, entry in _effort(joint.by[approach]).items()}
 
 
 def _effort(effort: Effort) -> dict[str, dict[str, Any]]:
@@ -165,3 +178,143 @@ def _effort(effort: Effort) -> dict[str, dict[str, Any]]:
 
 def number(estimate: Estimate) -> dict[str, Any]:
     return {"value": estimate.value, "std": estimate.std, "unit": estimate.unit}
+
+
+def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
+    """`stiffness[]`: one entry per device, approach and band."""
+    return [
+        {
+            "device": each.device,
+            "approach": each.approach,
+            "band": band.band,
+            "group": band.group,
+            "stiffness_n_per_m": number(band.stiffness),
+            "natural_length_m": number(band.natural_length),
+            "interval_95": {
+                "stiffness_n_per_m": list(band.stiffness_interval),
+                "natural_length_m": list(band.natural_length_interval),
+            },
+            "truth_n_per_m": band.true_stiffness,
+            "error_percent": band.error_percent,
+            "identifiable": bool(band.identifiable),
+            "length_identifiable": bool(band.length_identifiable),
+            "headline": each.approach == headline_approach(found, each.device, band.group),
+            "note": band_note(band),
+            "budget": [
+                {
+                    "source": part.source,
+                    "words": source_words(part.source),
+                    "stiffness_std": part.stiffness,
+                    "natural_length_std": part.natural_length,
+                    "advice": source_advice(part.source),
+                }
+                for part in band.budget
+            ],
+        }
+        for each in found
+        for band in each.bands
+    ]
+
+
+def headline_approach(found: Sequence[StiffnessResult], device: str, group: str) -> str | None:
+    """The approach that decides a group's stiffness with the smallest doubt, what it finds on logs without the device
+    in it; None where none decides it."""
+    decided = {
+        each.approach: band.stiffness.std
+        for each in found
+        for band in each.bands
+        if (each.device, band.group) == (device, group) and each.approach != "prior" and band.identifiable
+    }
+    return min(decided, key=lambda approach: decided[approach]) if decided else None
+
+
+def cross_checks(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
+    """`cross_checks[]`: one entry per device, approach and pair of parts; two approaches stand once."""
+    seen, entries = set[tuple[object, ...]](), list[dict[str, Any]]()
+    for each in found:
+        for one in each.cross_checks:
+            approach = "" if one.check == "approaches" else each.approach
+            key = (each.device, one.check, one.group, frozenset(one.between), approach)
+            if key not in seen:
+                seen.add(key)
+                entries.append(
+                    {
+                        "device": each.device,
+                        "approach": each.approach,
+                        "check": one.check,
+                        "group": one.group,
+                        "between": list(one.between),
+                        "difference": one.difference,
+                        "std": one.std,
+                        "z": one.z,
+                        "limit": one.limit,
+                        "agrees": bool(one.agrees),
+                    }
+                )
+    return entries
+
+
+def stiffness_details(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
+    """`stiffness_details[]`: one entry per device and approach; rms [N·m] by joint."""
+    return [
+        {
+            "device": each.device,
+            "approach": each.approach,
+            "parameters": list(each.parameters),
+            "correlation": each.correlation,
+            "rms": dict(each.rms),
+            "samples": each.samples,
+            "notes": [sentence(note) for note in each.notes],
+        }
+        for each in found
+    ]
+
+
+def stiffness_table(found: Sequence[StiffnessResult]) -> bytes:
+    """stiffness.csv: one row per device, approach and band."""
+    columns = (
+        *("device", "approach", "band", "group", "stiffness_n_per_m", "stiffness_std", "stiffness_low"),
+        *("stiffness_high", "natural_length_m", "natural_length_std", "natural_length_low", "natural_length_high"),
+        *("truth_n_per_m", "error_percent", "identifiable", "length_identifiable", "note"),
+    )
+    rows = (
+        [
+            *(each.device, each.approach, band.band, band.group),
+            *(band.stiffness.value, band.stiffness.std, *band.stiffness_interval),
+            *(band.natural_length.value, band.natural_length.std, *band.natural_length_interval),
+            *(band.true_stiffness, band.error_percent, bool(band.identifiable), bool(band.length_identifiable)),
+            band_note(band),
+        ]
+        for each in found
+        for band in each.bands
+    )
+    return csv_table(columns, rows)
+
+
+Estimated = tuple[SupportResult, Sequence[StiffnessResult]]
+TOLD = 2  # joints of a device and motion: those that the bands load most
+AT_REST = 0.9  # of the samples: from here on there is an interval of the torque, and hardly a torque
+
+
+def before_after(before: Estimated, after: Estimated) -> tuple[Consequence, ...]:
+    """RMSE of B against the band model at the most loaded joints, and the stiffness of each group by each approach."""
+    result: list[Consequence] = []
+    pairs = list(zip(before[0].joints, after[0].joints, strict=True))
+    for device, motion in dict.fromkeys((one.device, one.motion) for one, _ in pairs):
+        here = [pair for pair in pairs if (pair[0].device, pair[0].motion) == (device, motion)]
+        for one, other in sorted(here, key=lambda pair: -_load(pair[0]))[:TOLD]:
+            if "b" in one.rmse and "b" in other.rmse and one.rest_share < AT_REST:
+                errors = (Estimate(each.rmse["b"], 0.0, each.unit) for each in (one, other))
+                result.append(Consequence("rmse", (device, motion, one.joint), *errors))
+    for was, now in zip(before[1], after[1], strict=True):
+        groups = {band.group: (band, later) for band, later in zip(was.bands, now.bands, strict=True)}
+        for group, (band, later) in groups.items():
+            if was.approach != "prior":
+                of = (group, was.approach, was.device)
+                result.append(Consequence("group_stiffness", of, band.stiffness, later.stiffness))
+    return tuple(result)
+
+
+def _load(joint: JointSupport) -> float:
+    effort = joint.by.get("band_model")
+    return abs(effort.peak.value) if effort else 0.0

@@ -13,6 +13,8 @@ from exogauge.identification.preparation import DRIVE
 from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
+from exogauge.remarks import About, Remark
+from exogauge.studies.words.notices import Notice, notice
 
 Array = NDArray[np.float64]
 
@@ -22,10 +24,10 @@ NOTHING = 0.02  # of a channel's rms: smaller errors are not compared
 
 def refuse_what_made_it_worse(
     found: Identification, recordings: Sequence[Recording], findings: Sequence[Mapping[str, Any]]
-) -> list[str]:
+) -> list[Notice]:
     """Raises BadLog with what the doctor holds for an error, if any held-out joint is predicted worse than before.
 
-    Where the doctor has no suspect, the joints are told in a warning: the answer is there, with a doubt. Errors are
+    Where the doctor has no suspect, the joints are told in a notice: the answer is there, with a doubt. Errors are
     compared in what was measured, amperes where currents were: in N·m a smaller k_T makes any error small.
     """
     worse = {joint: (before, after) for joint, before, after in held_out_errors(found, recordings) if after > before}
@@ -35,10 +37,7 @@ def refuse_what_made_it_worse(
     said = f"held out, {joint} is predicted worse than by the maker's numbers ({after:.3g} against {before:.3g})"
     if faults := suspects(findings, f"; {said}"):
         raise BadLog(faults)
-    names = ", ".join(worse)
-    return [
-        f"Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
-    ]
+    return [notice(Remark(About.WORSE_HELD_OUT, tuple(worse)))]
 
 
 def suspects(findings: Sequence[Mapping[str, Any]], said: str = "") -> list[Fault]:

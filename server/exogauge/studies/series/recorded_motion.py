@@ -26,7 +26,7 @@ from exogauge.studies.intake.open import log_names
 from exogauge.studies.intake.read_log import read_entry
 from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
 from exogauge.studies.intake.yaml_file import MAX_BYTES, load_yaml, place, suggestion
-from exogauge.studies.series.motion_columns import unit_of
+from exogauge.studies.series.write import unit_of
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,9 @@ import numpy as np
 from exogauge.devices.result import BandEstimate
 from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated, Continued, FloorOf, LeftOut, LowPassed, OfBand, OfRobot, Touched
-from exogauge.findings.objection import Objection, Why
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Concentration, Consequence, Excess, Finding, HeldOut, Place
-from exogauge.findings.verdict import Caveat
+from exogauge.findings.verdict import Caveat, Objection, Why
 from exogauge.studies.words.names import (
     NO_BREAK,
     at_place,
@@ -25,6 +24,7 @@ from exogauge.studies.words.names import (
     titled,
     told,
 )
+from exogauge.studies.words.remark_words import sentence
 
 OBJECTIONS: Mapping[Why, str] = {
     Why.TOO_SHORT: "too little steady motion that was not fitted to judge it: {value:.0f} of {beside:.0f}{space}s",
@@ -247,7 +247,9 @@ def consequence_words(found: Consequence) -> str:
 
 def band_note(band: BandEstimate) -> str:
     """Why a band's values are not decided, and what else is in the model that has them."""
-    return "; ".join(part for part in (band.note, WITH_EFFECTS if band.with_effects else "") if part)
+    return "; ".join(
+        part for part in (sentence(band.note) if band.note else "", WITH_EFFECTS if band.with_effects else "") if part
+    )
 
 
 def _of_robot(finding: Finding, basis: OfRobot) -> str:

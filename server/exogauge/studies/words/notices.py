@@ -7,9 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-_LONG_LIST = re.compile(r"(?:[\w.\[\]/-]+, ){6,}[\w\[\]/-]+(?:\.[\w\[\]/-]+)*")
+from exogauge.remarks import Remark
+from exogauge.studies.words.remark_words import named_with_numbers, sentence, short_sentence
+
 _NUMBER = re.compile(r"[_.-]?\d+$")
-SHOWN_NAMES = 3
+LONG_LIST = 6  # names, above which a sentence shows the first few
 SHOWN_FIRST = 3  # sorts of findings: who reads three may mend three; 551 notes are read by nobody
 SEVERITIES = ("error", "warning", "note")
 
@@ -17,10 +19,35 @@ SEVERITIES = ("error", "warning", "note")
 @final
 @dataclass(frozen=True)
 class Notice:
-    """A sentence whose long list of names is cut to the first few; names: all of them, empty where none was cut."""
+    """What has to be kept in mind. code: what it is about. remark: the same as data, where it is more than a
+    sentence."""
 
-    text: str
-    names: tuple[str, ...]
+    code: str
+    sentence: str
+    remark: Remark | None = None
+
+    @property
+    def short(self) -> str:
+        """With a long list of names cut to the first few."""
+        return self.sentence if self.remark is None or not self.names else short_sentence(self.remark)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of a list of names that is long, with their numbers; else ()."""
+        long = self.remark is not None and len(self.remark.names) > LONG_LIST
+        return tuple(named_with_numbers(self.remark)) if self.remark and long else ()
+
+    def as_data(self) -> dict[str, Any]:
+        """As results.json has it."""
+        facts = self.remark
+        return {
+            "code": self.code,
+            "sentence": self.sentence,
+            "names": list(facts.names) if facts else [],
+            "each": [list(each) for each in facts.each] if facts else [],
+            "beside": list(facts.beside) if facts else [],
+            "numbers": list(facts.numbers) if facts else [],
+        }
 
 
 @final
@@ -59,19 +86,9 @@ class Findings:
         )
 
 
-def notice(warning: str) -> Notice:
-    """`… of a, b, c, d, e, f, g. Ask …` -> `… of a, b, c and 4 more. Ask …` and the seven names."""
-    match = _LONG_LIST.search(warning)
-    if match is None:
-        return Notice(warning, ())
-    names = tuple(match.group().split(", "))
-    return Notice(warning[: match.start()] + named(names) + warning[match.end() :], names)
-
-
-def named(names: Sequence[str]) -> str:
-    """`a, b, c and 4 more`"""
-    shown = ", ".join(names[:SHOWN_NAMES])
-    return f"{shown} and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else shown
+def notice(remark: Remark) -> Notice:
+    """In a sentence."""
+    return Notice(remark.about, sentence(remark), remark)
 
 
 def repeats(logs: Iterable[str]) -> dict[str, list[str]]:

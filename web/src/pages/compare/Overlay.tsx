@@ -19,6 +19,7 @@ type Wanted = { job: string; log: string; name: string };
 const SHOWN = [
   ["support_a", "A"],
   ["support_b", "B"],
+  ["support_paired", "Paired"],
 ] as const;
 
 /** The supporting torque of one joint over one motion, by every device and job. */

@@ -5,10 +5,11 @@ import type { Comparison } from "../../api/compare";
 export const APPROACHES: Record<string, string> = {
   A: "A: without − with",
   B: "B: model − measured",
+  paired: "Paired: B with − B without",
   prior: "B with the maker’s values",
   band_model: "Band model",
 };
-export const ORDER = ["A", "B", "prior", "band_model"];
+export const ORDER = ["A", "B", "paired", "prior", "band_model"];
 
 export function approachWords(approach: string): string {
   return APPROACHES[approach] ?? approach;
@@ -16,7 +17,7 @@ export function approachWords(approach: string): string {
 
 /** Where several jobs stand side by side. */
 export function approachShort(approach: string): string {
-  return { A: "A", B: "B", prior: "B, maker’s", band_model: "Model" }[approach] ?? approach;
+  return { A: "A", B: "B", paired: "Paired", prior: "B, maker’s", band_model: "Model" }[approach] ?? approach;
 }
 
 /** The study's name, numbered where two jobs share it. */

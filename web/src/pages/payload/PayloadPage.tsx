@@ -7,6 +7,7 @@ import { fileAddress } from "../../api/robots";
 import { useSubmitJob } from "../../api/studies";
 import { Empty } from "../../parts/Empty";
 import { FileTable } from "../../parts/FileTable";
+import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
@@ -19,6 +20,7 @@ import { Exports } from "./Exports";
 import { factsOf, identifies } from "./facts";
 import { In3D } from "./In3D";
 import { Live } from "./Live";
+import { PayloadFindings } from "./PayloadFindings";
 import { Plans } from "./Plans";
 import { Results } from "./Results";
 
@@ -32,9 +34,14 @@ export function Component() {
   const found = payload.data;
   return (
     <>
-      <PageTitle title={found.name} lead={[...factsOf(found), `version ${found.version}`].join(" · ")} />
+      <PageTitle title={found.name} lead={[...factsOf(found), `version ${found.version}`].join(" · ")}>
+        <LinkButton variant="default" to={`/payloads/new?from=${found.id}`}>
+          Change or add logs
+        </LinkButton>
+      </PageTitle>
       <Stack gap="xl">
         {identifies(found) && (jobs.data.length ? <Identified payload={found} jobs={jobs.data} /> : <NotYet payload={found} refetch={jobs.refetch} />)}
+        {found.summary.findings && found.summary.logs.length > 0 && <PayloadFindings findings={found.summary.findings} />}
         {found.summary.plan && <Plans payload={found} />}
         <Live payload={found} />
         {found.summary.pose === "joints" && <In3D payload={found} />}

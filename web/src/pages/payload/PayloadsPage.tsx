@@ -4,6 +4,7 @@ import { Link } from "react-router";
 import { answer, api } from "../../api/client";
 import { usePayloads, type Payload } from "../../api/payloads";
 import { Empty } from "../../parts/Empty";
+import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
@@ -28,7 +29,9 @@ export function Component() {
   const { data: payloads, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = usePayloads(sought.words);
   return (
     <>
-      <PageTitle title="Payloads" lead="What hangs on a wrist force/torque sensor: mass, centre, inertia, and what touches it." />
+      <PageTitle title="Payloads" lead="What hangs on a wrist force/torque sensor: mass, centre, inertia, and what touches it.">
+        <LinkButton to="/payloads/new">New payload, step by step</LinkButton>
+      </PageTitle>
       <HandIn of={PAYLOAD} title="Drop a payload here" atOnce="Identify at once">
         One zip, a folder, or its files: <code>payload.yaml</code>, the logs and, where the pose is from joint angles, the URDF.
         With <code>plan</code> in payload.yaml no log is needed.
@@ -106,7 +109,7 @@ function NoPayloads() {
     <Stack mt="xl">
       <Empty title="No payloads yet">
         <Text>
-          Drop one above. To try with synthetic data, let <Code>exogauge sample --payload --seed 1 my-payload</Code> write
+          Drop one above, or put one together from your own files, <Anchor component={Link} to="/payloads/new" inherit underline="always">step by step</Anchor>. To try with synthetic data, let <Code>exogauge sample --payload --seed 1 my-payload</Code> write
           one, and drop the folder <Code>my-payload</Code>.
         </Text>
       </Empty>

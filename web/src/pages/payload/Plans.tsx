@@ -12,6 +12,7 @@ import { When } from "../../parts/When";
 import { number, WideTable } from "../../parts/WideTable";
 import { useCancel } from "../study/jobs";
 import { duration } from "../study/words";
+import { NAMES } from "./ValueTable";
 
 const WORDS: Record<What, string> = { postures: "Postures", excitation: "Excitation" };
 
@@ -46,7 +47,7 @@ export function Plans({ payload }: { payload: Payload }) {
   );
 }
 
-function PlanBox({ plan: { job, found, files } }: { plan: Plan }) {
+export function PlanBox({ plan: { job, found, files } }: { plan: Plan }) {
   const cancel = useCancel(job.id);
   const what = WORDS[job.settings["what"] as What];
   return (
@@ -117,7 +118,7 @@ function Told({ found }: { found: NonNullable<Plan["found"]> }) {
       >
         {found.certainties.map((each) => (
           <Table.Tr key={each.name}>
-            <Table.Th scope="row">{each.name}</Table.Th>
+            <Table.Th scope="row">{NAMES[each.name] ?? each.name}</Table.Th>
             <Table.Td>{each.unit}</Table.Td>
             <Table.Td data-number>{significant(each.before, 2)}</Table.Td>
             <Table.Td data-number>{significant(each.std, 2)}</Table.Td>

@@ -8,6 +8,7 @@ import { BeforeAfter, type ErrorRow } from "../study/BeforeAfter";
 const WAYS = [
   ["static", "postures alone, inertia ignored"],
   ["level", "base taken to be level"],
+  ["rigid", "without what was named missing"],
   ["all", "everything taken out"],
 ] as const;
 const NORM = Math.sqrt(8 / Math.PI); // mean length of three independent numbers of unit variance
@@ -53,7 +54,7 @@ export function Remainders({ payload, results }: { payload: Payload; results: Pa
                 <Table.Tr key={`${log} ${way}`} data-left={`${log}|${way}`}>
                   <Table.Th scope="row">{log}</Table.Th>
                   <Table.Td>{words}</Table.Td>
-                  {[...cells, Math.max(...left.most.slice(0, 3)), Math.max(...left.most_after_zero.slice(0, 3))].map((cell, k) => (
+                  {[...cells, Math.max(...left.most.slice(0, 3)), Math.max(...left.after_zero.most.slice(0, 3))].map((cell, k) => (
                     <Table.Td key={k} data-number>
                       {significant(cell)}
                     </Table.Td>

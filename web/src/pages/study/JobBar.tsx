@@ -83,7 +83,7 @@ function Live({ job }: { job: Job }) {
           ? "It stops within a second."
           : job.state === "queued"
             ? `In the queue: ${job.place ?? "waiting"}.`
-            : `${share} %. ${capital(phrase(job.message)) || "Starting"}`}
+            : `${share} %. ${capital(phrase(job)) || "Starting"}`}
       </Text>
     </div>
   );

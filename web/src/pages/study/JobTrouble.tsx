@@ -28,7 +28,7 @@ export function JobTrouble({ job, onLog }: { job: Job; onLog: React.ReactNode })
     <div style={{ marginBottom: "var(--mantine-spacing-md)" }}>
       <ProblemBox problem={{ type: "about:blank", title: "The job failed", status: 0, detail, errors: [] }} />
       <Text size="sm" mt="xs">
-        {/unexpected error/.test(detail)
+        {job.defect
           ? "This is a defect of the service, not of your data. Run it again once; if it fails the same way, report its log. "
           : "Your data were not changed. Running it again may help. "}
         {onLog}

@@ -21,7 +21,7 @@ export function PhaseTable({ motion, rows }: { motion: string; rows: Support[] }
         {phased.map((each) => (
           <Fragment key={`${each.device} ${each.joint}`}>
             {each.phases.map((part) =>
-              APPROACHES.filter(({ key }) => (key === "A" || key === "B") && part.approaches[key]).map(({ key, words }) => (
+              APPROACHES.filter(({ key }) => (key === "A" || key === "B" || key === "paired") && part.approaches[key]).map(({ key, words }) => (
                 <Table.Tr key={`${part.phase} ${key}`}>
                   <Table.Th scope="row">
                     {each.joint}{" "}

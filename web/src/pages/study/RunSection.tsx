@@ -63,10 +63,10 @@ function Said({ job }: { job: Job }) {
       <ScrollArea.Autosize mah={320} type="auto" viewportProps={{ tabIndex: 0, role: "region", "aria-label": "Log of the job" }}>
         {job.log && <Code block className={styles.log}>{job.log}</Code>}
         <ul className={styles.said}>
-          {steps.map(({ started_at, message, seconds }, k) => (
+          {steps.map(({ started_at, message, stage, seconds }, k) => (
             <li key={k}>
               <time dateTime={started_at}>{new Date(started_at).toLocaleTimeString()}</time>
-              <span>{capital(phrase(message))}</span>
+              <span>{capital(phrase({ stage, message }))}</span>
               <span>{seconds === null ? (isActive(job.state) ? "now" : "") : `${significant(seconds, 2)} s`}</span>
             </li>
           ))}

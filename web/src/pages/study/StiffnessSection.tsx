@@ -7,7 +7,7 @@ import type { Results, Stiffness } from "./results";
 import { Skipped } from "./Skipped";
 import { capital } from "./words";
 
-const APPROACH: Record<string, string> = { A: "A", B: "B", prior: "B, maker’s values" };
+const APPROACH: Record<string, string> = { A: "A", B: "B", paired: "Paired", prior: "B, maker’s values" };
 
 /** Stiffness and natural length of each band, by each approach. */
 export function StiffnessSection({ results }: { results: Results }) {
@@ -33,6 +33,7 @@ export function StiffnessSection({ results }: { results: Results }) {
             {device}
           </Title>
           <Bands device={device} rows={found.filter((each) => each.device === device)} truth={truth} />
+          <Doubts rows={found.filter((each) => each.device === device)} />
         </section>
       ))}
       {notes.length > 0 && (
@@ -78,6 +79,44 @@ function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; tru
       ))}
     </WideTable>
   );
+}
+
+/** What the doubt of each group's stiffness is made of, by the approach that comes first in the results. */
+function Doubts({ rows }: { rows: Stiffness[] }) {
+  const approach = rows.find((each) => each.budget.length)?.approach;
+  const groups = [...new Set(rows.map((each) => each.group))];
+  const bands = groups.map((group) => rows.find((each) => each.group === group && each.approach === approach));
+  const sources = new Map(bands.flatMap((band) => band?.budget ?? []).map((part) => [part.source, part]));
+  const share = (source: string) => Math.max(...bands.map((band) => variance(band, source) / Math.max(variance(band), Number.MIN_VALUE)));
+  if (!approach) return null;
+  return (
+    <details>
+      <summary>What the doubt by {APPROACH[approach]} is made of</summary>
+      <WideTable
+        label={`Doubt of the stiffness by ${APPROACH[approach]}`}
+        columns={["Source", ...groups.map((group) => number(group, "N/m")), "What would make it smaller"]}
+      >
+        {[...sources.values()]
+          .sort((one, other) => share(other.source) - share(one.source))
+          .map(({ source, words, advice }) => (
+            <Table.Tr key={source}>
+              <Table.Th scope="row">{words}</Table.Th>
+              {bands.map((band, place) => (
+                <Table.Td key={groups[place]} data-number>
+                  {significant(Math.sqrt(variance(band, source)), 2)}
+                </Table.Td>
+              ))}
+              <Table.Td>{advice}</Table.Td>
+            </Table.Tr>
+          ))}
+      </WideTable>
+    </details>
+  );
+}
+
+function variance(band: Stiffness | undefined, source?: string): number {
+  const parts = (band?.budget ?? []).filter((part) => source === undefined || part.source === source);
+  return parts.reduce((sum, part) => sum + (part.stiffness_std ?? 0) ** 2, 0);
 }
 
 function remark({ identifiable, length_identifiable, note }: Stiffness): string {

@@ -8,14 +8,13 @@ import { Uncertain } from "../../parts/Uncertain";
 import type { Results } from "./results";
 import type { SectionKey } from "./sections";
 import { verdictOf } from "./verdict";
-import { plainly } from "./stages";
 import { POOLED, STEPS } from "./words";
 
 /** The findings on one screen; each leads to where it is told in full. */
 export function SummarySection({ study, results }: { study: Study; results: Results }) {
   const { identification, support, stiffness, discrepancy } = results;
   const main = support.filter((each) => each.main);
-  const bands = stiffness.filter((each) => each.approach === (stiffness.some((one) => one.approach === "A") ? "A" : "B"));
+  const bands = stiffness.filter((each) => each.headline);
   const groups = [...new Map(bands.map((each) => [`${each.device}, bands ${each.group}`, each])).entries()];
   const skipped = results.steps.filter((each) => each.status === "skipped");
   return (
@@ -55,15 +54,15 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
         )}
         {main.length > 0 && (
           <Card study={study} to="support" title="Supporting torque, peak">
-            {main.map((each) => {
-              const effort = each.approaches.A ?? each.approaches.B;
-              return (
-                <Fact key={`${each.device} ${each.motion} ${each.joint}`} name={`${each.motion}, ${each.joint}`} about={each.device}>
-                  {effort && <Uncertain {...effort.peak} />} by {each.approaches.A ? "A" : "B"}
-                </Fact>
-              );
-            })}
-            <Note>A: without minus with the device. B: model minus measurement. ± is one standard deviation.</Note>
+            {main.map((each) => (
+              <Fact key={`${each.device} ${each.motion} ${each.joint}`} name={`${each.motion}, ${each.joint}`} about={each.device}>
+                {each.peak && <Uncertain {...each.peak} />} {each.peak && `by ${each.peak.approach}`}
+              </Fact>
+            ))}
+            <Note>
+              A: without minus with the device. B: model minus measurement. Paired: B with minus B without. The one that finds least where
+              there is no device. ± is one standard deviation.
+            </Note>
           </Card>
         )}
         {groups.length > 0 && (
@@ -85,7 +84,7 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
           <List size="sm" spacing={4} style={{ maxWidth: "70rem" }}>
             {skipped.map((each) => (
               <List.Item key={each.step}>
-                {STEPS[each.step]?.[0] ?? each.step} was skipped: {plainly(each.reason ?? "")}
+                {STEPS[each.step]?.[0] ?? each.step} was skipped: {each.reason}
               </List.Item>
             ))}
             {results.warnings.map((warning) => (

@@ -9,7 +9,7 @@ import type { Num, Support } from "./results";
 
 /** Peak and mean with their doubts, and the error of each approach. */
 export function SupportTable({ motion, rows }: { motion: string; rows: Support[] }) {
-  const rmse = (each: Support): Partial<Record<string, Num>> => ({ A: each.rmse_a, B: each.rmse_b, prior: each.rmse_prior });
+  const rmse = (each: Support): Partial<Record<string, Num>> => ({ A: each.rmse_a, B: each.rmse_b, paired: each.rmse_paired, prior: each.rmse_prior });
   return (
     <WideTable
       label={`Supporting torque, motion ${motion}`}

@@ -1,7 +1,6 @@
 /** The pipeline of an evaluation as stages, and how far a job is in it.
 
-A running job says its step before a colon: `support: comparing bend_normal_1`. What it says before the first step is
-reading, after the last writing.
+A job says itself at which stage it is.
 */
 
 import type { Job } from "./jobs";
@@ -23,7 +22,7 @@ export function stagesOf(job: Job, { steps = [] }: StudySummary): Stage[] {
   return ORDER.map((key, k) => {
     const [name, about] = WORDS[key] as [string, string];
     const skipped = steps.find((each) => each.step === key)?.skipped ?? (made(job.kind, key) ? null : "not asked for");
-    return { key, name, about, state: skipped ? "skipped" : stateOf(job, key, k, at), reason: plainly(skipped ?? "") };
+    return { key, name, about, state: skipped ? "skipped" : stateOf(job, key, k, at), reason: skipped ?? "" };
   });
 }
 
@@ -36,25 +35,14 @@ function stateOf(job: Job, key: string, k: number, at: number): StageState {
   return k < at ? "done" : ahead;
 }
 
-/** Index of the stage that the job is in, or was when it ended; -1 where it does not say. */
-function placeOf({ message, progress, started_at }: Job): number {
-  const step = /^(\w+): /.exec(message)?.[1] ?? "";
-  const named = (ORDER as readonly string[]).indexOf(step);
-  if (named >= 0) return named;
-  if (message.startsWith("writing") || message === "done") return ORDER.length - 1;
-  return started_at && progress <= 0.15 ? 0 : -1;
+/** Index of the stage that the job is in, or was when it ended; -1 where it has not begun. */
+function placeOf({ stage, started_at }: Job): number {
+  return stage ? ORDER.indexOf(stage) : started_at ? 0 : -1;
 }
 
-/** `support: comparing bend_1` -> `Supporting torque: comparing bend_1`. */
-export function phrase(message: string): string {
-  const [, step = "", rest = message] = /^(\w+): (.*)$/.exec(message) ?? [];
-  const name = WORDS[step]?.[0];
-  return name ? `${name}: ${rest}` : message;
-}
-
-/** Roles as study.yaml names them, in words. */
-export function plainly(reason: string): string {
-  return reason.replace("with role with_device", "with the device worn").replace("with role without_device", "without the device");
+/** `Supporting torque: comparing bend_1`. */
+export function phrase({ stage, message }: { stage?: Job["stage"]; message: string }): string {
+  return stage && stage in STEPS ? `${STEPS[stage]![0]}: ${message}` : message;
 }
 
 function made(kind: string, step: string): boolean {

@@ -10,9 +10,8 @@ from typing import ClassVar, Self, final
 import numpy as np
 from scipy.signal import lfilter
 
-from exogauge.blind.generator.hidden.effect import Array
-from exogauge.blind.generator.hidden.presliding import bristle
-from exogauge.blind.generator.hidden.whole import Change, Pull, Where
+from exogauge.blind.generator.hidden.effect import Array, Change, Pull, Where
+from exogauge.blind.generator.hidden.friction import bristle
 from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.scene import Scene
 from exogauge.blind.generator.wear import LENGTH_STD, STIFFNESS_STD, Band, Wear

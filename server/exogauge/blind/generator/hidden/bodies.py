@@ -8,13 +8,11 @@ from typing import ClassVar, Self, final
 import numpy as np
 
 from exogauge.blind.generator.cut import Cut, cut_wrench, links_beyond
-from exogauge.blind.generator.dynamics import UP, inverse_dynamics
-from exogauge.blind.generator.hidden.effect import Array
-from exogauge.blind.generator.hidden.whole import Change, Where
+from exogauge.blind.generator.dynamics import UP, carrier, inverse_dynamics
+from exogauge.blind.generator.hidden.effect import Array, Change, Where
 from exogauge.blind.generator.motion import RATE_HZ
 from exogauge.blind.generator.places import poses
 from exogauge.blind.generator.scene import Scene, all_samples
-from exogauge.blind.generator.tree import carrier
 from exogauge.blind.generator.true_robot import INERTIAL_STD
 from exogauge.synthetic.inertia import Mass
 

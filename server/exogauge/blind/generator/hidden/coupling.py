@@ -7,8 +7,7 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from exogauge.blind.generator.hidden.effect import Array
-from exogauge.blind.generator.hidden.whole import Change, Where
+from exogauge.blind.generator.hidden.effect import Array, Change, Where
 from exogauge.blind.generator.scene import Scene
 
 _USUAL_RATIO = 0.6  # share of motors that turn as far with the other joint as with their own

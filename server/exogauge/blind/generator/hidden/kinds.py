@@ -15,16 +15,12 @@ from exogauge.blind.generator.hidden.band import (
 )
 from exogauge.blind.generator.hidden.bodies import BaseTilt, Contact, LinkMass, Payload
 from exogauge.blind.generator.hidden.coupling import Coupling
-from exogauge.blind.generator.hidden.effect import HiddenEffect
-from exogauge.blind.generator.hidden.load import LoadCoulomb
+from exogauge.blind.generator.hidden.effect import HiddenEffect, WholeEffect
+from exogauge.blind.generator.hidden.friction import AsymViscous, LoadCoulomb, NonlinearViscous, Presliding, Stribeck
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
-from exogauge.blind.generator.hidden.motor import KtGain, KtSaturation, TorqueDelay
-from exogauge.blind.generator.hidden.position import JointSpring, TorqueRipple
-from exogauge.blind.generator.hidden.presliding import Presliding
+from exogauge.blind.generator.hidden.motor import JointSpring, KtGain, KtSaturation, TorqueDelay, TorqueRipple
 from exogauge.blind.generator.hidden.sensor import FtCrosstalk, FtDrift, FtGain
 from exogauge.blind.generator.hidden.slow import FrictionShift, ThermalViscous, TorqueOffsetDrift
-from exogauge.blind.generator.hidden.velocity import AsymViscous, NonlinearViscous, Stribeck
-from exogauge.blind.generator.hidden.whole import WholeEffect
 
 ON_JOINTS: dict[str, type[HiddenEffect]] = {
     kind.name: kind

@@ -8,8 +8,7 @@ from typing import ClassVar, Self, final
 import numpy as np
 
 from exogauge.blind.generator.cut import AXES
-from exogauge.blind.generator.hidden.effect import Array
-from exogauge.blind.generator.hidden.whole import Change, Where
+from exogauge.blind.generator.hidden.effect import Array, Change, Where
 from exogauge.blind.generator.scene import Scene
 
 ALL = "all"

@@ -6,16 +6,17 @@ from typing import Annotated, Literal, final
 
 from pydantic import Field
 
-from exogauge.studies.results.schema.values import PAIR, Measured, MotionEquality, Number, Part, maybe
+from exogauge.studies.results.schema.values import PAIR, Measured, MotionEquality, Number, Part, later, maybe
 
-Approach = Literal["A", "B", "prior", "band_model"]
+Approach = Literal["A", "B", "paired", "prior", "band_model"]
 
 
 @final
 class Headline(Measured):
-    """One number of the whole motion, by the best approach that there is."""
+    """One number of the whole motion, by the approach whose own null test says it is best."""
 
-    approach: Approach = Field(description="A where there is one, else B")
+    approach: Approach = Field(description="`A`, `B` or `paired`")
+    as_good: list[Approach] = later("whose null test differs by no more than chance; the approach among them")
 
 
 class Effort(Part):
@@ -35,11 +36,12 @@ class WholeEffort(Effort):
 
 @final
 class ByApproach(Part):
-    """A: run without minus run with the device; B: model minus measurement; prior: B with the maker's values;
-    band_model: what the bands of the device file give."""
+    """A: run without minus run with the device; B: model minus measurement; paired: B of the run with the device minus
+    B of its partner without; prior: B with the maker's values; band_model: what the bands of the device file give."""
 
     A: WholeEffort = maybe("where a run without the device was compared")
     B: WholeEffort = maybe("model minus measurement")
+    paired: WholeEffort = maybe("B of the run with minus B of its partner without, where there is one")
     prior: WholeEffort = maybe("B with the maker's values")
     band_model: WholeEffort = maybe("where the bands' values are known")
 
@@ -50,6 +52,7 @@ class PhaseByApproach(Part):
 
     A: Effort = maybe("where a run without the device was compared")
     B: Effort = maybe("model minus measurement")
+    paired: Effort = maybe("B of the run with minus B of its partner without, where there is one")
     prior: Effort = maybe("B with the maker's values")
     band_model: Effort = maybe("where the bands' values are known")
 
@@ -61,6 +64,7 @@ class Phase(Part):
     phase: str = Field(description="lowering, holding, raising or standing")
     duration_s: Number = Field(description="mean over the trials [s]")
     approaches: PhaseByApproach = Field(description="torque by approach")
+    best: Approach | None = later("whose null test in such motion, or at rest, says it is best")
 
 
 @final
@@ -98,19 +102,21 @@ class Equality(Part):
 
 
 @final
-class ByPair(Part):
-    """A number of A and one of B."""
+class OfNull(Part):
+    """A number of A, of B and of the paired estimate."""
 
     a: Number = Field(description="[N·m]")
     b: Number = Field(description="[N·m]")
+    paired: Number = later("[N·m]")
 
 
 @final
-class ByTriple(Part):
-    """A number of A, of B, and of B with the maker's values."""
+class OfError(Part):
+    """A number of A, of B, of the paired estimate, and of B with the maker's values."""
 
     a: Number = Field(description="[N·m]")
     b: Number = Field(description="[N·m]")
+    paired: Number = later("[N·m]")
     prior: Number = Field(description="[N·m]")
 
 
@@ -127,15 +133,16 @@ class Support(Part):
     references: list[str] = Field(description="without it")
     rmse_a: Number = Field(description="of A against the band model, all samples [N·m]")
     rmse_b: Number = Field(description="of B against the band model, all samples [N·m]")
+    rmse_paired: Number = later("of the paired estimate against the band model, all samples [N·m]")
     rmse_prior: Number = Field(description="of B with the maker's values against the band model, all samples [N·m]")
-    rmse_steady: ByTriple = Field(description="the same where both runs move steadily [N·m]")
+    rmse_steady: OfError = Field(description="the same where both runs move steadily [N·m]")
     motion_equality: Equality | None = Field(description="null without A")
     peak: Headline | None = Field(description="of the whole motion [N·m]")
     mean: Headline | None = Field(description="of the whole motion [N·m]")
     integral: Headline | None = Field(description="of the whole motion [N·m·s]")
     approaches: ByApproach = Field(description="the whole motion")
     phases: list[Phase] = Field(description="its parts")
-    null: ByPair = Field(description="RMS of what an approach finds on logs without the device, where the truth is 0")
+    null: OfNull = Field(description="RMS of what an approach finds on logs without the device, where the truth is 0")
     masked_share: Number = Field(description="of A's samples not used, 0…1")
     rest_share: Number = Field(description="of samples at rest, 0…1")
     rest_half_width: Number = Field(description="half of B's interval at rest [N·m]")
@@ -151,11 +158,24 @@ class BandIntervals(Part):
 
 
 @final
+class BandShare(Part):
+    """What one source alone does to a band. Squares of all add up to the square of the standard deviation."""
+
+    source: str = Field(
+        description="`scatter`, `robot`, `null_test`, or what robot.yaml and device.yaml declare under `uncertainty`"
+    )
+    words: str = Field(description="the same in words")
+    stiffness_std: Number = Field(description="[N/m]")
+    natural_length_std: Number = Field(description="[m]")
+    advice: str = Field(description="what would make it smaller")
+
+
+@final
 class BandStiffness(Part):
     """One band of one device by one approach."""
 
     device: str = Field(description="its name")
-    approach: Literal["A", "B", "prior"] = Field(description="as in `support`")
+    approach: Literal["A", "B", "paired", "prior"] = Field(description="as in `support`")
     band: str = Field(description="its name")
     group: str = Field(description="of bands that share stiffness and law")
     stiffness_n_per_m: Measured = Field(description="[N/m]")
@@ -164,8 +184,26 @@ class BandStiffness(Part):
     truth_n_per_m: Number = Field(description="where `ground_truth: true` [N/m]")
     error_percent: Number = Field(description="of the stiffness against the truth [%]")
     identifiable: bool = Field(description="whether the data decide the stiffness")
+    headline: bool = later("of the approach with the smallest doubt, its null test in it")
     length_identifiable: bool = Field(description="whether the data decide the natural length")
     note: str = Field(description="why not, in words, or empty")
+    budget: list[BandShare] = Field(description="what the doubt is made of, largest share of the stiffness first")
+
+
+@final
+class StiffnessCheck(Part):
+    """Two parts of the evidence that ought to give one stiffness."""
+
+    device: str = Field(description="its name")
+    approach: Literal["A", "B", "paired"] = Field(description="as in `support`")
+    check: Literal["approaches", "repetitions", "strokes", "sides"] = Field(description="what is compared")
+    group: str = Field(description="of bands that share stiffness and law")
+    between: list[str] = Field(description="the two parts")
+    difference: Number = Field(description="first minus second [N/m]")
+    std: Number = Field(description="of the difference [N/m]")
+    z: Number = Field(description="difference over std")
+    limit: Number = Field(description="of |z|")
+    agrees: bool = Field(description="within the limit; where not, the stiffness is not identifiable")
 
 
 @final
@@ -173,7 +211,7 @@ class StiffnessFit(Part):
     """How all bands of one device were fitted by one approach."""
 
     device: str = Field(description="its name")
-    approach: Literal["A", "B", "prior"] = Field(description="as in `support`")
+    approach: Literal["A", "B", "paired", "prior"] = Field(description="as in `support`")
     parameters: list[str] = Field(description="`stiffness[group]`, `natural_length[band]`, in the order of correlation")
     correlation: list[list[Number]] = Field(description="of the parameters, -1…1")
     rms: dict[str, Number] = Field(description="by joint: what the bands leave unexplained [N·m]")

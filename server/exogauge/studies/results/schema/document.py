@@ -1,4 +1,7 @@
-"""The whole of results.json."""
+"""The whole of results.json.
+
+By which numbers it was decided.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,7 @@ from typing import Literal, final
 
 from pydantic import Field
 
-from exogauge.studies.results.schema.criteria import Criterion
-from exogauge.studies.results.schema.device import BandStiffness, StiffnessFit, Support
+from exogauge.studies.results.schema.device import BandStiffness, StiffnessCheck, StiffnessFit, Support
 from exogauge.studies.results.schema.discrepancy import Discrepancy
 from exogauge.studies.results.schema.identification import Identification
 from exogauge.studies.results.schema.scope import Configuration, Scope, Settings
@@ -59,6 +61,18 @@ class Reading(Part):
 
 
 @final
+class Notice(Part):
+    """What has to be kept in mind."""
+
+    code: str = Field(description="what it is about")
+    sentence: str = Field(description="with all names")
+    names: list[str] = Field(description="joints, links, logs, bands or parameters that it is about")
+    each: list[list[Number]] = Field(description="numbers of each name that its sentence tells; may be empty")
+    beside: list[str] = Field(description="other names of its sentence")
+    numbers: list[Number] = Field(description="other numbers of its sentence")
+
+
+@final
 class StudyResults(Part):
     """results.json: all that an evaluation found."""
 
@@ -73,11 +87,28 @@ class StudyResults(Part):
     settings: Settings = Field(description="as study.yaml has them")
     criteria: list[Criterion] = later("by which numbers it was decided")
     warnings: list[str] = Field(description="in sentences")
+    notices: list[Notice] = later("the same with what they are about, in the same order")
     doctor: list[SignalDoubt] = Field(description="worst first, log by log")
     identification: Identification = Field(description="the robot")
     support: list[Support] = Field(description="by device, motion and joint; empty without a device")
     stiffness: list[BandStiffness] = Field(description="by device, approach and band; empty without a device")
+    cross_checks: list[StiffnessCheck] = later("what ought to agree, by device and approach")
     stiffness_details: list[StiffnessFit] = Field(description="by device and approach")
     discrepancy: Discrepancy | None = Field(description="null where the step was skipped or failed")
     reading: Reading = later("how to read numbers")
     files: dict[str, str] = Field(description="that stand beside it, by what they are")
+
+
+@final
+class Criterion(Part):
+    """A number that decides a name, a verdict, a doubt or a warning."""
+
+    name: str = Field(description="its part, and what it is there")
+    value: float | list[float] = Field(description="[unit]")
+    unit: str = Field(description="`1` for a ratio or a factor")
+    why: str = Field(description="what it is for, in words")
+    source: Literal["derived", "measured", "convention", "judgement"] = Field(
+        description="derived of an equation or a distribution; measured on recordings or cases; a convention of the "
+        "field; the judgement of who made the rule"
+    )
+    where: str = Field(description="what it follows from or was measured on, or the document of its rule")

@@ -44,6 +44,7 @@ class Scope(Part):
     """For what the results hold."""
 
     sentence: str = Field(description="in one sentence")
+    clauses: list[str] = later("its two halves: for what, and that nothing is claimed beyond")
     synthetic: bool = Field(description="whether any file says so of itself")
     robot: str = Field(description="its name")
     devices: list[str] = Field(description="that were worn in a log")

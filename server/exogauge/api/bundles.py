@@ -1,0 +1,50 @@
+"""What robots, devices, studies and payloads have in common: files come in, are checked and kept, and go out again."""
+
+# Annotations of a route made in a function are looked up there, so they are values here, not texts.
+from collections.abc import Callable
+from pathlib import Path as FilesystemPath
+from typing import Annotated, Any
+from uuid import UUID
+
+from fastapi import APIRouter, Path, Request, Response
+
+from exogauge.api.dependencies import ReaderDep
+from exogauge.api.results import ANY_FILE, FilePath, file_response
+from exogauge.api.uploads import root_of
+from exogauge.storage.bundles import Bundles, Record
+from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.store import Storage, Store
+
+
+def keep(
+    folder: FilesystemPath,
+    main: str,
+    check: Callable[[FilesystemPath], dict[str, Any]],
+    storage: Storage,
+    bundles: Callable[[Store], Bundles[Record]],
+    name: str | None = None,
+    **facts: str,
+) -> tuple[Record, tuple[PinnedFile, ...], bool]:
+    """The bundle below `folder`, whose `main` file `check` reads, as it is stored; its files; whether it is new."""
+    root = root_of(folder, main)
+    summary = check(root)
+    files = keep_folder(storage.blobs, root)
+    with storage.transaction() as store:
+        kept, new = bundles(store).add(name or summary["name"], files, summary, **facts)
+    return kept, files, new
+
+
+def give_files(router: APIRouter, noun: str, nouns: str, bundles: Callable[[Store], Bundles[Any]]) -> None:
+    """Add the route by which the files of a bundle are had."""
+    Key = Annotated[UUID, Path(alias=f"{noun}_id", description="id of the thing")]
+
+    @router.get(
+        f"/{nouns}/{{{noun}_id}}/files/{{path:path}}",
+        operation_id=f"get{noun.title()}File",
+        summary=f"Get {noun.title()} File",
+        responses=ANY_FILE,
+    )
+    def get_file(key: Key, path: FilePath, store: ReaderDep, request: Request) -> Response:
+        """One file as it was handed in; ranges and If-None-Match are honoured."""
+        file = bundles(store).file(str(key), path)
+        return file_response(store.blobs, request, file.sha256, file.path, "application/octet-stream")

@@ -1,0 +1,46 @@
+"""The command line: each command is a few lines that call what does the work, imported when it is needed."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+from exogauge import __version__
+from exogauge.blas_threads import one_thread
+from exogauge.cli import blind, payload, sample, service, study
+from exogauge.cli.endings import BAD_INPUT
+from exogauge.errors import ExogaugeError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command. 0: done. 1: not all of it. 2: input or installation not usable, and the message says why."""
+    os.environ.update(one_thread(os.environ))  # before NumPy is there: processors are for logs (`side_by_side`)
+    options = parser().parse_args(arguments)
+    level = logging.INFO if options.verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(name)s: %(message)s", force=True)
+    try:
+        code: int = options.command(options)
+    except ExogaugeError as error:
+        print(f"exogauge {options.name}: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # whoever read along has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return code
+
+
+def parser() -> argparse.ArgumentParser:
+    top = argparse.ArgumentParser(
+        prog="exogauge", description="Say with numbers what an assistive wear does to a body."
+    )
+    top.add_argument("--version", action="version", version=f"exogauge {__version__}")
+    top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
+    commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
+    for each in (study, payload, sample, blind, service):
+        each.add_commands(commands)
+    return top

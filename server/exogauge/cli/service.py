@@ -1,0 +1,68 @@
+"""Commands of the service: server, workers, database, demonstration."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from exogauge.cli.endings import Commands
+from exogauge.cli.sample import add_realism
+
+
+def add_commands(commands: Commands) -> None:
+    """Server, workers, database, demonstration."""
+    serve = commands.add_parser("serve", help="the service: API, page and workers, on this machine only by default")
+    serve.add_argument("--host", help="address to listen on (EXOGAUGE_HOST)")
+    serve.add_argument("--port", type=int, help="port; 0 takes a free one (EXOGAUGE_PORT)")
+    serve.add_argument("--workers", type=int, help="worker processes; 0: none here (EXOGAUGE_WORKERS)")
+    serve.add_argument("--data-dir", type=Path, help="where everything is kept (EXOGAUGE_DATA_DIR)")
+    serve.add_argument("--with-parent", action="store_true", help="stop when stdin ends")
+    serve.set_defaults(command=start_server)
+
+    work = commands.add_parser("work", help="one more worker for the same database and blobs")
+    work.add_argument("--with-parent", action="store_true", help="stop when stdin ends")
+    work.set_defaults(command=start_worker)
+
+    migrate = commands.add_parser("migrate", help="bring the database to this version; back it up before")
+    migrate.set_defaults(command=upgrade_database)
+
+    demo = commands.add_parser("demo", help="evaluate the sample study through the service, and print the result")
+    add_realism(demo)
+    demo.set_defaults(command=show_demo)
+
+
+def start_server(options: argparse.Namespace) -> int:
+    from exogauge.serving import serve
+    from exogauge.settings import Settings
+
+    given = {key: getattr(options, key) for key in ("host", "port", "workers", "data_dir")}
+    for key, value in given.items():
+        if value is not None:  # by the environment, so that the workers see it too
+            os.environ[f"EXOGAUGE_{key.upper()}"] = str(value)
+    serve(Settings(), with_parent=options.with_parent)
+    return 0
+
+
+def start_worker(options: argparse.Namespace) -> int:
+    from exogauge.jobs.worker import work
+    from exogauge.settings import Settings
+
+    work(Settings(), with_parent=options.with_parent)
+    return 0
+
+
+def upgrade_database(_: argparse.Namespace) -> int:
+    from exogauge.serving import upgrade
+    from exogauge.settings import Settings
+
+    print(f"the database is at revision {upgrade(Settings())}")
+    return 0
+
+
+def show_demo(options: argparse.Namespace) -> int:
+    from exogauge.demo import demo
+    from exogauge.settings import Settings
+
+    demo(Settings(), options.realism)
+    return 0

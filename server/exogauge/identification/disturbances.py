@@ -1,0 +1,151 @@
+"""What each declared uncertainty takes off the rows of a log per unit, and what that makes of the identified robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.effects.base import BaseChange
+from exogauge.effects.imu_tilt import turned
+from exogauge.identification.equations import Equations
+from exogauge.identification.preparation import Prepared
+from exogauge.identification.sites import response
+from exogauge.identification.solution import Solution
+from exogauge.identification.type_b import TypeB
+from exogauge.robots.description import Robot
+from exogauge.robots.rows import RowType
+from exogauge.side_by_side import each as side_by_side
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+COMMON_GAIN, GAIN, ZERO, DRIFT, TILT = "ft_gain_common", "ft_gain", "ft_zero", "kt_drift", "imu_tilt"
+
+
+@final
+@dataclass(frozen=True)
+class _Sums:
+    """Σ -w Aᵀ c of one log: (P, I) of what all logs share, (P, S) of its zeros, (P, A) of its motors."""
+
+    common: Array
+    zeros: Array
+    motors: Array
+
+
+def common_inputs(robot: Robot) -> tuple[tuple[str, ...], Array]:
+    """Names and standard deviations of those declared that are the same in all logs."""
+    declared, found = robot.declared, list[tuple[str, float]]()
+    sensors = [each.name for each in (*robot.contacts, *robot.cuts)]
+    if sensors:
+        found.append((COMMON_GAIN, declared.ft_gain_common))
+    found += [(f"{GAIN}.{name}", declared.ft_gain) for name in sensors]
+    if robot.floating:
+        found += [(f"{TILT}.{axis}", declared.imu_tilt) for axis in "xy"]
+    live = [(name, std) for name, std in found if std > 0.0]
+    return tuple(name for name, _ in live), np.array([std for _, std in live])
+
+
+def common_columns(equations: Equations, prepared: Prepared, at: IntArray, cutoff_hz: float, phi: Array) -> Array:
+    """(n, I, told rows) what each of `common_inputs` takes off the rows at these samples per unit. phi: (B,) base
+    parameters, which feel how the base stands."""
+    robot, told = equations.robot, equations.layout.told
+    names = common_inputs(robot)[0]
+    columns = np.zeros((len(at), len(names), len(told)))
+    outside = {COMMON_GAIN: np.zeros((len(at), len(told)))}
+    for number, sensor in enumerate(robot.contacts):
+        alone = np.zeros_like(prepared.wrenches[at])
+        alone[:, number] = prepared.wrenches[at, number]
+        own = np.zeros((len(at), len(told)))
+        own[:, : told.axes.stop] = equations.acting(prepared, alone, at)
+        outside[f"{GAIN}.{sensor.name}"] = own
+        outside[COMMON_GAIN] += own
+    for number, sensor in enumerate(robot.cuts):
+        own = np.zeros((len(at), len(told)))
+        own[:, told.axes.stop + 6 * number : told.axes.stop + 6 * number + 6] = prepared.carried[at, number]
+        outside[f"{GAIN}.{sensor.name}"] = own
+        outside[COMMON_GAIN] += own
+    for place, name in enumerate(names):
+        if name in outside:  # y holds too much of it
+            columns[:, place] = -outside[name]
+        else:
+            columns[:, place] = _tilted(equations, prepared, "xyz".index(name[-1]), cutoff_hz, phi)[at]
+    return columns
+
+
+def _tilted(equations: Equations, prepared: Prepared, axis: int, cutoff_hz: float, phi: Array) -> Array:
+    """(T, told rows) of an IMU that is turned about an axis of the base."""
+    motion, imu = prepared.motion, equations.robot.T_base_imu
+    r = np.zeros(3) if imu is None else imu.translation
+    change: BaseChange = turned(np.eye(3)[axis], motion.acc, motion.gyro, motion.gyro_dot, r)
+    return response(equations, cutoff_hz, phi, prepared, change)
+
+
+def drift_columns(equations: Equations, k_T: Array, prepared: Prepared, at: IntArray) -> Array:
+    """(n, A) [N·m] what a motor's own torque takes off its axis' row per unit of its drift. k_T: (A,)."""
+    driven = np.array([joint.actuation == "current" for joint in equations.robot.joints])
+    return np.where(driven, prepared.drive[at] * k_T, 0.0)
+
+
+def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k_T: Array, cutoff_hz: float) -> TypeB:
+    """Through the normal equations of the solution. logs: fitted. k_T: (A,)."""
+    robot, declared = equations.robot, equations.robot.declared
+    names, std = common_inputs(robot)
+    motors = DRIFT if declared.kt_drift > 0.0 else ""
+    zeros = zeros_in_doubt(robot)
+    if not (len(names) or motors or zeros.any()):
+        return TypeB(moved=np.zeros((equations.size, 0)))
+    phi = solution.solved.x[: equations.base_size]
+
+    def of_log(prepared: Prepared) -> _Sums:
+        kept = prepared.kept
+        columns = common_columns(equations, prepared, kept, cutoff_hz, phi)
+        drift, zero = drift_columns(equations, k_T, prepared, kept), zero_columns(equations, prepared, kept)
+        sums = _Sums(*(np.zeros((equations.size, n)) for n in (len(names), zero.shape[1], drift.shape[1])))
+        at_rest, layout = equations.layout.numbers(RowType.AT_REST), equations.layout
+        for _, chunks in equations.rows(prepared, solution.solved.x):
+            for chunk in chunks:
+                weight = solution.weights[chunk.kind]
+                if weight <= 0.0 or chunk.kind in at_rest:
+                    continue
+                (told,), A, own = layout.in_told([chunk.kind]), -weight * chunk.block[:, :-1].T, chunk.columns
+                sums.common[own] += A @ columns[chunk.samples, :, told]
+                if told < layout.told.axes.stop:
+                    sums.zeros[own] += A @ zero[chunk.samples, :, told]
+                if layout.rows[chunk.kind].type == RowType.AXIS:
+                    axis = layout.rows[chunk.kind].place
+                    sums.motors[own, axis] += A @ drift[chunk.samples, axis]
+        return sums
+
+    P = equations.size
+    common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, DRIFT)}
+    for sums in side_by_side(of_log, logs):
+        common += sums.common
+        for name, B, size in ((ZERO, sums.zeros, zeros), (DRIFT, sums.motors, declared.kt_drift)):
+            if B.shape[1]:
+                V = solution.unbounded.divided(B) * size
+                by_log[name] += V @ V.T
+    return TypeB(names, std, solution.unbounded.divided(common), {n: C for n, C in by_log.items() if C.any()})
+
+
+def zeros_in_doubt(robot: Robot) -> Array:
+    """(6 S,) standard deviation of each component's zero in one log, of the contact sensors."""
+    declared = robot.declared
+    return np.tile(np.repeat([declared.ft_zero_force, declared.ft_zero_moment], 3), len(robot.contacts))
+
+
+def zero_columns(equations: Equations, prepared: Prepared, at: IntArray) -> Array:
+    """(n, 6 S, base and axis rows) what each component of each contact sensor takes off the rows per unit of its zero,
+    none where no zero is in doubt. The zeros of sensors that carry bodies are fitted."""
+    S, rows, found = len(equations.robot.contacts), equations.layout.told.axes.stop, list[Array]()
+    if not zeros_in_doubt(equations.robot).any():
+        return np.zeros((len(at), 0, rows))
+    for sensor in range(S):
+        for component in range(6):
+            one = np.zeros((len(at), S, 6))
+            one[:, sensor, component] = 1.0
+            found.append(-equations.acting(prepared, one, at))
+    return np.stack(found, axis=1)

@@ -1,0 +1,219 @@
+"""The two stages on what was recorded: postures, then motion; each says what it used and left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.criteria import Criteria
+from exogauge.errors import BadStudy, Fault, NotIdentifiable
+from exogauge.payload.contact import Compensation
+from exogauge.payload.dynamics import (
+    DynamicSolution,
+    Method,
+    Prior,
+    dynamic_stage,
+    recursive,
+    require_excitation,
+    static_prior,
+)
+from exogauge.payload.intake import Payload
+from exogauge.payload.prepare import Moved, rows_of, std_of
+from exogauge.payload.statics import (
+    Holds,
+    LeftOut,
+    StaticSolution,
+    further_posture,
+    leave_one_out,
+    misread_rotation,
+    static_stage,
+    told_sign,
+)
+from exogauge.studies.intake.robot_file import SIGN
+
+Array = NDArray[np.float64]
+
+METHODS: tuple[Method, ...] = ("ls", "tls", "gtls")
+RELEASED = 1000.0  # N, N·m: std of a zero that is not that of the postures
+
+
+@final
+@dataclass(frozen=True)
+class Postures:
+    """holds; level, inclined: errors in left-out postures without and with U, V, None where one cannot be missed;
+    chosen: the solution used; by_method: the same by LS, TLS, GTLS; further: gravity's direction in {S} and std (12,)
+    with one more posture. acceleration: (K, 3) the IMU's mean in each, if there is one."""
+
+    holds: Holds
+    level: LeftOut | None
+    inclined: LeftOut | None
+    chosen: StaticSolution
+    by_method: Mapping[Method, StaticSolution]
+    further: tuple[Array, Array]
+    acceleration: Array | None
+
+
+@final
+@dataclass(frozen=True)
+class Excitation:
+    """by_method: solutions; chosen: the one used. recursion: what the recursion ends with, (16,); mass_alone: mass and
+    its std from motion, without the postures' mass. noise_known: whether μ may be read. density: of each channel."""
+
+    by_method: Mapping[Method, DynamicSolution]
+    chosen: DynamicSolution
+    recursion: Array
+    mass_alone: tuple[float, float]
+    noise_known: bool
+    density: Array
+    left_out: tuple[tuple[float, float], ...]
+
+
+def postures_stage(payload: Payload, holds: Holds, acceleration: Array | None, warnings: list[str]) -> Postures:
+    """holds: every posture of every log. acceleration: (K, 3) of the IMU in each, if there is one. Raises BadStudy."""
+    gravity, settings, limits = np.array(payload.file.gravity), payload.file.settings, Criteria().payload
+    if np.all(holds.wrench[:, :3].std(axis=0) < limits.no_weight * holds.std[:3]):
+        advice = "Is the payload on the sensor, and are these the columns of a sensor that is read?"
+        detail = f"the force is the same in all {len(holds)} postures: nothing hangs on the sensor"
+        raise BadStudy(Fault(detail, "no_weight", advice, payload.of("postures")[0].wrench.file))
+    misread = misread_rotation(holds, gravity)
+    if misread is not None:
+        detail, advice = {
+            "transposed": ("the postures fit the transpose of this pose", "Give R_base_sensor: its columns are the "
+                           "sensor's axes in the base. Check the order of a quaternion too."),
+            "world_axes": ("the postures fit wrenches in the base's axes", "Say `sensor.axes: base`."),
+            "sensor_axes": ("the postures fit wrenches in the sensor's own axes", "Say `sensor.axes: sensor`."),
+            "unexplained": ("no weight explains the forces of these postures", "Check that nothing touched the "
+                            "payload, that it does not shift, and the order and axes of pose and wrench."),
+        }[misread]  # fmt: skip
+        raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
+    sign = told_sign(holds, gravity)
+    stated = payload.file.sensor.sees
+    if stated is not None and _sign(stated) != sign:
+        other = next(name for name in ("payload_on_sensor", "sensor_on_payload") if name != stated)
+        detail = "the weight points the other way than `sensor.sees` and `gravity` say"
+        advice = f"Say `sees: {other}`, or turn `gravity` round."
+        raise BadStudy(Fault(detail, "sees_contradicted", advice, payload.name, None, "sensor.sees", stated))
+    errors: list[LeftOut | None] = []
+    for inclined in (False, True):
+        try:
+            errors.append(leave_one_out(holds, gravity, sign, inclined=inclined))
+        except NotIdentifiable:
+            errors.append(None)
+    level, tilted = errors
+    better = level is None or tilted is None or tilted.force < level.force
+    fit = {"fit": True, "ignore": False, "auto": better and tilted is not None}[settings.inclination]
+    by_method = {method: static_stage(holds, gravity, sign, inclined=fit, method=method) for method in METHODS}
+    chosen = by_method["ls"]
+    if float(np.abs(chosen.tilt).max()) > np.radians(limits.steep_deg):
+        degrees = np.degrees(chosen.tilt)
+        warnings.append(
+            f"The base comes out inclined by {degrees[0]:.3g}° and {degrees[1]:.3g}°: the pose, `gravity` or the "
+            "sensor's axes are wrong, or the base really leans."
+        )
+    if float(np.linalg.norm(chosen.centre)) > limits.far_m:
+        warnings.append(
+            f"The centre of mass comes out {np.linalg.norm(chosen.centre):.3g} m from the sensor: check "
+            "`sensor.moment_unit`."
+        )
+    return Postures(holds, level, tilted, chosen, by_method, further_posture(holds, chosen), acceleration)
+
+
+def excitation_stage(
+    payload: Payload, postures: Postures | None, moved: Sequence[Moved], gravity: Array, sign: int, warnings: list[str]
+) -> Excitation:
+    """moved: the logs of this role. Raises NotIdentifiable where nothing was excited."""
+    settings, prior, limits = payload.file.settings, prior_of(payload, postures), Criteria().payload
+    known = all(each.noise_known for each in moved) and settings.cutoff_hz is None
+    method: Method = settings.method if known else "ls"
+    if settings.method != method:
+        warnings.append(
+            "Several clocks, an IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not "
+            "read."
+        )
+
+    rows = rows_of(payload, moved, gravity, sign)
+    solution = dynamic_stage(rows, prior, method)
+    pushed: list[tuple[float, float]] = []
+    if settings.cutoff_hz is None and known:
+        keep, pushed = _without_contact(payload, moved, solution, gravity, sign)
+        if pushed:
+            rows = rows_of(payload, moved, gravity, sign, keep)
+            solution = dynamic_stage(rows, prior, method)
+    require_excitation(solution)
+    by_method = {method: solution}
+    by_method |= {each: dynamic_stage(rows, prior, each) for each in METHODS if known and each != method}
+    if solution.cost > limits.impossible:
+        warnings.append(
+            "No body has this mass, centre and inertia, and not by chance: check `sensor.force_unit` and "
+            "`sensor.moment_unit`, and that nothing touched."
+        )
+    weighed = payload.file.ground_truth.mass_kg
+    if weighed is not None and abs(solution.value[0] / weighed - 1.0) > limits.other_mass:
+        warnings.append(
+            f"The mass comes out {solution.value[0] / weighed:.3g} times the weighed one: check `sensor.force_unit` "
+            "(kgf and N differ by 9.81) and what else hangs on the sensor."
+        )
+    free = prior.covariance.copy()
+    free[0], free[:, 0] = 0.0, 0.0
+    free[0, 0] = max(prior.value[0], 1.0) ** 2
+    lean = prior.lean.copy()
+    lean[0] = 0.0
+    alone = dynamic_stage(rows, Prior(prior.value, free, lean), method)
+    track, _ = recursive(rows, prior, method)
+    return Excitation(
+        by_method, solution, track[-1], (float(alone.value[0]), float(alone.std[0])), known,
+        np.concatenate([np.zeros(0) if m.motion.density is None else m.motion.density for m in moved]), tuple(pushed),
+    )  # fmt: skip
+
+
+def prior_of(payload: Payload, postures: Postures | None) -> Prior:
+    """From the postures, with what the settings release: a zero that drifted since, moments that motion decides."""
+    prior = static_prior(postures.chosen if postures else None)
+    settings, covariance, lean = payload.file.settings, prior.covariance.copy(), prior.lean.copy()
+    released = []
+    if settings.zero == "drifted":
+        released += [(k, RELEASED) for k in range(10, 16)]
+    if settings.moments == "from_motion":
+        released += [(k, max(float(prior.value[0]), 1.0)) for k in range(1, 4)]
+    for k, std in released:
+        covariance[k], covariance[:, k] = 0.0, 0.0
+        covariance[k, k], lean[k] = std**2, 0.0
+    return Prior(prior.value, covariance, lean)
+
+
+def _without_contact(
+    payload: Payload, moved: Sequence[Moved], solution: DynamicSolution, gravity: Array, sign: int
+) -> tuple[list[NDArray[np.bool_]], list[tuple[float, float]]]:
+    """Which samples nothing touched, and the contacts; all samples where so many stand out that the model is wrong."""
+    compensation = Compensation(solution.value, solution.covariance, gravity, sign, std_of(payload))
+    keep, found, margin = [], list[tuple[float, float]](), Criteria().payload.margin_s
+    for each in moved:
+        touched = [
+            (a - margin, b + margin)
+            for a, b in compensation.contacts(each.motion, each.wrench, payload.file.settings.false_alarms_per_hour)
+            if b - a > margin / 4
+        ]
+        time = each.motion.time
+        free = ~np.any([(time >= a) & (time <= b) for a, b in touched], axis=0) if touched else np.ones(len(time), bool)
+        keep.append(np.asarray(free, dtype=bool))
+        found += touched
+    if np.mean(np.concatenate(keep)) < 1.0 - Criteria().payload.touched:
+        return [np.ones(len(each.wrench), dtype=bool) for each in moved], []
+    return keep, found
+
+
+def _sign(sees: str) -> int:
+    """s of [Payload]: +1 where the sensor reads what it does to the payload; `role: cut` counts the other way round."""
+    return -int(SIGN[sees])
+
+
+def stated_sign(payload: Payload) -> int:
+    """s of [Payload], where no posture tells it."""
+    if payload.file.sensor.sees is None:
+        advice = "Say payload_on_sensor or sensor_on_payload, or hand in postures, which tell it."
+        raise BadStudy(Fault("without postures the sign is not known", "no_sign", advice, payload.name, None, "sensor"))
+    return _sign(payload.file.sensor.sees)

@@ -1,0 +1,68 @@
+"""What has to be kept in mind of a result, as data: what it is about, of what, with which numbers. No sentences."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import final
+
+
+@final
+class About(StrEnum):
+    """Behind each: `names`, what `each` holds of every one of them, `beside`, and `numbers`, in that order."""
+
+    # the URDF
+    INERTIA_RAISED = "inertia_raised"  # links; -; file, worst link; by how much [kg·m²], its principal moments
+    # the identification
+    FACTOR_OPEN = "factor_open"
+    LOAD_NOT_FITTED = "load_not_fitted"  # loads; mass [kg]
+    LOAD_IN_EVERY_LOG = "load_in_every_log"  # loads; mass [kg]
+    LOAD_FELT_TOO_LITTLE = "load_felt_too_little"  # loads; mass [kg]; -; doubt without and with it, as shares
+    HELD_AT_EDGE = "held_at_edge"  # parameters
+    STICKS_UNEQUALLY = "sticks_unequally"  # joints
+    LITTLE_STEADY = "little_steady"  # joints; steady and moving [s]; -; share that is asked for
+    ONE_DIRECTION = "one_direction"  # joints
+    CREEPING = "creeping"  # joints; speed below which [rad/s, or m/s]
+    NEGATIVE_MASS = "negative_mass"  # links; mass and its doubt [kg]
+    NOT_CONVERGED = "not_converged"  # -; -; -; steps, squared standard deviations above the minimum, and asked for
+    REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies
+    UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many
+    WORSE_HELD_OUT = "worse_held_out"  # joints
+    NO_URDF_OF = "no_urdf_of"  # links
+    # the supporting torque
+    TOUCHED = "touched"  # the log; -; -; start, stop, start, stop … [s]
+    LOW_PASSED = "low_passed"  # logs; -; -; at [Hz]
+    STORED_UNLIKE = "stored_unlike"  # logs with the device; -; logs that were low-passed
+    MOTION_DOUBTFUL = "motion_doubtful"  # the log and its reference; -; joint; share of its rms velocity, limit, [rad]
+    BANDS_OF_FILE = "bands_of_file"
+    BANDS_UNKNOWN = "bands_unknown"
+    BANDS_IDENTIFIED = "bands_identified"  # -; -; approach
+    # bands
+    LAW_STATED = "law_stated"  # bands; -; law of each
+    LENGTHS_TIED = "lengths_tied"  # bands
+    PULLS_NOWHERE = "pulls_nowhere"  # the band
+    NOT_TOLD_APART = "not_told_apart"  # parameters; -; others
+    NOT_TOLD = "not_told"  # the parameter
+    BANDS_LEFT_OUT = "bands_left_out"  # bands
+    OWN_GROUP = "own_group"  # the band; -; its group before
+    SLACK = "slack"  # the band
+    BOUND_REACHED = "bound_reached"  # parameters and effects
+    # two parts of the evidence; -; -; difference and its doubt [N/m]
+    APPROACHES_DISAGREE = "approaches_disagree"
+    REPETITIONS_DISAGREE = "repetitions_disagree"
+    STROKES_DISAGREE = "strokes_disagree"
+    SIDES_DISAGREE = "sides_disagree"
+    STIFFNESS_OPEN = "stiffness_open"
+    LENGTH_OPEN = "length_open"
+
+
+@final
+@dataclass(frozen=True)
+class Remark:
+    """names, each, beside, numbers: as `About` says."""
+
+    about: About
+    names: tuple[str, ...] = ()
+    each: tuple[tuple[float, ...], ...] = ()
+    beside: tuple[str, ...] = ()
+    numbers: tuple[float, ...] = ()

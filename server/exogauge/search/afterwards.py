@@ -1,0 +1,195 @@
+"""What begins with a held-out log, or sits in it alone: no fitted log has it, so that log joins the fitted ones.
+
+Shapes sought once more, with the model that has their effect.
+
+A shape is searched before its effect is in the model. What the effect sees there, above all the load of its joint,
+comes of a robot that was bent by what it lacked: where a load changes its sign, and with it when a gear falls to the
+other side of its gap, is off by some hundredths of a second, and the search ends on a summit beside the true one.
+
+What is left at a place where something was named and looks like another effect, too small beside it for a name.
+
+It is no reason to leave it in the residual: it goes into the model without a name, if held-out logs ask for it.
+
+Coefficients as the model with all that was named has them: what was named later moves those of what was before.
+
+So does what the same fit decides, such as a joint's k_T: torques are told on its scale, and so is the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.criteria import Criteria
+from exogauge.findings.result import Finding
+from exogauge.findings.verdict import Caveat
+from exogauge.identification.identify import identify
+from exogauge.identification.model import AddedEffect, RobotModel, Site
+from exogauge.identification.result import ChannelFit, Identification
+from exogauge.identification.settings import Recording
+from exogauge.identification.sites import AxisSite, SensorSite
+from exogauge.progress import unwatched
+from exogauge.search.baseline import lay_ground
+from exogauge.search.candidates import Candidate, grid
+from exogauge.search.doubt import gone, parameters
+from exogauge.search.finding import channel_of
+from exogauge.search.refine import broadly, climbed, closely
+from exogauge.search.residual_correction import Bend, held_out_rmse
+from exogauge.search.score import Score, score
+from exogauge.search.search import as_added, judge_best, resumed
+from exogauge.search.shape_doubt import coefficients, place_of
+from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
+from exogauge.search.state import Search, Step
+
+
+def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
+    """What it finds once a log that differs from all others is fitted, and notes; or the same search."""
+    problem = search.problem
+    for recording in odd_logs(search):
+        joined = [replace(each, held_out=False) if each is recording else each for each in problem.recordings]
+        number = problem.base.model.order.get(recording.log.name, -1)
+        base = identify(problem.base.model.robot, joined, problem.settings)
+        with_it = replace(problem, base=base, recordings=joined, only=number)
+        again = resumed(replace(search, problem=with_it), search.steps)
+        if len(again.steps) > len(search.steps):
+            return again, (Caveat("joined", recording.log.name),)
+    return search, ()
+
+
+def odd_logs(search: Search) -> Iterator[Recording]:
+    """Held-out ones, in the order of the study, in which some channel errs more than noise and more than where it was
+    fitted."""
+    problem = search.problem
+    order, criteria = problem.base.model.order, problem.settings.criteria
+    fits = search.current.validation
+    fitted = {fit.channel: _mean_square([each for each in fits if each.channel == fit.channel and not each.held_out])
+              for fit in fits}  # fmt: skip
+    for recording in sorted(problem.recordings, key=lambda each: order.get(each.log.name, -1)):
+        own = [fit for fit in fits if fit.log == recording.log.name and fit.rmse_moving is not None]
+        if recording.held_out and any(_is_odd(fit, fitted[fit.channel], criteria) for fit in own):
+            yield recording
+
+
+def _is_odd(fit: ChannelFit, fitted: float, criteria: Criteria) -> bool:
+    assert fit.rmse_moving is not None
+    above = fit.rmse_moving > criteria.judging.above * fit.noise_floor
+    return above and fit.rmse_moving**2 > criteria.search.odd**2 * fitted
+
+
+def _mean_square(fits: list[ChannelFit]) -> float:
+    moving = [fit.rmse_moving for fit in fits if fit.rmse_moving is not None]
+    return float(np.mean(np.square(moving))) if moving else 0.0
+
+
+def shapes_again(search: Search) -> Search:
+    """Every step in turn; where one is bettered the search goes on from there."""
+    tried = search
+    for number in range(len(search.steps)):
+        tried = _with_better_shape(tried, number) or tried
+    return search if tried is search else resumed(replace(tried, eyes=tried.current), tried.steps)
+
+
+def _with_better_shape(search: Search, number: int) -> Search | None:
+    """With the shape of this step that leaves less on held-out logs, seen with all that is in the model; None where
+    there is none."""
+    problem, step, others = search.problem, search.steps[number], [each.added for each in search.without(number)]
+    criteria = problem.settings.criteria.search
+    now, floor = _left(step.finding, search.current)
+    chosen = all(one.choice for one in step.added.effect.shapes)
+    if search.last is None or now < criteria.shapes_above * floor or chosen:
+        return None
+    eyes, site = search.current, step.added.site
+    seeing = replace(search, eyes=eyes)
+    without = seeing.identified(others)
+    rows = collect_rows(without.model, problem.recordings, [site], eyes.model)[site]
+    best = _best(without.model, step.added, rows, search.last.memory)
+    if best is None:
+        return None
+    added = as_added(best.candidate)
+    found = seeing.identified([*others[:number], added, *others[number:]])
+    left, _ = _left(step.finding, found)
+    if left > criteria.shapes_better * now:
+        return None
+    finding = replace(step.finding.refined_by("shape", left), parameters=parameters(without.model, best, rows))
+    steps = [*search.steps[:number], replace(step, added=added, finding=finding), *search.steps[number + 1 :]]
+    return replace(seeing, steps=(*steps[:-1], replace(steps[-1], found=found)))
+
+
+def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memory: Mapping[int, float]) -> Score | None:
+    """What explains most, searched from the shape that it has and from the best of the grid with the same choices."""
+
+    def scored(shape: tuple[float, ...]) -> Score | None:
+        return score(model, Candidate(added.effect, added.site, shape), sums_of(rows, added.effect, shape), memory)
+
+    chosen = [place for place, one in enumerate(added.effect.shapes) if one.choice]
+    alike = [shape for shape in grid(added.effect) if all(shape[k] == added.shape[k] for k in chosen)]
+    coarse = [each for shape in alike if (each := scored(shape))]
+    starts = [each for each in (scored(added.shape), max(coarse, key=lambda one: one.gain, default=None)) if each]
+    paces = [pace(model.criteria.search) for pace in (broadly, closely)]
+    return max(climbed(model, starts, rows, memory, paces), key=lambda one: one.gain, default=None)
+
+
+def _left(finding: Finding, found: Identification) -> tuple[float, float]:
+    return held_out_rmse(finding, finding.held_out.channel, found)
+
+
+def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
+    """At most one for each place, after the effects' own curves."""
+    every = list(bends)
+    last: dict[Site, Step] = {each.added.site: each for each in search.steps}
+    for site, step in last.items():
+        if isinstance(site, AxisSite | SensorSite):
+            every += _remainder(search, step, every)
+    return every[len(bends) :]
+
+
+def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
+    before = bends[-1].found if bends else search.current
+    finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
+    problem = search.problem
+    criteria = problem.settings.criteria.search
+    rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
+    if rmse < criteria.remainder_above * floor:
+        return []
+    site = step.added.site
+    ground = lay_ground(before.model, problem.recordings, problem.effects, unwatched, at=site)
+    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
+    best = next((each for each in judged if not each.objection), None)
+    if best is None:
+        return []
+    added = as_added(best.score.candidate)
+    there = [*search.added, *(each.added for each in bends)]
+    after = search.identified([*there, added])
+    channel = channel_of(before.model.equations, best.kind)
+    sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
+    if gone(*(rmse for rmse, _ in sizes)) < criteria.bend_least * sizes[1][1]:
+        return []
+    rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
+    return [Bend(step, added, finding.refined_by("remainder", rmse, added.effect.name), after, "remainder")]
+
+
+Array = NDArray[np.float64]
+
+
+def with_final_numbers(finding: Finding, added: AddedEffect, model: RobotModel) -> Finding:
+    """added: which effect of `model` the finding is about. Shapes stay. A standard deviation is no less than that of
+    the whole fit, in which a torque is no better known than the scale of all torques. The curve is what the effect
+    does with these coefficients; where they moved apart, with the factor that comes nearest."""
+    quantities, numbers = added.effect.coefficients, dict(finding.parameters)
+    scale = np.array([added.site.in_si(model, quantity.unit, added.shape)[0] for quantity in quantities])
+    now, place = coefficients(model, added) * scale, place_of(model, added)
+    std = np.sqrt(np.maximum(np.diag(model.covariance)[place], 0.0)) * np.abs(scale)
+    was = np.array([numbers[quantity.name].value for quantity in quantities])
+    for quantity, value, least in zip(quantities, now, std, strict=True):
+        known = numbers[quantity.name]
+        numbers[quantity.name] = replace(known, value=float(value), std=float(max(known.std, least)))
+    drawn = replace(finding.evidence, model=finding.evidence.model * _factor(was, now))
+    return replace(finding, parameters=numbers, evidence=drawn)
+
+
+def _factor(was: Array, now: Array) -> float:
+    square = float(was @ was)
+    return float(was @ now) / square if square > 0.0 else 1.0

@@ -1,0 +1,173 @@
+"""Bundles: files that were handed in together, pinned by their content and never changed after.
+
+Robots, devices, studies and payloads are bundles; a `Sort` says in what they differ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Generic, TypeVar, final
+
+import sqlalchemy as sa
+
+from exogauge.storage import tables
+from exogauge.storage.blobs import BlobStore, copy_out
+from exogauge.storage.files import PinnedFile, content_hash, file_at
+from exogauge.storage.jobs import latest_state
+from exogauge.storage.records import DeviceRecord, Page, PayloadRecord, RobotRecord, StudyRecord
+from exogauge.storage.rows import Lab
+from exogauge.storage.search import found_by, words_of
+
+Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord)
+Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
+NONE = "none"
+DESCRIPTION = "robot.yaml"
+
+
+@final
+@dataclass(frozen=True)
+class Sort(Generic[Record]):
+    """noun: what one is called. of: its files' column that names it.
+
+    same_by: columns that are alike in one and the same bundle. versioned: other content under a name is its next
+    version. filters: what a page may be narrowed to.
+    """
+
+    noun: str
+    record: type[Record]
+    table: type[tables.Named]
+    files: Any
+    same_by: tuple[str, ...]
+    versioned: bool = True
+    filters: Mapping[str, Filter] = field(default_factory=dict)
+
+    @property
+    def of(self) -> str:
+        return f"{self.noun}_id"
+
+
+@final
+@dataclass(frozen=True)
+class Bundles(Generic[Record]):
+    """All of one sort, of one lab."""
+
+    lab: Lab
+    blobs: BlobStore
+    sort: Sort[Record]
+
+    def add(
+        self, name: str, files: Sequence[PinnedFile], summary: Mapping[str, Any], **facts: str
+    ) -> tuple[Record, bool]:
+        """The one with this content, and whether it is new. facts: further columns, for a device its robot_id."""
+        table, pinned = self.sort.table, content_hash(files)
+        if (robot_id := facts.get("robot_id")) is not None:
+            self.lab.get(RobotRecord, tables.Robot, robot_id, "robot")
+        known = {"name": name, "content_hash": pinned, **facts}
+        same = self.lab.select(table).where(*(getattr(table, each) == known[each] for each in self.sort.same_by))
+
+        def make() -> list[tables.Base]:
+            key: str = tables.new_id()
+            version = {"version": self._newest(name) + 1} if self.sort.versioned else {}
+            owned: Any = table  # `Named` is what all these tables share, and no table itself
+            row = owned(
+                id=key, lab_id=self.lab.lab_id, summary=dict(summary), words=words_of(name, summary), **known, **version
+            )
+            return [row, *(self._file(key, file) for file in files)]
+
+        kept, new = self.lab.find_or_add(lambda: self.lab.one(self.sort.record, same), make, self.sort.noun)
+        if new:
+            self.lab.audit("add", self.sort.noun, kept.id, after=pinned)
+        return kept, new
+
+    def get(self, key: str) -> Record:
+        return self.lab.get(self.sort.record, self.sort.table, key, self.sort.noun)
+
+    def page(
+        self, after: tuple[datetime, str] | None, limit: int, *, search: str = "", **only: str | None
+    ) -> Page[Record]:
+        """search: words that all are found. only: by the sort's filters, where given."""
+        wanted = [self.sort.filters[by](self.lab, value) for by, value in only.items() if value is not None]
+        query = self.lab.select(self.sort.table).where(found_by(self.sort.table, search), *wanted)
+        return self.lab.page(self.sort.record, self.sort.table, query, after, limit)
+
+    def files(self, key: str) -> tuple[PinnedFile, ...]:
+        """Sorted by path."""
+        table = self.sort.files
+        query = self.lab.select(table).where(getattr(table, self.sort.of) == key).order_by(table.path)
+        return tuple(PinnedFile(row.path, row.sha256, row.size) for row in self.lab.session.scalars(query))
+
+    def file(self, key: str, path: str) -> PinnedFile:
+        self.get(key)
+        return file_at(self.files(key), path, f"{self.sort.noun} {key}")
+
+    def write_to(self, key: str, folder: Path) -> Record:
+        """Lay the files out below `folder`, as they were handed in."""
+        found = self.get(key)
+        for file in self.files(key):
+            copy_out(self.blobs, file.sha256, folder / file.path)
+        return found
+
+    def _newest(self, name: str) -> int:
+        table: Any = self.sort.table
+        mine = sa.select(sa.func.max(table.version)).where(table.lab_id == self.lab.lab_id, table.name == name)
+        return self.lab.session.scalar(mine) or 0
+
+    def _file(self, key: str, file: PinnedFile) -> tables.Base:
+        owner = {"lab_id": self.lab.lab_id, self.sort.of: key}
+        made: tables.Base = self.sort.files(**owner, path=file.path, sha256=file.sha256, size=file.size)
+        return made
+
+
+def _with_files_of_robot(lab: Lab, robot_id: str) -> sa.ColumnElement[bool]:
+    """Studies with the very files of this robot; `none`: of no robot on its own."""
+    robots = lab.select(tables.Robot).where(_is_of(tables.Study, tables.Robot))
+    return ~robots.exists() if robot_id == NONE else robots.where(tables.Robot.id == robot_id).exists()
+
+
+def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnElement[bool]:
+    """The study holds robot.yaml and the URDF that it names, byte for byte, under whatever paths; names say nothing."""
+    needed, held = tables.RobotFile, tables.StudyFile
+    of_robot = sa.and_(
+        needed.robot_id == robot.id,
+        sa.or_(needed.path == DESCRIPTION, needed.path == robot.summary["urdf"].as_string()),
+    )
+    has = sa.exists().where(held.study_id == study.id, held.sha256 == needed.sha256).correlate(study, needed)
+    lacks = sa.exists().where(of_robot, ~has).correlate(study, robot)
+    return sa.and_(sa.exists().where(of_robot).correlate(robot), ~lacks)
+
+
+ROBOTS = Sort("robot", RobotRecord, tables.Robot, tables.RobotFile, ("name", "content_hash"))
+DEVICES = Sort(
+    "device",
+    DeviceRecord,
+    tables.Device,
+    tables.DeviceFile,
+    ("name", "robot_id", "content_hash"),
+    filters={
+        "name": lambda _, name: tables.Device.name == name,
+        "robot_id": lambda _, robot_id: tables.Device.robot_id == robot_id,
+    },
+)
+STUDIES = Sort(
+    "study",
+    StudyRecord,
+    tables.Study,
+    tables.StudyFile,
+    ("content_hash",),
+    versioned=False,
+    filters={  # state: of the latest job, `none` where there is none
+        "state": lambda _, state: sa.func.coalesce(latest_state(tables.Study.id), NONE) == state,
+        "robot_id": _with_files_of_robot,
+    },
+)
+PAYLOADS = Sort(
+    "payload",
+    PayloadRecord,
+    tables.Payload,
+    tables.PayloadFile,
+    ("name", "content_hash"),
+    filters={"name": lambda _, name: tables.Payload.name == name},
+)

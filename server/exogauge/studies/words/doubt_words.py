@@ -1,0 +1,30 @@
+"""What a doubt is made of, and what would make that part smaller."""
+
+from __future__ import annotations
+
+SOURCES: dict[str, tuple[str, str]] = {
+    "scatter": ("scatter of the logs", "Repeat the motion, or stretch the bands further in it."),
+    "robot": (
+        "the robot's parameters, as far as the logs leave them open",
+        "Record excitation motions of these joints.",
+    ),
+    "null_test": ("what the model finds without the device", "See which effect the robot's model lacks."),
+    "ft_gain": ("gain of each force/torque sensor", "Load each sensor with a known weight, and state it as ft_gain."),
+    "ft_gain_common": ("gain that all force/torque sensors share", "Weigh the robot, and state it as ft_gain_common."),
+    "ft_zero": ("zeros of the force/torque sensors", "Take zeros with the robot hanging, before each log."),
+    "kt_drift": (
+        "torque per ampere, drifting from log to log",
+        "Warm the motors up, record without, with and again without the device, and state what it does as kt_drift.",
+    ),
+    "imu_tilt": ("mounting of the IMU", "Level the base against a spirit level, and state it as imu_tilt."),
+    "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),
+    "donning": ("how the device was put on", "Mark where straps end, and state what is left as donning."),
+}
+
+
+def source_words(source: str) -> str:
+    return SOURCES[source][0]
+
+
+def source_advice(source: str) -> str:
+    return SOURCES[source][1]

@@ -1,0 +1,209 @@
+"""What has to be kept in mind of a result, in sentences: from the data of `exogauge.remarks`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.remarks import About, Remark
+
+SHOWN_NAMES = 3
+_DISAGREE = "The stiffness from {names} disagrees by {0:.3g} ± {1:.2g} N/m. "
+_LOAD = "The known load of {names} "
+
+
+@final
+@dataclass(frozen=True)
+class Form:
+    """text: with {names}, {beside}, {spans} and numbers by their place. each: of one name, its numbers by their place.
+    joined: names, by what."""
+
+    text: str
+    each: str = "{name}"
+    joined: str = ", "
+
+
+FORMS: Mapping[About, Form] = {
+    About.INERTIA_RAISED: Form(
+        "{file}: no body has the inertia of {names}; at '{worst}' it misses by {0:.2g} kg·m² (principal moments "
+        "{1:.4g}, {2:.4g}, {3:.4g}). The nearest possible one is taken: correct the URDF if it matters.",
+        each="'{name}'",
+    ),
+    About.FACTOR_OPEN: Form(
+        "Only currents were logged and no outside force was measured, so torques, masses and k_T are known up to one "
+        "common factor, which the maker's values decide. To fix it, log a force/torque sensor, or carry a weighed load "
+        "in some of the logs and state it (`known` in study.yaml). What is listed as not identifiable is so even if "
+        "that factor were known; errors are told in N·m by the stated k_T."
+    ),
+    About.LOAD_NOT_FITTED: Form(
+        _LOAD + "is in none of the logs that are fitted, so it does not fix that factor. Name one with role "
+        "identification among its `logs`.",
+        each="{0:.4g} kg at {name}",
+    ),
+    About.LOAD_IN_EVERY_LOG: Form(
+        _LOAD + "is carried in every log that is fitted: it cannot be told from its link's own mass, counts as "
+        "uncertain as that, and does not fix that factor. Record one without it, or with another mass, on the same "
+        "axes.",
+        each="{0:.4g} kg at {name}",
+    ),
+    About.LOAD_FELT_TOO_LITTLE: Form(
+        _LOAD + "is felt too little to fix that factor: it takes its doubt from {percent[0]} to {percent[1]}. Carry a "
+        "heavier one further out, through postures in which more joints feel it.",
+        each="{0:.4g} kg at {name}",
+    ),
+    About.HELD_AT_EDGE: Form("At the edge of what is physically possible, and held there: {names}."),
+    About.STICKS_UNEQUALLY: Form(
+        "At rest, friction does not always take its largest value. What is given as tau_s is what is usual there, a "
+        "lower bound of the static friction, at {names}."
+    ),
+    About.LITTLE_STEADY: Form(
+        "Of what these joints move, less than {percent[0]} is steady motion, which alone is fitted: {names}. Record "
+        "longer moves in one direction, or raise cutoff_hz: less is left out around every turn then.",
+        each="{name} ({0:.1f} of {1:.1f} s)",
+    ),
+    About.ONE_DIRECTION: Form("Steady in one direction only: {names}. Coulomb friction and offset look alike there."),
+    About.CREEPING: Form(
+        "Friction turns round over a span of speeds, not at once, while these joints creep: {names}. What they do "
+        "there is not taken for steady motion: it is neither fitted nor judged.",
+        each="{name} (below {0:.2g} rad/s)",
+    ),
+    About.NEGATIVE_MASS: Form(
+        "The data ask for a negative mass of {names}, which no body has: what is given is the nearest that can be, and "
+        "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",
+        each="{name} ({0:.3g} ± {1:.2g} kg)",
+    ),
+    About.NOT_CONVERGED: Form(
+        "The search among possible bodies stopped after {0:.0f} steps, {1:.2g} squared standard deviations above the "
+        "minimum at most; {2:.2g} was asked for."
+    ),
+    About.REFERENCE_IMPOSSIBLE: Form(
+        "The a-priori inertia of {names} is not physically possible, or nearly not: the nearest possible one is the "
+        "reference instead."
+    ),
+    About.UNDECIDED_COMBINATIONS: Form(
+        "{0:.0f} combinations of the non-inertial parameters are decided by nothing: the smallest values are given."
+    ),
+    About.WORSE_HELD_OUT: Form(
+        "Held-out logs are predicted worse than by the maker's numbers at {names}. Believe nothing of these joints."
+    ),
+    About.NO_URDF_OF: Form(
+        "No URDF with identified inertias was written, because no body can have those of {names}. Ask for physical "
+        "consistency in the settings to get one."
+    ),
+    About.TOUCHED: Form(
+        "{names}, {spans}: something touched the robot. This time is left out of the supporting torque, of the bands "
+        "and of their doubt."
+    ),
+    About.LOW_PASSED: Form(
+        "The signals of {names} were low-passed at {0:.2f} Hz before they were stored. What the model says of them "
+        "passes the same low-pass, so what is faster shows in no supporting torque."
+    ),
+    About.STORED_UNLIKE: Form(
+        "{names} with the device were not stored like {beside}. Around starts, stops and turns approach A compares "
+        "what is not alike: record all logs alike."
+    ),
+    About.MOTION_DOUBTFUL: Form(
+        "{names} differ in the motion of {beside}: {percent[0]} of its rms velocity (limit {percent[1]}), {2:.3g} rad "
+        "rms. Approach A takes off what the model says of the difference; unmodelled friction is not taken off.",
+        joined=" and ",
+    ),
+    About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
+    About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
+    About.BANDS_IDENTIFIED: Form("the device file, and what it does not say as identified by approach {beside}"),
+    About.LAW_STATED: Form(
+        "Fitted with the law that device.yaml states, its values as stated and not doubted: {names}.",
+        each="{name} ({beside})",
+    ),
+    About.LENGTHS_TIED: Form(
+        "These motions cannot tell the natural lengths of {names} apart, so one is given for all of them. A motion "
+        "that lengthens them differently, such as a twist beside a bend, would.",
+        joined=" and ",
+    ),
+    About.PULLS_NOWHERE: Form(
+        "{names} pulls nowhere in these motions, as if slack throughout: they say nothing of it."
+    ),
+    About.NOT_TOLD_APART: Form("These motions cannot tell {names} from {beside}.", joined=" and "),
+    About.NOT_TOLD: Form("These motions say nothing of {names}."),
+    About.BANDS_LEFT_OUT: Form("Left out of `before`, for their values are not known: {names}."),
+    About.OWN_GROUP: Form(
+        "Band {names} is now a group of its own: bands of group {beside} share their stiffness and law."
+    ),
+    About.SLACK: Form("Band {names} is slack all the time."),
+    About.BOUND_REACHED: Form(
+        "The search ended at the bound of {names}, so what is told is no minimum. A torque that is no band's, or a "
+        "band that runs elsewhere than stated, can do that.",
+        joined=" and ",
+    ),
+    About.APPROACHES_DISAGREE: Form(
+        _DISAGREE + "What can do it: motions that were not repeated alike, k_T or a foot sensor's gain or zero that "
+        "drifted between logs, friction that the model lacks.",
+        joined=" and ",
+    ),
+    About.REPETITIONS_DISAGREE: Form(
+        _DISAGREE + "What can do it: a suit that was put on otherwise or slipped, k_T or a zero that drifted, a log "
+        "that something touched.",
+        joined=" and ",
+    ),
+    About.STROKES_DISAGREE: Form(
+        _DISAGREE + "What can do it: friction of the joint or of the band at its via points, hysteresis, a sensor that "
+        "lags.",
+        joined=" and ",
+    ),
+    About.SIDES_DISAGREE: Form(
+        _DISAGREE + "What can do it: via points that are not where they are stated, bands that are not alike, one that "
+        "was put on otherwise, a foot sensor's gain.",
+        joined=" and ",
+    ),
+    About.STIFFNESS_OPEN: Form(
+        "The doubt is more than half of the value: a motion that stretches this band further would decide."
+    ),
+    About.LENGTH_OPEN: Form("The natural length is hardly decided by these motions."),
+}
+
+
+def sentence(remark: Remark) -> str:
+    """With all names."""
+    form = FORMS[remark.about]
+    return _filled(remark, form.joined.join(named_with_numbers(remark)))
+
+
+def short_sentence(remark: Remark) -> str:
+    """`… of a, b, c and 4 more. Ask …`: a long list is cut to the first few."""
+    return _filled(remark, named(named_with_numbers(remark), FORMS[remark.about].joined))
+
+
+def named_with_numbers(remark: Remark) -> list[str]:
+    """`elbow (0.3 of 4.1 s)`, one for each name."""
+    form, alike = FORMS[remark.about], len(remark.beside) == len(remark.names)
+    beside = remark.beside if alike else [""] * len(remark.names)
+    numbers = remark.each or [()] * len(remark.names)
+    return [
+        form.each.format(*own, name=name, beside=other)
+        for name, other, own in zip(remark.names, beside, numbers, strict=True)
+    ]
+
+
+def named(names: Sequence[str], joined: str = ", ") -> str:
+    """`a, b, c and 4 more`"""
+    if len(names) <= SHOWN_NAMES:
+        return joined.join(names)
+    return f"{', '.join(names[:SHOWN_NAMES])} and {len(names) - SHOWN_NAMES} more"
+
+
+def _filled(remark: Remark, names: str) -> str:
+    spans = zip(remark.numbers[::2], remark.numbers[1::2], strict=False)
+    return FORMS[remark.about].text.format(
+        *remark.numbers,
+        names=names,
+        beside=", ".join(remark.beside),
+        file=remark.beside[0] if remark.beside else "",
+        worst=remark.beside[-1] if remark.beside else "",
+        spans=" and ".join(f"from {start:.2f} to {stop:.2f} s" for start, stop in spans),
+        percent=[_percent(each) for each in remark.numbers],
+    )
+
+
+def _percent(share: float) -> str:
+    return "unknown" if math.isnan(share) else f"{100 * share:.2g} %"

@@ -1,0 +1,88 @@
+"""What nobody measured exactly about how a device sits: where its via points are, and how it was put on each time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.devices.device import Band
+from exogauge.devices.routing import Routing
+from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
+from exogauge.support.band_rows import Wire
+from exogauge.support.evidence import on_joints
+
+Array = NDArray[np.float64]
+
+VIA_POINTS, DONNING = "via_points", "donning"
+
+
+def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
+    """Name -> (P, n) Σ Aᵀ w δτ per standard deviation of each of its n independent inputs. δτ: torque that the input
+    adds to what the fit explains.
+
+    Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
+    log alone.
+    """
+    few = _Few(setting, fitted)
+    found = {VIA_POINTS: list[Array](), DONNING: list[Array]()}
+    for place in range(len(fitted.wear.k)):
+        wire = setting.wires[place]
+        if wire.course.routing is None:
+            continue
+        band = wire.course.routing.bands[wire.course.index]
+        if band.point_std > 0.0:
+            found[VIA_POINTS] += [band.point_std * each for each in few.moved_points(wire, band, place)]
+        if band.donning_std > 0.0:
+            found[DONNING] += [band.donning_std * each for each in few.other_lengths(wire, place)]
+    return {name: np.stack(each, axis=1) for name, each in found.items() if each}
+
+
+@final
+class _Few:
+    """Every n-th sample, weighed for all: what is smooth needs no more."""
+
+    def __init__(self, setting: Setting, fitted: Fitted) -> None:
+        step = max(1, len(setting.weight) // SEARCHED)
+        logs = setting.logs
+        self._chosen = np.concatenate([np.flatnonzero(logs.log == k)[::step] for k in range(len(logs.logs))])
+        self._log, self._joints = logs.log[self._chosen], logs.joints
+        self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
+        self._weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
+        self._wear = fitted.wear
+
+    def moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
+        """(P,) of each coordinate, per metre."""
+        routing = wire.course.routing
+        assert routing is not None
+        there = Routing(routing.tree, [band]).geometry(self._posture)
+        moved = Routing(routing.tree, [band, *_moved(band)])
+        geometry = moved.geometry(self._posture)
+        jacobian = on_joints(geometry.jacobian, moved, self._joints)
+        k, l_0 = self._wear.spring(place)
+        pull = k * np.maximum(there.length[:, 0] - l_0, 0.0)
+        for n in range(1, geometry.length.shape[1]):
+            other = k * np.maximum(geometry.length[:, n] - l_0, 0.0)
+            torque = jacobian[:, 0] * pull[:, None] - jacobian[:, n] * other[:, None]
+            yield np.einsum("ndp,nd->p", self._weighted, torque) / NEAR
+
+    def other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
+        """(P,) of each log, per metre by which the band is longer in it."""
+        k, l_0 = self._wear.spring(place)
+        torque = (wire.jacobian * (k * wire.taut(l_0))[:, None])[self._chosen]
+        for log in np.unique(self._log):
+            own = self._log == log
+            yield np.einsum("ndp,nd->p", self._weighted[own], torque[own])
+
+
+def _moved(band: Band) -> Iterator[Band]:
+    """The band with each coordinate of each of its via points moved by a hundredth of a millimetre."""
+    for number, point in enumerate(band.via_points):
+        for axis in range(3):
+            xyz = tuple(value + NEAR * (axis == k) for k, value in enumerate(point.xyz))
+            points = list(band.via_points)
+            points[number] = replace(point, xyz=(xyz[0], xyz[1], xyz[2]))
+            yield replace(band, via_points=tuple(points))

@@ -1,0 +1,73 @@
+"""The peak of a motion without the bias of a maximum: where it lies is read from other data than how large it is.
+
+The largest of many noisy samples is too large. Repetitions tell where the peak is, each time without the one that is
+read; of a single run the band model tells. Only where there is neither, the run tells itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+FULL = 0.5  # share of a mean's samples that have to be there
+
+
+def peak_places(
+    times: Sequence[Array],
+    shifts: Sequence[float],
+    lines: Sequence[Array],
+    models: Sequence[Array | None],
+    used: Sequence[BoolArray],
+    seconds: float,
+) -> list[tuple[int, float] | None]:
+    """Of every run its sample of the peak and the mean there, None where nothing is used; K runs of one motion.
+
+    times: (T_k,) [s] from each start. shifts: [s] time in run k minus time in the first, at the same posture. lines,
+    models: (T_k,) [N·m]. used: (T_k,). seconds: that a mean lasts.
+    """
+    smooth = [_smooth(t, line, own, seconds) for t, line, own in zip(times, lines, used, strict=True)]
+    places: list[tuple[int, float] | None] = []
+    for k, (time, own) in enumerate(zip(times, smooth, strict=True)):
+        others = [_at(time - shifts[k] + shifts[j], times[j], smooth[j]) for j in range(len(times)) if j != k]
+        model = models[k]
+        where = _mean(others) if others else own if model is None else _smooth(time, model, used[k], seconds)
+        found = np.isfinite(own) & np.isfinite(where)
+        if not found.any():
+            found, where = np.isfinite(own), own
+        if not found.any():
+            places.append(None)
+            continue
+        top = int(np.argmax(np.where(found, np.abs(where), -1.0)))
+        places.append((top, float(own[top])))
+    return places
+
+
+def _smooth(time: Array, line: Array, used: BoolArray, seconds: float) -> Array:
+    """(T,) mean over what is used about each used sample; NaN elsewhere."""
+    counts = used & np.isfinite(line)
+    width = max(1, round(seconds * (len(time) - 1) / max(float(time[-1] - time[0]), 1e-9)))
+    share = uniform_filter1d(counts.astype(np.float64), width, mode="nearest")
+    total = uniform_filter1d(np.where(counts, line, 0.0), width, mode="nearest")
+    whole = counts & (share >= min(FULL, float(share.max(initial=0.0))))
+    return np.where(whole, total / np.maximum(share, 1e-12), np.nan)
+
+
+def _at(wanted: Array, time: Array, values: Array) -> Array:
+    """NaN where the run has no such moment."""
+    nearest = np.clip(np.round(np.interp(wanted, time, np.arange(len(time)))).astype(np.intp), 0, len(time) - 1)
+    inside = (wanted >= time[0]) & (wanted <= time[-1])
+    return np.where(inside, values[nearest], np.nan)
+
+
+def _mean(lines: Sequence[Array]) -> Array:
+    stack = np.array(lines)
+    known = np.isfinite(stack)
+    count = known.sum(axis=0)
+    total = np.sum(np.where(known, stack, 0.0), axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

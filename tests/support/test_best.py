@@ -1,0 +1,70 @@
+"""The estimate of a headline number: the least of the null tests, the smallest doubt among equals; peaks unbiased."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exogauge.criteria.supporting import Supporting
+from exogauge.support.best import best
+from exogauge.support.peak import peak_places
+from exogauge.support.repeatability import Null
+
+
+def found(size, seconds):
+    of = np.array([size])
+    return Null(of, of, of, of, of, {name: np.array([seconds]) for name in ("steady", "other", "whole")})
+
+
+@pytest.mark.parametrize(
+    ("sizes", "seconds", "std", "chosen", "equal"),
+    [
+        ({"a": 2.3, "b": 0.12, "paired": 0.17}, 100.0, {"a": 0.01, "b": 0.05, "paired": 0.03}, "b", {"b"}),
+        (
+            {"a": 2.3, "b": 0.12, "paired": 0.13},
+            14.0,
+            {"a": 0.01, "b": 0.05, "paired": 0.03},
+            "paired",
+            {"b", "paired"},
+        ),
+        ({"b": 0.1}, 14.0, {"b": 0.2}, "b", {"b"}),
+        ({"b": 0.1}, 14.0, {"a": 0.1, "b": 0.2, "paired": 0.3}, "paired", {"paired"}),  # one log without the device
+    ],
+)
+def test_the_least_null_test_wins_and_among_equals_the_smallest_doubt(sizes, seconds, std, chosen, equal):
+    said = best({name: found(size, seconds) for name, size in sizes.items()}, std, 0, "whole", Supporting())
+    assert (said.approach, set(said.as_good)) == (chosen, equal)
+
+
+def test_nothing_is_best_where_nothing_is_told():
+    assert best({"b": found(0.1, 14.0)}, {}, 0, "whole", Supporting()) is None
+
+
+def test_a_peak_is_not_too_large_because_its_largest_sample_was_chosen():
+    """Errors that last half a second: a run's maximum is too large by one deviation, the peak read elsewhere is not."""
+    rng, time = np.random.default_rng(0), np.arange(0.0, 14.0, 0.01)
+    bell = np.exp(-(((time - 7.0) / 2.5) ** 2))
+    errors, naive = [], []
+    for _ in range(60):
+        runs = [3.0 * bell + 0.3 * np.repeat(rng.standard_normal(28), 50) for _ in range(5)]
+        used = [np.ones_like(time, dtype=bool)] * 5
+        places = peak_places([time] * 5, [0.0] * 5, runs, [None] * 5, used, 0.2)
+        errors.append(np.mean([value for _, value in places]) - 3.0)
+        naive.append(np.mean([run.max() for run in runs]) - 3.0)
+    assert np.mean(naive) > 0.2
+    assert abs(np.mean(errors)) < 0.12
+
+
+def test_runs_that_begin_at_other_times_are_read_at_the_same_moment():
+    time = np.arange(0.0, 10.0, 0.01)
+    runs = [np.exp(-((time - 5.0 - shift) ** 2)) for shift in (0.0, 0.7)]
+    places = peak_places([time] * 2, [0.0, 0.7], runs, [None] * 2, [np.ones_like(time, dtype=bool)] * 2, 0.2)
+    assert [time[top] for top, _ in places] == pytest.approx([5.0, 5.7], abs=0.02)
+
+
+def test_a_single_run_is_read_where_the_band_model_is_largest():
+    time = np.arange(0.0, 10.0, 0.01)
+    model, line = np.exp(-((time - 5.0) ** 2)), np.exp(-((time - 5.0) ** 2))
+    line[100:140] += 4.0
+    (place,) = peak_places([time], [0.0], [line], [model], [np.ones_like(time, dtype=bool)], 0.2)
+    assert place[1] == pytest.approx(1.0, abs=0.02)

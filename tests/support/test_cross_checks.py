@@ -1,0 +1,99 @@
+"""Parts of the same evidence that ought to agree: they do where nothing is wrong, and else it is told."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exogauge.criteria.supporting import Supporting
+from exogauge.devices.device import Device
+from exogauge.remarks import About
+from exogauge.support.cross_checks import LENGTHENING, judged
+from exogauge.support.stiffness import identify_bands
+
+SIGMA = np.array([0.3, 0.3])
+NAMES = ["torso_pitch", "torso_yaw"]
+
+
+def stiffer(device: Device, *factors: float) -> Device:
+    bands = zip(device.bands, factors, strict=True)
+    return replace(device, bands=tuple(replace(band, stiffness=band.stiffness * by) for band, by in bands))
+
+
+@pytest.fixture(scope="module")
+def checked(biped, suit, stoop, wander, make_evidence):
+    """The judged result, from logs of devices, with coloured noise; change: of the evidence of each log."""
+    blank = replace(suit, bands=tuple(replace(b, stiffness=None, natural_length=None) for b in suit.bands))
+
+    def check(devices, noise=0.3, seed=0, change=lambda number, evidence: evidence):
+        evidences = []
+        for number, device in enumerate(devices):
+            made = make_evidence(device, stoop(number), noise=noise, seed=seed + 100 * number)
+            made = replace(made, worn=replace(made.worn, log=replace(made.worn.log, name=f"log_{number}")))
+            evidences.append(change(number, made))
+        found = identify_bands(biped.known(), blank, "A", evidences, SIGMA, [], NAMES)
+        return judged([found], Supporting())[0]
+
+    return check
+
+
+def failed(found):
+    return {each.check for each in found.cross_checks if not each.agrees}
+
+
+def test_where_nothing_is_wrong_no_check_fails_and_z_is_of_unit_size(checked, suit):
+    z = []
+    for seed in range(20):
+        found = checked([suit, suit, suit], seed=1000 * seed)
+        assert {each.check for each in found.cross_checks} == {"repetitions", "strokes", "sides"}
+        assert not failed(found)
+        assert all(band.identifiable for band in found.bands)
+        z += [each.z for each in found.cross_checks]
+    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.4
+
+
+def test_a_log_in_which_the_bands_are_stiffer_contradicts_the_others(checked, suit):
+    found = checked([suit, suit, stiffer(suit, 1.5, 1.5)])
+    assert "repetitions" in failed(found)
+    worst = max(found.cross_checks, key=lambda each: abs(each.z))
+    assert worst.between == ("log_2", "others")
+    assert worst.difference == pytest.approx(0.5 * 1500.0, rel=0.3)
+    for band in found.bands:
+        assert not band.identifiable
+        assert band.note.about == About.REPETITIONS_DISAGREE
+
+
+def test_one_side_stiffer_than_the_other_is_told(checked, suit):
+    found = checked([stiffer(suit, 1.4, 1.0)] * 2, noise=0.1)
+    (sides,) = (each for each in found.cross_checks if each.check == "sides")
+    assert not sides.agrees
+    assert sides.between == ("left", "right")
+    assert sides.difference == pytest.approx(0.4 * 1500.0, rel=0.3)
+    assert not found.bands[0].identifiable
+
+
+def test_a_pull_that_rubs_contradicts_itself_between_strokes(checked, suit):
+    """A quarter more where the bands lengthen, a quarter less where they shorten."""
+
+    def rubbed(number, evidence):
+        rate = np.gradient(evidence.length.sum(axis=1), evidence.time)
+        return replace(evidence, a=evidence.a * (1.0 + 0.25 * np.sign(rate))[:, None])
+
+    found = checked([suit, suit], noise=0.1, change=rubbed)
+    (strokes,) = (each for each in found.cross_checks if each.check == "strokes")
+    assert not strokes.agrees
+    assert strokes.between[0] == LENGTHENING
+    assert strokes.difference > 0.0
+    assert not found.bands[0].identifiable
+
+
+def test_approaches_that_contradict_each_other_are_both_no_longer_identifiable(checked, suit):
+    one = checked([suit, suit])
+    other = replace(checked([stiffer(suit, 1.5, 1.5)] * 2), approach="B")
+    for each in judged([one, other], Supporting()):
+        assert failed(each) == {"approaches"}
+        assert {band.note.about for band in each.bands} == {About.APPROACHES_DISAGREE}
+    alike = judged([one, replace(one, approach="B")], Supporting())
+    assert all(band.identifiable for each in alike for band in each.bands)

@@ -1,0 +1,213 @@
+"""What declared uncertainties do: against logs that are spoilt that way and identified anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.devices.routing import Routing
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
+from exogauge.robots.declared import Declared
+from exogauge.support.balance import balance, of_this_log, slopes
+from exogauge.support.band_doubt import contributions
+from exogauge.support.band_fit import best_start, starts
+from exogauge.support.band_model import Belief, Setting, fit, shared
+from exogauge.support.band_rows import band_wires, rows_with
+
+SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
+DECLARED = Declared(0.01, 0.01, 2.0, 0.2, 0.01, 0.009)
+EVERY = np.arange(6)
+FORCES = [f"f{axis}" for axis in "xyz"] + [f"m{axis}" for axis in "xyz"]
+Spoil = Callable[[Log], Log]
+
+
+def identified(robot, logs):
+    return identify(robot, [Recording(log, held_out=False) for log in logs], SETTINGS).model
+
+
+@pytest.fixture(scope="module")
+def robot(biped):
+    return replace(biped.robot, declared=DECLARED)
+
+
+@pytest.fixture(scope="module")
+def logs(biped, wander):
+    return [biped.record(wander(seed), f"log{seed}", noise=1.0, seed=seed).log for seed in (1, 2)]
+
+
+@pytest.fixture(scope="module")
+def model(robot, logs):
+    return identified(robot, logs)
+
+
+def changed(log: Log, channels: dict) -> Log:
+    return replace(log, channels={**log.channels, **channels})
+
+
+def more_force(sensors, share) -> Spoil:
+    def spoil(log):
+        names = [f"ft.{sensor}.{each}" for sensor in sensors for each in FORCES]
+        return changed(log, {name: (1.0 + share) * log.channels[name] for name in names})
+
+    return spoil
+
+
+def tilted(biped, axis, angle) -> Spoil:
+    """The IMU stands turned by the angle, so that f = read + δ × read in the base."""
+
+    def spoil(log):
+        R, channels = biped.robot.T_base_imu.rotation, {}
+        back = R.T @ (np.eye(3) - pin.skew(angle * np.eye(3)[axis])) @ R
+        for kind in ("acc", "gyro"):
+            read = log.stack([f"{kind}.{each}" for each in "xyz"]) @ back.T
+            channels |= {f"{kind}.{each}": read[:, k] for k, each in enumerate("xyz")}
+        return changed(log, channels)
+
+    return spoil
+
+
+CASES = {
+    "ft_gain_common": lambda biped, size: more_force([each.name for each in biped.robot.contacts], size),
+    "ft_gain.l_foot": lambda biped, size: more_force(["l_foot"], size),
+    "ft_gain.r_foot": lambda biped, size: more_force(["r_foot"], size),
+    "imu_tilt.x": lambda biped, size: tilted(biped, 0, size),
+    "imu_tilt.y": lambda biped, size: tilted(biped, 1, size),
+}
+
+
+def as_stated(model, found, expected, share=0.1):
+    """Within a share of the largest, each against its own doubt from the logs alone."""
+    size = np.sqrt(np.diag(model.covariance))
+    live = size > 0.0
+    assert np.max(np.abs((found - expected)[live] / size[live])) < share * np.max(np.abs(expected[live] / size[live]))
+
+
+def test_every_common_input_is_tried(model):
+    assert set(model.inputs.names) == set(CASES)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_input_moves_the_parameters_as_far_as_logs_that_are_spoilt_by_it(biped, robot, logs, model, name):
+    step = 1e-4  # more would be seen in the residuals, and rows be weighed anew
+    up, down = (identified(robot, [CASES[name](biped, size)(log) for log in logs]) for size in (step, -step))
+    moved = (up.solution.unbounded.x - down.solution.unbounded.x) / (2.0 * step)
+    as_stated(model, moved, model.inputs.moved[:, model.inputs.names.index(name)])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_it(
+    biped, robot, logs, model, suit, wander, name
+):
+    worn, samples, step = biped.record(wander(5), "worn", bands=suit.bands).log, np.arange(100, 700, 20), 1e-4
+    found = []
+    for size in (step, -step):
+        spoil = CASES[name](biped, size)
+        again = identified(robot, [spoil(log) for log in logs])
+        found.append(balance(again, again.prepare(spoil(worn)), EVERY).torque[samples])
+    prepared, change = model.prepare(worn), (found[0] - found[1]) / (2.0 * step)
+    column = model.equations.size + model.inputs.names.index(name)
+    expected = np.stack([slope[:, column] for _, slope in slopes(model, prepared, samples, EVERY)], axis=1)
+    steady = balance(model, prepared, EVERY).steady[samples]
+    assert np.abs(change - expected)[steady].max() < 0.1 * np.abs(expected).max()
+
+
+def test_zeros_and_motors_of_one_log_move_the_parameters_as_far_as_is_said(biped, robot, logs):
+    log, squares = logs[0], {"ft_zero": 0.0, "kt_drift": 0.0}
+    model = identified(robot, [log])
+    for sensor in biped.robot.contacts:
+        for each in FORCES:
+            std, name = (
+                DECLARED.ft_zero_force if each[0] == "f" else DECLARED.ft_zero_moment,
+                f"ft.{sensor.name}.{each}",
+            )
+            again = identified(robot, [changed(log, {name: log.channels[name] + 0.02 * std})])
+            squares["ft_zero"] += ((again.solution.unbounded.x - model.solution.unbounded.x) / 0.02) ** 2
+    for joint in biped.robot.joints:
+        name, step = f"i.{joint.name}", 0.1
+        again = identified(robot, [changed(log, {name: log.channels[name] / (1.0 + step * DECLARED.kt_drift)})])
+        squares["kt_drift"] += ((again.solution.unbounded.x - model.solution.unbounded.x) / step) ** 2
+    for name, square in squares.items():
+        as_stated(model, np.sqrt(square), np.sqrt(np.diag(model.inputs.by_log[name])), share=0.15)
+
+
+def test_a_motor_that_drifts_in_the_log_with_the_device_is_taken_for_support(biped, model, suit, wander):
+    worn = biped.record(wander(5), "worn", bands=suit.bands).log
+    joint = biped.robot.joints[biped.torso[0]].name
+    spoilt = changed(worn, {f"i.{joint}": worn.channels[f"i.{joint}"] / (1.0 + DECLARED.kt_drift)})
+    prepared, samples = model.prepare(worn), np.arange(100, 700, 20)
+    change = balance(model, model.prepare(spoilt), EVERY).torque - balance(model, prepared, EVERY).torque
+    expected = of_this_log(model, prepared, samples, EVERY)["kt_drift"][:, biped.torso[0], biped.torso[0]]
+    np.testing.assert_allclose(change[samples, biped.torso[0]], expected, rtol=0.02, atol=1e-3)
+
+
+def test_a_zero_in_the_log_with_the_device_is_taken_for_support_of_the_leg_above(biped, model, suit, wander):
+    worn, samples = biped.record(wander(5), "worn", bands=suit.bands).log, np.arange(100, 700, 20)
+    name = "ft.r_foot.fx"
+    spoilt = changed(worn, {name: worn.channels[name] + DECLARED.ft_zero_force})
+    prepared = model.prepare(worn)
+    change = balance(model, model.prepare(spoilt), EVERY).torque - balance(model, prepared, EVERY).torque
+    place = [sensor.name for sensor in biped.robot.contacts].index("r_foot")
+    expected = of_this_log(model, prepared, samples, EVERY)["ft_zero"][:, :, 6 * place]
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(change[samples], expected, atol=1e-6)
+
+
+def test_parameters_are_doubted_by_what_is_declared_beside_what_the_logs_scatter(biped, robot, logs, model):
+    alone = identified(biped.robot, logs)
+    more = model.inputs.alike + sum(model.inputs.by_log.values())
+    np.testing.assert_allclose(model.covariance, alone.covariance + more, rtol=1e-6, atol=1e-12)
+
+
+def test_a_gain_of_all_sensors_moves_everything_in_proportion(biped, robot, logs, model):
+    """Linearity: what forces read too much of, masses and k_T are too large by, as far as the logs decide them."""
+    moved = model.inputs.moved[:, model.inputs.names.index("ft_gain_common")]
+    gains = model.solution.gains.columns
+    np.testing.assert_allclose(moved[gains], model.solution.unbounded.x[gains], rtol=0.02)
+
+
+NAMES = ["torso_pitch", "torso_yaw"]
+
+
+def problem(biped, bands, evidences):
+    columns = np.array([biped.robot.tree.joints.index(name) for name in NAMES])
+    logs = rows_with(evidences, "B", columns, NAMES, biped.known().cutoff_hz)
+    wires = band_wires(logs, Routing(biped.robot.tree, bands))
+    setting = Setting(logs, wires, logs.used / 0.09, float(logs.used.sum()), Belief(np.zeros(3), np.zeros((3, 3))))
+    return setting, fit(setting, best_start(setting, starts(shared(bands), wires, ())))
+
+
+@pytest.fixture(scope="module")
+def worn(suit, make_evidence, wander):
+    return [make_evidence(suit, wander(seed), 0.3, seed=seed) for seed in (1, 2)]
+
+
+def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_moved(biped, suit, worn):
+    bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
+    setting, fitted = problem(biped, bands, worn)
+    found = contributions(setting, fitted, {})
+    square = np.zeros(3)
+    for b, band in enumerate(bands):
+        for p, point in enumerate(band.via_points):
+            for axis in range(3):
+                xyz = tuple(x + 0.002 * (axis == k) for k, x in enumerate(point.xyz))
+                points = (*band.via_points[:p], replace(point, xyz=xyz), *band.via_points[p + 1 :])
+                moved = tuple(replace(band, via_points=points) if k == b else one for k, one in enumerate(bands))
+                square += (problem(biped, moved, worn)[1].wear.theta - fitted.wear.theta) ** 2
+    np.testing.assert_allclose(np.sqrt(np.diag(found["via_points"])), np.sqrt(square), rtol=0.15)
+    square, step = np.zeros(3), 1e-5  # more, and samples enter or leave the stretch
+    for b in range(2):
+        k, l_0 = fitted.wear.spring(b)
+        longer = setting.wires[b].stretch(l_0 - step) - setting.wires[b].stretch(l_0)
+        for log in range(2):
+            in_one = np.where(setting.logs.log == log, k * longer, 0.0)
+            pulled = setting.logs.torque.copy()
+            setting.logs.torque -= setting.wires[b].jacobian * in_one[:, None]
+            square += ((fit(setting, fitted.wear).wear.theta - fitted.wear.theta) * (0.001 / step)) ** 2
+            setting.logs.torque = pulled
+    np.testing.assert_allclose(np.sqrt(np.diag(found["donning"])), np.sqrt(square), rtol=0.15)
