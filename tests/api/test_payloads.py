@@ -105,6 +105,22 @@ def told(answer: Any) -> list[dict[str, Any]]:
     return errors
 
 
+@on_sqlite
+def test_logs_of_one_name_are_told_apart_and_one_log_twice_is_refused(hand_in: Post) -> None:
+    files = payload_files()
+    entry = b"  - {file: logs/poses.csv, role: postures, each_row: true}\n"
+    other = b"  - {file: again/poses.csv, role: postures, each_row: true}\n"
+    both = {"again/poses.csv": files["logs/poses.csv"]}
+    answer = hand_in(files | both | {"payload.yaml": files["payload.yaml"].replace(entry, entry + other)})
+    assert answer.status_code == 201, answer.text
+    assert [each["name"] for each in answer.json()["summary"]["logs"]] == ["logs/poses", "again/poses"]
+    answer = hand_in(files | {"payload.yaml": files["payload.yaml"].replace(entry, entry + entry)})
+    assert answer.status_code == 422
+    wanted = {"code": "log_twice", "file": "payload.yaml", "column": "logs[1]", "value": "logs/poses.csv"}
+    assert wanted.items() <= told(answer)[0].items()
+    assert "span" in told(answer)[0]["advice"]
+
+
 def broken_row(table: bytes) -> bytes:
     lines = table.split(b"\n")
     cells = lines[3].split(b",")

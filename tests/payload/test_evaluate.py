@@ -19,8 +19,10 @@ from tests.payload.conftest import GRAVITY, generator
 from exogauge.cli import main
 from exogauge.errors import ExogaugeError
 from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
+from exogauge.payload.contract import LogEntry
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import open_payload
+from exogauge.payload.log_names import log_names
 from exogauge.payload.results import PayloadResults, results
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import gravity_of
@@ -182,9 +184,9 @@ def test_a_real_run_with_three_clocks_and_an_imu_of_unknown_axes(tmp_path: Path)
     assert found.dynamic is not None
     assert found.imu.angle_deg > 60.0
     assert abs(found.imu.lag_ms - 8.4) <= 3.0
-    rms = np.array(found.tests["1-baseline_wrench"]["all"].rms[:3])
+    rms = np.array(found.tests["1-baseline_wrench 2.9–7 s"]["all"].rms[:3])
     assert np.all(rms <= [0.18, 0.09, 0.13])
-    still = np.array(found.tests["1-baseline_wrench"]["static"].rms[:3])
+    still = np.array(found.tests["1-baseline_wrench 2.9–7 s"]["static"].rms[:3])
     assert np.linalg.norm(rms) < 0.5 * np.linalg.norm(still)
     assert found.dynamic.mass_from_motion_alone.value == pytest.approx(0.932, rel=0.04)
     undecided = {v.name for v in found.dynamic.values if not v.identified}
@@ -240,6 +242,51 @@ def postures_alone(folder: Path) -> None:
     content = yaml.safe_load((folder / "payload.yaml").read_text())
     content["logs"] = content["logs"][:1]
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+
+
+def test_logs_of_one_name_are_all_told_and_one_log_twice_is_refused(
+    sample: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two days' logs lie under one name in two folders, one file is cut in two, and none displaces another."""
+    shutil.copytree(sample, tmp_path / "days")
+    content = yaml.safe_load((tmp_path / "days" / "payload.yaml").read_text())
+    logs = tmp_path / "days" / "logs"
+    (logs / "again").mkdir()
+    for name in ("fast", "contact"):
+        shutil.copy(logs / f"{name}.parquet", logs / "again" / f"{name}.parquet")
+    kept = [each for each in content["logs"] if each["role"] in ("postures", "contact") or "fast" in each["file"]]
+    more = [
+        {"file": "logs/again/fast.parquet", "role": "test"}, {"file": "logs/again/contact.parquet", "role": "contact"},
+        {"file": "logs/slow.parquet", "role": "test", "span": [0, 5]},
+        {"file": "logs/slow.parquet", "role": "test", "span": [5, 10]},
+    ]  # fmt: skip
+    content["logs"] = [*kept, *more]
+    (tmp_path / "days" / "payload.yaml").write_text(yaml.safe_dump(content))
+    found = results(evaluate(open_payload(tmp_path / "days")))
+    assert set(found.tests) == {"logs/fast", "logs/again/fast", "slow 0–5 s", "slow 5–10 s"}
+    assert set(found.contacts) == {"logs/contact", "logs/again/contact"}
+
+    content["logs"].append({"file": "logs/again/fast.parquet", "role": "test"})
+    (tmp_path / "days" / "payload.yaml").write_text(yaml.safe_dump(content))
+    assert main(["payload", "run", str(tmp_path / "days"), "--out", str(tmp_path / "out")]) != 0
+    told = capsys.readouterr().err
+    assert "logs/again/fast.parquet" in told
+    assert "`span`" in told
+
+
+@pytest.mark.parametrize(
+    ("logs", "expected"),
+    [
+        ([("a.csv", "test"), ("b.csv", "test")], ["a", "b"]),
+        ([("a.csv", "test"), ("a.parquet", "test")], ["a.csv", "a.parquet"]),
+        ([("a.csv", "excitation"), ("a.csv", "test")], ["a excitation", "a test"]),
+        ([("x/postures.csv", "test"), ("y.csv", "postures")], ["postures test", "y"]),
+        ([("a.csv", "test"), ("a", "test")], ["a.csv", "a"]),
+        ([("a.csv", "test"), ("x/a.csv", "test"), ("a.csv.gz", "test")], ["a", "x/a", "a.csv"]),
+    ],
+)  # fmt: skip
+def test_no_two_logs_are_told_under_one_name(logs: list[tuple[str, Any]], expected: list[str]) -> None:
+    assert log_names([LogEntry(file=(file,), role=role) for file, role in logs], "payload.yaml") == expected
 
 
 def test_postures_alone_tell_mass_centre_and_zero(sample: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from exogauge.logs.reading import refuse, time_faults, value_faults
 from exogauge.logs.tables import Table, as_vector, read_names
 from exogauge.logs.units import find_unit, units_of
 from exogauge.payload.contract import LogEntry, PayloadFile, Role
+from exogauge.payload.log_names import log_names
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.intake.yaml_file import load_yaml, suggestion
@@ -102,12 +103,12 @@ def open_payload(path: Path, roles: Collection[Role] = ROLES) -> Payload:
             advice = suggestion(file.sensor.frame or "", list(tree.frames))
             fault = Fault("the URDF has no such frame", "unknown_frame", advice, path.name, None, "sensor.frame")
             raise BadStudy(fault)
-    return Payload(
-        file, path.name, tree, tuple(_recording(folder, file, entry) for entry in file.logs if entry.role in roles)
-    )
+    named_logs = zip(log_names(file.logs, path.name), file.logs, strict=True)
+    recordings = tuple(_recording(folder, file, entry, name) for name, entry in named_logs if entry.role in roles)
+    return Payload(file, path.name, tree, recordings)
 
 
-def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
+def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str) -> Recording:
     tables = [open_table(folder / name, name) for name in entry.file]
     sensor, pose, imu = file.sensor, file.pose, file.imu
     clocks = None if entry.each_row else _clocks(tables, file)
@@ -155,7 +156,6 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry) -> Recording:
         spans = "; ".join(f"{each.file} {_span(each)}" for each in present)
         advice = "All files of a log must count time from the same instant; check `time.unit` and `span`."
         raise BadStudy(Fault(f"the clocks do not overlap: {spans}", "clocks_apart", advice, entry.file[0]))
-    name = entry.file[0].rpartition("/")[2].rpartition(".")[0]
     assert parts[0] is not None
     return Recording(name, entry.role, parts[0], parts[1], parts[2], parts[3], parts[4], entry.each_row)
 

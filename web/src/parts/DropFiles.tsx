@@ -3,6 +3,7 @@ import { Dropzone, type FileWithPath } from "@mantine/dropzone";
 import { useId, type ReactNode } from "react";
 
 import styles from "./DropFiles.module.css";
+import { freePath } from "./freePath";
 
 export type Dropped = Map<string, File>;
 
@@ -58,5 +59,10 @@ function withPaths(files: File[]): Dropped {
   });
   const first = paths[0]?.split("/")[0] ?? "";
   const below = paths.every((path) => path.startsWith(`${first}/`));
-  return new Map(files.map((file, k) => [below ? (paths[k] ?? "").slice(first.length + 1) : (paths[k] ?? file.name), file]));
+  const placed: Dropped = new Map();
+  files.forEach((file, k) => {
+    const path = below ? (paths[k] ?? "").slice(first.length + 1) : (paths[k] ?? file.name);
+    placed.set(freePath(path, [...placed.keys()]), file);
+  });
+  return placed;
 }

@@ -4,6 +4,7 @@ import { lazy, Suspense } from "react";
 
 import { answer, api } from "../../../api/client";
 import { usePlans, type What } from "../../../api/payloads";
+import { freePath } from "../../../parts/freePath";
 import { Loading } from "../../../parts/Loading";
 import { NumberField } from "../../../parts/NumberField";
 import { ProblemBox } from "../../../parts/ProblemBox";
@@ -74,8 +75,15 @@ export function RecordStep({ drafted, what, faults, tried, ready, kept }: Props)
   );
 }
 
-export function takeAs({ add, set }: Drafted, role: Role) {
-  return (files: { path: string }[], together: boolean) => {
+/** A log under the name of one that is taken already is kept beside it. */
+export function takeAs({ add, set, draft }: Drafted, role: Role) {
+  return (dropped: { path: string }[], together: boolean) => {
+    const taken = draft.content.logs.flatMap(({ file }) => file);
+    const files = dropped.map((file) => {
+      const path = freePath(file.path, taken);
+      taken.push(path);
+      return { ...file, path };
+    });
     add(files);
     const logs = files.map(({ path }) => path).filter((path) => !/\.(urdf|xml|stl|dae|obj|ply)$/i.test(path));
     const groups = together ? [logs] : logs.map((path) => [path]);
