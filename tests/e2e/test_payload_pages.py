@@ -139,6 +139,11 @@ def test_an_export_moves_into_the_flange_as_it_is_typed(page: Page, identified: 
     with page.expect_download() as download:
         page.get_by_role("link", name="Download").click()
     assert download.value.path().read_text(encoding="utf-8") == shown.inner_text().rstrip("\n") + "\n"
+    page.get_by_label("z [m]").fill("four")
+    expect(page.get_by_text("This is no number.")).to_be_visible()
+    expect(page.get_by_text("The pose needs all six numbers.")).to_be_visible()
+    page.get_by_label("z [m]").fill("0,05")
+    expect(shown).to_contain_text("LOAD_DATA[1]={M 40.17")
     page.get_by_label("z [m]").fill("40")
     expect(page.get_by_role("alert")).to_contain_text("Give x y z in m")
 

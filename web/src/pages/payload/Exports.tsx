@@ -1,10 +1,12 @@
-import { Button, Checkbox, Code, CopyButton, Group, NativeSelect, NumberInput, SimpleGrid, Stack, Text, Title } from "@mantine/core";
+import { Button, Checkbox, Code, CopyButton, Group, NativeSelect, SimpleGrid, Stack, Text, Title } from "@mantine/core";
 import { IconCopy, IconDownload } from "@tabler/icons-react";
 import { useState } from "react";
 
 import { useTextFile } from "../../api/files";
 import { exportAddress, type Payload, type PayloadResults } from "../../api/payloads";
+import { isNumber } from "../../parts/digits";
 import { Loading } from "../../parts/Loading";
+import { NumberField } from "../../parts/NumberField";
 import { ProblemBox } from "../../parts/ProblemBox";
 
 const FORMATS = [
@@ -24,8 +26,10 @@ const OF_FLANGE = ["ur", "kuka", "abb"];
 export function Exports({ payload, results }: { payload: Payload; results: PayloadResults }) {
   const [format, setFormat] = useState("ur");
   const [inFlange, setInFlange] = useState(false);
-  const [pose, setPose] = useState<number[]>([0, 0, 0, 0, 0, 0]);
-  const href = exportAddress(payload.id, format, inFlange ? pose : null);
+  const [pose, setPose] = useState<(number | undefined)[]>([0, 0, 0, 0, 0, 0]);
+  const placed = pose.filter(isNumber);
+  const lacking = inFlange && placed.length < POSE.length;
+  const href = lacking ? undefined : exportAddress(payload.id, format, inFlange ? placed : null);
   const { data: text, error, isPending } = useTextFile(href);
   return (
     <section aria-labelledby="exports">
@@ -49,14 +53,7 @@ export function Exports({ payload, results }: { payload: Payload; results: Paylo
             </Text>
             <SimpleGrid cols={{ base: 2, xs: 3, md: 6 }} spacing="xs" maw="48rem">
               {POSE.map((label, k) => (
-                <NumberInput
-                  key={label}
-                  label={label}
-                  value={pose[k]}
-                  decimalScale={6}
-                  step={k < 3 ? 0.001 : 1}
-                  onChange={(value) => typeof value === "number" && setPose(pose.map((each, at) => (at === k ? value : each)))}
-                />
+                <NumberField key={label} label={label} value={pose[k]} set={(value) => setPose((now) => now.map((each, at) => (at === k ? value : each)))} />
               ))}
             </SimpleGrid>
           </fieldset>
@@ -66,7 +63,9 @@ export function Exports({ payload, results }: { payload: Payload; results: Paylo
             This controller takes it to be in the flange’s frame; what is written below is in the {results.frame}.
           </Text>
         )}
-        {error ? (
+        {lacking ? (
+          <Text size="sm">The pose needs all six numbers.</Text>
+        ) : error ? (
           <ProblemBox error={error} />
         ) : isPending ? (
           <Loading what="the export" lines={1} />
