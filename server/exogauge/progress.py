@@ -7,9 +7,14 @@ from typing import Protocol
 
 
 class Stage(StrEnum):
-    """A part of an evaluation, in the order of their beginning."""
+    """A part of an evaluation, or of a payload's identification, in the order of their beginning."""
 
     READING = "reading"
+    POSTURES = "postures"
+    KINEMATICS = "kinematics"
+    EXCITATION = "excitation"
+    MISSING = "missing"
+    CONTACT = "contact"
     IDENTIFY = "identify"
     DISCREPANCY = "discrepancy"
     SUPPORT = "support"
@@ -43,6 +48,15 @@ class Doing(StrEnum):
     IDENTIFYING_BANDS = "identifying_bands"
     COMPARING_BAND_MODEL = "comparing_band_model"
     LOOKING_FOR_BAND_EFFECTS = "looking_for_band_effects"
+    FINDING_POSTURES = "finding_postures"
+    IDENTIFYING_STILL = "identifying_still"
+    PLACING_IMU = "placing_imu"
+    SMOOTHING_MOTION = "smoothing_motion"
+    IDENTIFYING_MOVED = "identifying_moved"
+    LOOKING_FOR_MISSING = "looking_for_missing"
+    IDENTIFYING_AGAIN = "identifying_again"
+    LOOKING_FOR_TOUCHES = "looking_for_touches"
+    COMPARING_METHODS = "comparing_methods"
     WRITING_RESULTS = "writing_results"
     DONE = "done"
 
@@ -51,6 +65,16 @@ class Progress(Protocol):
     """share: 0…1. of: the log or device that it is done with, where there is one. May raise `Cancelled`."""
 
     def __call__(self, share: float, doing: Doing, of: str = "", /) -> None: ...
+
+
+class Staged(Protocol):
+    """The same of a computation that says itself at which stage it is."""
+
+    def __call__(self, share: float, stage: Stage, doing: Doing, of: str = "", /) -> None: ...
+
+
+def nobody(share: float, stage: Stage, doing: Doing, of: str = "") -> None:
+    """Nobody watches the stages."""
 
 
 def unwatched(share: float, doing: Doing, of: str = "") -> None:

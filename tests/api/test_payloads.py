@@ -184,7 +184,7 @@ def identified(client: TestClient, stored: dict[str, Any], tmp_path: Path) -> st
     storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
     with storage.transaction() as store:
         store.payloads.write_to(stored["id"], tmp_path / "in")
-        identify(tmp_path / "in", tmp_path / "out", lambda share, doing: None, {})
+        identify(tmp_path / "in", tmp_path / "out", lambda share, doing, stage: None, {})
         content, now = (tmp_path / "out" / "results.json").read_bytes(), datetime.now(UTC)
         job = Job(
             kind="payload", payload_id=stored["id"], request_hash="0" * 64, state="succeeded", progress=1.0,

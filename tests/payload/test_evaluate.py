@@ -18,6 +18,7 @@ from tests.payload.conftest import GRAVITY, generator
 
 from exogauge.cli import main
 from exogauge.errors import ExogaugeError
+from exogauge.payload.compute import identify
 from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
 from exogauge.payload.contract import LogEntry
 from exogauge.payload.evaluate import evaluate
@@ -27,6 +28,7 @@ from exogauge.payload.results import PayloadResults, results
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import gravity_of
 from exogauge.payload.tables import identified_by_method, left_by_method
+from exogauge.progress import Stage
 from exogauge.synthetic.payload import write_payload
 
 Array = NDArray[np.float64]
@@ -242,6 +244,22 @@ def postures_alone(folder: Path) -> None:
     content = yaml.safe_load((folder / "payload.yaml").read_text())
     content["logs"] = content["logs"][:1]
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+
+
+def test_an_identification_says_at_which_stage_it_is(sample: Path, tmp_path: Path) -> None:
+    said: list[tuple[float, str, Stage]] = []
+    identify(sample, tmp_path / "whole", lambda *each: said.append(each), {})
+    assert list(dict.fromkeys(stage for _, _, stage in said)) == [
+        Stage.READING, Stage.POSTURES, Stage.KINEMATICS, Stage.EXCITATION, Stage.MISSING, Stage.CONTACT, Stage.WRITING,
+    ]  # fmt: skip
+    shares = [share for share, _, _ in said]
+    assert shares == sorted(shares)
+    assert "smoothing the motion of fast" in {message for _, message, _ in said}
+    shutil.copytree(sample, tmp_path / "still")
+    postures_alone(tmp_path / "still")
+    said.clear()
+    identify(tmp_path / "still", tmp_path / "out", lambda *each: said.append(each), {})
+    assert {stage for _, _, stage in said} == {Stage.READING, Stage.POSTURES, Stage.WRITING}
 
 
 def test_logs_of_one_name_are_all_told_and_one_log_twice_is_refused(

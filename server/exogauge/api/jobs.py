@@ -63,7 +63,7 @@ class JobRequest(BaseModel):
 @final
 class JobStep(BaseModel):
     """Something that the present attempt did or does. progress: of the whole job when it began, 0..1. stage: of an
-    evaluation, where it belongs. seconds: how long it took; null while it goes on."""
+    evaluation or identification, where it belongs. seconds: how long it took; null while it goes on."""
 
     message: str
     progress: float
@@ -75,10 +75,10 @@ class JobStep(BaseModel):
 @final
 class JobOut(Answer):
     """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; stage: where in
-    an evaluation that belongs; steps: what it did before, with times. place: where in the queue it is, in words;
-    ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row, column, value
-    and advice, where what was handed in is to blame; defect: exogauge itself is to blame. revision: grows with every
-    change and is the id of its events."""
+    an evaluation or identification that belongs; steps: what it did before, with times. place: where in the queue it
+    is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
+    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. revision:
+    grows with every change and is the id of its events."""
 
     id: str
     study_id: str | None

@@ -13,18 +13,25 @@ from exogauge.payload.intake import Payload, open_payload
 from exogauge.payload.planning.plan import open_plan, plan_excitation, plan_postures, write_plan
 from exogauge.payload.report import write_report
 from exogauge.payload.results import results, write_results
+from exogauge.progress import Doing, Stage
+from exogauge.studies.words.progress_words import phrase
 
 PLAN = "plan.json"
-READ = 0.1  # of a job: by then the logs are in memory
+READ, WRITE = 0.1, 0.95  # of a job: by then the logs are in memory, all is identified
 Progress = Callable[[float, str], None]
+Report = Callable[[float, str, Stage], None]
 
 
-def identify(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
+def identify(folder: Path, out: Path, report: Report, settings: Mapping[str, Any]) -> None:
     """results.json and its schema, report.html and the one-page summary. settings: override those of payload.yaml."""
-    progress(0.0, "reading logs")
+
+    def progress(share: float, stage: Stage, doing: Doing, of: str = "") -> None:
+        report(READ + (WRITE - READ) * share, phrase(doing, of), stage)
+
+    report(0.0, phrase(Doing.READING_LOGS), Stage.READING)
     payload = with_settings(open_payload(folder), settings)
-    evaluation = evaluate(payload, lambda share, doing: progress(READ + (0.95 - READ) * share, doing))
-    progress(0.95, "writing results")
+    evaluation = evaluate(payload, progress)
+    report(WRITE, phrase(Doing.WRITING_RESULTS), Stage.WRITING)
     write_results(evaluation, out)
     write_report(results(evaluation), out)
 

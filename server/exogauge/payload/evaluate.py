@@ -25,9 +25,11 @@ from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_
 from exogauge.payload.remainder import Remainder, remainder
 from exogauge.payload.stages import Excitation, Postures, excitation_stage, postures_stage, prior_of, stated_sign
 from exogauge.payload.statics import Holds, static_stage
+from exogauge.progress import Doing, Stage, Staged, nobody
 
 Array = NDArray[np.float64]
 
+MOVED: tuple[Role, ...] = ("excitation", "test", "contact")
 NO_DOUBT = np.zeros((18, 18))
 
 
@@ -94,40 +96,58 @@ class _Logs:
         return _Logs(holds, self.acceleration, excitation, test, contact)
 
 
-def evaluate(payload: Payload, progress: Callable[[float, str], None] = lambda share, doing: None) -> Evaluation:
-    """progress: share done and what is being done. Raises BadInput, NotIdentifiable."""
-    progress(0.0, "postures")
+def evaluate(payload: Payload, progress: Staged = nobody) -> Evaluation:
+    """Raises BadInput, NotIdentifiable."""
     if not payload.of("postures") and not payload.of("excitation"):
         advice = "Give a log the role `postures` (the arm stops here and there) or `excitation`."
         raise BadStudy(Fault("no log identifies the payload", "no_role", advice, payload.name, None, "logs"))
-    holds, acceleration = holds_of(payload) if payload.of("postures") else (None, None)
+    holds, acceleration = None, None
+    if payload.of("postures"):
+        progress(0.0, Stage.POSTURES, Doing.FINDING_POSTURES)
+        holds, acceleration = holds_of(payload)
+        progress(0.05, Stage.POSTURES, Doing.IDENTIFYING_STILL)
     postures, said = _still(payload, holds, acceleration)
     sign = postures.chosen.sign if postures else stated_sign(payload)
     gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
-    imu = _imu(payload, postures, gravity) if payload.file.imu is not None and postures else None
-    progress(0.1, "excitation")
-    excitation, test, contact = (
-        [moving(payload, recording, gravity, imu) for recording in payload.of(role)]
-        for role in ("excitation", "test", "contact")
-    )  # fmt: skip
+    imu = None
+    if payload.file.imu is not None and postures:
+        progress(0.08, Stage.POSTURES, Doing.PLACING_IMU)
+        imu = _imu(payload, postures, gravity)
+    excitation, test, contact = (_moved(payload, role, gravity, imu, progress) for role in MOVED)
     logs = _Logs(holds, acceleration, excitation, test, contact)
+    if excitation:
+        progress(0.3, Stage.EXCITATION, Doing.IDENTIFYING_MOVED)
     stages, rigid = _stages(payload, logs, sign, postures, said), None
-    progress(0.5, "what is missing")
+    if excitation:
+        progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
     missing = _missing(payload, stages, logs, sign)
     clean = logs
     if missing.in_the_model:
         clean, rigid = logs.without(missing.courses), stages
         if missing.of_body:
+            progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
             again = _still(payload, clean.holds, clean.acceleration)
             stages = _stages(payload, clean, sign, *again, missing.doubt)
-    progress(0.8, "what is left")
+    if contact:
+        progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign)
     warnings = [*stages.warnings, *_doubts(stages, rigid, missing)]
+    if test:
+        progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
     level = _level(payload, (rigid or stages).postures, logs.excitation)
     return Evaluation(
         payload, sign, stages, rigid, level, _tests(payload, stages, rigid, level, logs, clean), touches, thresholds,
         imu, missing, tuple(dict.fromkeys(warnings)),
     )  # fmt: skip
+
+
+def _moved(payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, progress: Staged) -> list[Moved]:
+    out = list[Moved]()
+    for recording in payload.of(role):
+        done = MOVED.index(role) + len(out) / len(payload.of(role))
+        progress(0.1 + 0.2 * done / len(MOVED), Stage.KINEMATICS, Doing.SMOOTHING_MOTION, recording.name)
+        out.append(moving(payload, recording, gravity, imu))
+    return out
 
 
 def _still(payload: Payload, holds: Holds | None, acceleration: Array | None) -> tuple[Postures | None, list[str]]:

@@ -16,6 +16,7 @@ import { FilesSection } from "../study/FilesSection";
 import { JobBar } from "../study/JobBar";
 import { JobTrouble } from "../study/JobTrouble";
 import { useJob, type Job } from "../study/jobs";
+import { Pipeline } from "../study/Pipeline";
 import { Exports } from "./Exports";
 import { factsOf, identifies } from "./facts";
 import { In3D } from "./In3D";
@@ -23,6 +24,7 @@ import { Live } from "./Live";
 import { PayloadFindings } from "./PayloadFindings";
 import { Plans } from "./Plans";
 import { Results } from "./Results";
+import { stagesOf } from "./stages";
 
 export function Component() {
   const { payloadId = "" } = useParams();
@@ -76,6 +78,7 @@ function Identified({ payload, jobs }: { payload: Payload; jobs: Job[] }) {
       <div>
         <JobBar job={job} jobs={jobs.map((each) => (each.id === job.id ? job : each))} onChoose={choose} />
         <JobTrouble job={job} onLog={null} />
+        {!succeeded && <Pipeline stages={stagesOf(job, payload)} />}
         {results.error && <ProblemBox error={results.error} retry={() => void results.refetch()} />}
       </div>
       {succeeded && !results.data && !results.error && <Loading what="the results" />}

@@ -5,7 +5,7 @@ A job says itself at which stage it is.
 
 import type { Job } from "./jobs";
 import type { StudySummary } from "./summary";
-import { STEPS } from "./words";
+import { PAYLOAD_STEPS, STEPS } from "./words";
 
 export type StageState = "done" | "now" | "failed" | "stopped" | "waiting" | "unreached" | "skipped";
 export type Stage = { key: string; name: string; about: string; state: StageState; reason: string };
@@ -18,31 +18,33 @@ const WORDS: Record<string, [string, string]> = {
 };
 
 export function stagesOf(job: Job, { steps = [] }: StudySummary): Stage[] {
-  const at = placeOf(job);
-  return ORDER.map((key, k) => {
+  return ORDER.map((key) => {
     const [name, about] = WORDS[key] as [string, string];
     const skipped = steps.find((each) => each.step === key)?.skipped ?? (made(job.kind, key) ? null : "not asked for");
-    return { key, name, about, state: skipped ? "skipped" : stateOf(job, key, k, at), reason: skipped ?? "" };
+    return { key, name, about, state: skipped ? "skipped" : stateOf(job, key, ORDER), reason: skipped ?? "" };
   });
 }
 
-function stateOf(job: Job, key: string, k: number, at: number): StageState {
+/** How a job stands to one of its stages. order: of all of them. */
+export function stateOf(job: Job, key: string, order: readonly string[]): StageState {
+  const [k, at] = [order.indexOf(key), placeOf(job, order)];
   if (job.state === "succeeded") return "done";
   const ahead = job.state === "failed" || job.state === "cancelled" ? "unreached" : "waiting";
   if (job.state === "queued" || at < 0) return ahead;
-  const present = k === at || (key === "stiffness" && ORDER[at] === "support");
+  const present = k === at || (key === "stiffness" && order[at] === "support");
   if (present) return job.state === "failed" ? "failed" : job.state === "cancelled" ? "stopped" : "now";
   return k < at ? "done" : ahead;
 }
 
 /** Index of the stage that the job is in, or was when it ended; -1 where it has not begun. */
-function placeOf({ stage, started_at }: Job): number {
-  return stage ? ORDER.indexOf(stage) : started_at ? 0 : -1;
+function placeOf({ stage, started_at }: Job, order: readonly string[]): number {
+  return stage ? order.indexOf(stage) : started_at ? 0 : -1;
 }
 
 /** `Supporting torque: comparing bend_1`. */
 export function phrase({ stage, message }: { stage?: Job["stage"]; message: string }): string {
-  return stage && stage in STEPS ? `${STEPS[stage]![0]}: ${message}` : message;
+  const name = stage && (STEPS[stage] ?? PAYLOAD_STEPS[stage])?.[0];
+  return name ? `${name}: ${message}` : message;
 }
 
 function made(kind: string, step: string): boolean {

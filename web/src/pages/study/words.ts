@@ -7,6 +7,14 @@ export const STEPS: Record<string, [string, string]> = {
   stiffness: ["Bands", "stiffness and natural length"],
 };
 
+export const PAYLOAD_STEPS: Record<string, [string, string]> = {
+  postures: ["Postures", "mass, centre, zero at rest"],
+  kinematics: ["Motion", "how the sensor moves in each log"],
+  excitation: ["Excitation", "inertia, and all that motion tells"],
+  missing: ["Missing effects", "what a rigid body lacks"],
+  contact: ["Contact", "what touched, what is left"],
+};
+
 export const KINDS: Record<string, string> = {
   evaluate: "whole evaluation",
   support: "up to the supporting torque",
