@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import json
 import os
 import signal
 import socket
 import struct
 import subprocess
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -372,6 +375,30 @@ def test_a_process_that_is_killed_loses_nothing_that_was_written(
     table = pq.read_table(log)
     assert np.array_equal(table["seq"].to_numpy(), np.arange(1000))
     assert np.array_equal(table["fx"].to_numpy(), rows[:1000, 7])
+
+
+@pytest.mark.parametrize("attempt", range(3))
+def test_a_writer_in_mid_sentence_hears_why_it_is_over(
+    service: Service, payload: str, rows: Array, attempt: int
+) -> None:
+    line, stream, _ = begun(service, payload)
+    seen = threading.Event()
+
+    def talk() -> None:
+        with contextlib.suppress(ConnectionClosed):
+            for k in itertools.count():
+                line.send(packed(k, rows[k % len(rows)][None]))
+                time.sleep(0.002)
+                if k == 50:
+                    seen.set()
+
+    talking = threading.Thread(target=talk)
+    talking.start()
+    assert seen.wait(30)
+    os.kill(process_of(stream), signal.SIGKILL)
+    told, code = to_the_end(line)
+    talking.join(30)
+    assert (code, told[-1]["rule"]) == (1011, "stream_died")
 
 
 def test_a_stream_to_which_nobody_comes_back_is_kept_as_lost(

@@ -81,8 +81,10 @@ async def follow(client: WebSocket, payload_id: str) -> None:
         running.client = client
         await greet(running)
         await listen(client, running)
-    except (ConnectionError, WebSocketDisconnect):
-        pass  # the process is gone, and who follows it says so; or the client is
+    except ConnectionError:  # the process is gone: who follows it says why, and needs the line for that
+        await running.told.wait()
+    except WebSocketDisconnect:
+        pass
     finally:
         if running.client in (client, None):
             running.client, running.taken = None, False

@@ -56,6 +56,7 @@ class Running:
         self.counts: Mapping[str, Any] = {}
         self.ended: Mapping[str, Any] | None = None
         self.refused = False
+        self.told = asyncio.Event()  # to all who are there, why it is over
         self.process: asyncio.subprocess.Process | None = None
         self._reader: asyncio.StreamReader | None = None
         self._writer: asyncio.StreamWriter | None = None
@@ -72,6 +73,8 @@ class Running:
     async def pass_on(self, kind: int, content: bytes) -> None:
         """To the process; waits while it is busy. ConnectionError: it is gone."""
         assert self._writer is not None
+        if self._writer.is_closing():  # uvloop's transport would say so with a RuntimeError
+            raise ConnectionResetError("the process of the stream is gone")
         self._writer.write(framed(kind, content))
         await self._writer.drain()
 
@@ -226,6 +229,12 @@ class Hub:
         return found
 
     async def _follow(self, running: Running) -> None:
+        try:
+            await self._until_over(running)
+        finally:
+            running.told.set()
+
+    async def _until_over(self, running: Running) -> None:
         await running.listen(self._storage)
         if running.ended is not None:
             await run_in_threadpool(self._end, running.key, running.row(), "ended")
@@ -243,7 +252,7 @@ class Hub:
             told = {"type": "error", "detail": DIED.detail, "rule": DIED.rule, "advice": DIED.advice, "faults": 1}
             await running.tell(json.dumps(told))
             await running.over(1011)
-            await self._bury(running.key, running.row())
+            self._later(self._bury(running.key, running.row()))
         running.stop()
 
     async def _bury(self, key: str, counts: Counts | None = None) -> None:
