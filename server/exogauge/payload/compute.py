@@ -17,7 +17,7 @@ from exogauge.progress import Doing, Stage
 from exogauge.studies.words.progress_words import phrase
 
 PLAN = "plan.json"
-READ, WRITE = 0.1, 0.95  # of a job: by then the logs are in memory, all is identified
+READ = 0.1  # of a job: by then the logs are in memory
 Progress = Callable[[float, str], None]
 Report = Callable[[float, str, Stage], None]
 
@@ -26,12 +26,12 @@ def identify(folder: Path, out: Path, report: Report, settings: Mapping[str, Any
     """results.json and its schema, report.html and the one-page summary. settings: override those of payload.yaml."""
 
     def progress(share: float, stage: Stage, doing: Doing, of: str = "") -> None:
-        report(READ + (WRITE - READ) * share, phrase(doing, of), stage)
+        report(READ + (0.95 - READ) * share, phrase(doing, of), stage)
 
     report(0.0, phrase(Doing.READING_LOGS), Stage.READING)
     payload = with_settings(open_payload(folder), settings)
     evaluation = evaluate(payload, progress)
-    report(WRITE, phrase(Doing.WRITING_RESULTS), Stage.WRITING)
+    report(0.95, phrase(Doing.WRITING_RESULTS), Stage.WRITING)
     write_results(evaluation, out)
     write_report(results(evaluation), out)
 
