@@ -11,12 +11,15 @@ import pytest
 from numpy.typing import NDArray
 from tests.payload.conftest import STD, case
 
-from exogauge.payload.doctor import delayed, drift_in_holds, noise_in_holds, quantised, saturated, zero_steps
+from exogauge.logs.findings import longest_run
+from exogauge.payload.doctor import cut_off, delayed, drift_in_holds, noise_in_holds, quantised, saturated, zero_steps
 from exogauge.payload.dynamics import dynamic_rows
 from exogauge.payload.intake import Payload, Stream, open_payload
 from exogauge.synthetic.payload import write_payload
 
 Array = NDArray[np.float64]
+LONG = 8  # samples of a run
+KUKA = Path(__file__).resolve().parents[3] / "shared/data/kuka_ft_payload"
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +61,55 @@ def test_each_fault_is_found_and_none_where_there_is_none(rule: str, payload: Pa
     assert not list(look(payload, payload.recordings[0]))
     spoiled = changed(payload, spoil)  # type: ignore[arg-type]
     assert rule in {each.rule for each in look(spoiled, spoiled.recordings[0])}
+
+
+def cut(values: Array, share: float, sides: str) -> Array:
+    """Every channel, at a share of what it reaches from its median."""
+    middle = np.median(values, axis=0)
+    low, high = (share * (end - middle) + middle for end in (values.min(axis=0), values.max(axis=0)))
+    return np.clip(values, low if "-" in sides else None, high if "+" in sides else None)
+
+
+@pytest.mark.parametrize("step", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("sides", ["+", "-", "+-"])
+def test_a_channel_cut_off_below_the_rated_range_is_found_on_its_sides(
+    sides: str, step: float, payload: Payload
+) -> None:
+    """step: of the converter, in standard deviations of the noise; the coarser, the longer a run has to be."""
+    long = LONG if step < 1.0 else 5 * LONG
+    for recording in payload.recordings:
+        values = recording.wrench.values
+        read = np.round(values / (step * STD)) * (step * STD) if step else values
+        for name, whole, channel in zip("xyzXYZ", read.T, cut(read, 0.8, sides).T, strict=True):
+            assert not list(cut_off(name, whole))
+            found = {each.value for each in cut_off(name, channel)}
+            ends = {float(channel.max())} if "+" in sides else set()
+            ends |= {float(channel.min())} if "-" in sides else set()
+            assert {end for end in ends if longest_run(channel == end)[1] >= long} <= found <= ends
+    only = replace(
+        payload, file=payload.file.model_copy(update={"sensor": payload.file.sensor.model_copy(update={"range": None})})
+    )
+    assert not [each for log in only.recordings for each in saturated(only, log)]
+    spoiled = changed(only, lambda time, wrench: cut(wrench, 0.8, sides))
+    assert "saturated" in {each.rule for each in saturated(spoiled, spoiled.recordings[0])}
+
+
+@pytest.mark.parametrize("step", [2.0, 4.0, 16.0, 100.0, 300.0])
+def test_a_coarse_channel_is_not_said_to_be_cut_off(step: float, payload: Payload) -> None:
+    coarse = [(log.name, np.round(log.wrench.values / (step * STD)) * (step * STD)) for log in payload.recordings]
+    assert not [(name, each) for name, values in coarse for channel in values.T for each in cut_off(name, channel)]
+
+
+@pytest.mark.skipif(not KUKA.is_dir(), reason="no recordings beside the repository")
+@pytest.mark.parametrize("log", ["0-steady-state_wrench", "1-baseline_wrench"])
+def test_no_channel_of_a_real_sensor_is_said_to_be_cut_off(log: str) -> None:
+    table = np.genfromtxt(KUKA / f"{log}.csv", delimiter=",", names=True)
+    for name in ("fx", "fy", "fz", "tx", "ty", "tz"):
+        assert not list(cut_off(name, table[name]))
+        for sides in "+-":
+            channel = cut(table[name][:, None], 0.5, sides)[:, 0]
+            end = channel.max() if sides == "+" else channel.min()
+            assert [each.value for each in cut_off(name, channel)] == [end] * (longest_run(channel == end)[1] >= LONG)
 
 
 def test_a_sensor_zeroed_between_two_postures_is_found_on_its_axis(payload: Payload) -> None:

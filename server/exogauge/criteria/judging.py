@@ -127,6 +127,28 @@ class Carrying:
         "forces of all postures that differ by less are one: nothing hangs there",
         judgement(PAYLOAD),
     )
+    full: float = criterion(0.98, "1", "of the rated range: beyond, gauges are no longer linear", judgement(PAYLOAD))
+    cut_off_run: float = criterion(
+        8.0,
+        "samples",
+        "at exactly one extreme in a row, at least, before a channel is said to be cut off there",
+        judgement(PAYLOAD),
+    )
+    cut_off_chance: float = criterion(
+        1e-6,
+        "1",
+        "that a log holds such a run by chance, from how often its channel repeats a value elsewhere",
+        judgement(PAYLOAD),
+    )
+    cut_off_alive: float = criterion(
+        0.6,
+        "1",
+        "of the samples may repeat the one before, where most do: with more the channel is coarse and stands at rest",
+        judgement(PAYLOAD),
+    )
+    cut_off_judged: int = criterion(
+        200, "samples", "away from the extremes, of which it is told how often they repeat", judgement(PAYLOAD)
+    )
     other_mass: float = criterion(
         0.2, "of the weighed mass", "farther off, a unit is wrong rather than the identification", judgement(PAYLOAD)
     )

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import Criteria
 from exogauge.errors import BadInput, NotIdentifiable
-from exogauge.logs.findings import Finding
+from exogauge.logs.findings import Finding, longest_run
 from exogauge.payload.dynamics import dynamic_rows
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.holds import find_holds
@@ -19,7 +20,6 @@ from exogauge.payload.statics import static_stage, told_sign
 
 Array = NDArray[np.float64]
 
-FULL = 0.98  # of the rated range: gauges are no longer linear
 COARSE = 2.0  # steps of the converter in standard deviations: beyond, noise is no longer white
 NOISE_RATIO = (0.5, 1.5)  # found over stated, between which the statement holds
 CLEAR = 5.0  # standard deviations
@@ -51,17 +51,43 @@ def examine(payload: Payload) -> list[tuple[str, Finding]]:
 
 
 def saturated(payload: Payload, recording: Recording) -> Iterator[Finding]:
+    """Beyond the rated range, or cut off at a value below it."""
     rated = payload.file.sensor.range
-    if rated is None:
-        return
-    limits = np.array([*rated.force_n, *rated.moment_nm])
+    limits = np.full(6, np.inf) if rated is None else np.array([*rated.force_n, *rated.moment_nm])
     for name, values, limit in _axes(payload, recording, limits):
-        over = np.abs(values) >= FULL * limit
+        over = np.abs(values) >= Criteria().payload.full * limit
         if over.any():
             row = int(np.argmax(over)) + 1
             detail = f"{int(over.sum())} samples reach {np.abs(values).max():.4g}, the sensor is rated for {limit:.4g}"
             advice = "move slower or hold the payload nearer to the sensor; these samples are cut off"
             yield Finding("error", name, "saturated", detail, advice, row, float(np.abs(values).max()))
+        else:
+            yield from cut_off(name, values)
+
+
+def cut_off(name: str, values: Array) -> Iterator[Finding]:
+    """One extreme so often in a row that a channel which repeats itself as this one does elsewhere hardly gives it. A
+    channel that stands still elsewhere, as a coarse one at rest, tells nothing."""
+    said, same = Criteria().payload, np.diff(values) == 0.0
+    extremes = (float(values.max()), float(values.min()))
+    inside = ~np.isin(values, extremes)
+    elsewhere = same[inside[1:] & inside[:-1]]
+    if len(elsewhere) < said.cut_off_judged:
+        return
+    repeats = max(float(each.mean()) for each in np.array_split(elsewhere, len(elsewhere) // said.cut_off_judged))
+    if repeats > said.cut_off_alive:
+        return
+    chance = np.log(said.cut_off_chance / len(values)) / np.log(max(repeats, 1.0 / len(elsewhere)))
+    needed = max(said.cut_off_run, 1.0 + chance)
+    for extreme in extremes:
+        start, length = longest_run(values == extreme)
+        if length >= needed:
+            count = int(np.sum(values == extreme))
+            detail = (
+                f"{count} samples are exactly {extreme:.4g}, {length} of them in a row: the channel is cut off there"
+            )
+            advice = "a limit of the amplifier, the converter or the driver: widen it, or move slower"
+            yield Finding("error", name, "saturated", detail, advice, start + 1, extreme)
 
 
 def quantised(payload: Payload, recording: Recording) -> Iterator[Finding]:
