@@ -1,0 +1,109 @@
+"""The robot as a motion is planned for it: a flat coordinate space, what its feet stand on, and every bound."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.motion.human import Segment
+
+Array = NDArray[np.float64]
+BASE = ("base_x", "base_y", "base_z", "base_yaw", "base_roll", "base_pitch")
+
+
+@final
+@dataclass(frozen=True)
+class Sole:
+    """What a foot stands on. link: of the URDF. outline: (K, 3) [m] corners in the link's frame, in order around."""
+
+    link: str
+    outline: Array
+
+
+@final
+@dataclass(frozen=True)
+class Limits:
+    """(J,) each, in the order of the joints [rad or m and their rates; N·m or N]; inf where there is none."""
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    torque: Array
+
+
+@final
+@dataclass(frozen=True)
+class MotionRobot:
+    """model: pinocchio; nq = nv = B + J, dq/dt = v (`flat_model`). joints: (J,) names, in the model's order.
+
+    soles: those of the feet, left first where there are two. segments: part of the human body -> link that stands for
+    it. geometry: convex shapes with the pairs that may touch by accident, None where no shapes are known.
+    clearance: [m] that such pairs keep. left_out: pairs of links that are not looked at, and why.
+    """
+
+    name: str
+    model: pin.Model
+    joints: tuple[str, ...]
+    floating: bool
+    limits: Limits
+    soles: tuple[Sole, ...] = ()
+    segments: Mapping[Segment, str] = field(default_factory=dict)
+    geometry: pin.GeometryModel | None = None
+    clearance: float = 0.01
+    left_out: Mapping[tuple[str, str], str] = field(default_factory=dict)
+
+    @property
+    def base(self) -> int:
+        """B: 6 or 0."""
+        return 6 if self.floating else 0
+
+    @cached_property
+    def mass(self) -> float:
+        """[kg]"""
+        return float(sum(inertia.mass for inertia in self.model.inertias))
+
+    @cached_property
+    def torso(self) -> tuple[int, ...]:
+        """Indices in `joints` of those between the pelvis and the thorax, from below."""
+        return self.chain("pelvis", "thorax")
+
+    def chain(self, below: Segment, above: Segment) -> tuple[int, ...]:
+        """Indices in `joints` of those that move `above` and not `below`."""
+        model = self.model
+        there = [model.frames[model.getFrameId(self.segments[each])].parentJoint for each in (below, above)]
+        moves = [list(model.supports[joint]) for joint in there]
+        return tuple(
+            self.joints.index(model.names[joint]) for joint in moves[1] if joint not in moves[0] and joint > self.base
+        )
+
+
+def flat_model(urdf: str, joints: Sequence[str], floating: bool) -> pin.Model:
+    """The URDF's robot with the joints held at zero that are not named, on a base of six single joints.
+
+    x, y, z, then turns about z (yaw), x (roll) and y (pitch): the axes of each are constant, so derivatives are exact,
+    coordinates add up, and only a robot that lies on its side (roll 90°) is singular.
+    """
+    whole = pin.buildModelFromXML(urdf)
+    held = [k for k in range(1, whole.njoints) if whole.names[k] not in joints]
+    model = pin.buildReducedModel(whole, held, pin.neutral(whole)) if held else whole
+    if not floating:
+        return model
+    base = pin.Model()
+    base.name = model.name
+    last = 0
+    kinds = (
+        pin.JointModelPX(), pin.JointModelPY(), pin.JointModelPZ(),
+        pin.JointModelRZ(), pin.JointModelRX(), pin.JointModelRY(),
+    )  # fmt: skip
+    for kind, name in zip(kinds, BASE, strict=True):
+        last = base.addJoint(last, kind, pin.SE3.Identity(), name)
+    frame = base.addFrame(pin.Frame("base", last, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    return pin.appendModel(base, model, frame, pin.SE3.Identity())
