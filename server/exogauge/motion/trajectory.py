@@ -27,4 +27,4 @@ class Trajectory:
     @property
     def base(self) -> int:
         """B"""
-        return self.q.shape[1] - len(self.joints)
+        return int(self.q.shape[1]) - len(self.joints)
