@@ -4,6 +4,7 @@ ExogaugeError
 ├── BadInput             what a user handed in breaks a rule: one `Fault` per place
 │   ├── BadLog           a log table or its mapping
 │   ├── BadRobot         robot.yaml or the URDF
+│   ├── BadMotion        a file of captured motion
 │   ├── BadStudy         study.yaml, the bundle, a missing file
 │   └── TooLarge         a size, depth or memory cap
 ├── NotIdentifiable      the data hold no answer to the question asked
@@ -73,6 +74,10 @@ class BadLog(BadInput):
 
 class BadRobot(BadInput):
     """robot.yaml or the URDF."""
+
+
+class BadMotion(BadInput):
+    """A file of captured motion."""
 
 
 class BadStudy(BadInput):

@@ -1,0 +1,25 @@
+"""What decides when a file of captured motion is read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True)
+class MotionImport:
+    """shortest_m, tallest_m: feet to head of a person that stands; beyond 98 % of adults, bent postures included in
+    the 90th percentile over time that is compared. upright: share of the way from feet to head that must lie along one
+    axis before it is taken as up; a bend of 45° leaves .7. uneven: share of a sample by which a clock may stray."""
+
+    shortest_m: float = 0.9
+    tallest_m: float = 2.3
+    upright: float = 0.8
+    uneven: float = 0.1
+    most_bytes: int = 2_000_000_000
+    most_points: int = 20_000_000
+    largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
+
+
+USUAL = MotionImport()

@@ -1,0 +1,152 @@
+"""ASF/AMC: a skeleton and its angles (Acclaim; documented by J. Lander, 1998). The ASF's unit of length counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from exogauge.motion.files.captured import Captured, Skeleton, fault, lines_of, number, pose_of
+
+Array = NDArray[np.float64]
+DOF = ("tx", "ty", "tz", "rx", "ry", "rz")
+INCH, RATE = 0.0254, 120.0  # an AMC says no rate: CMU's database was captured at 120 Hz
+
+
+@final
+@dataclass
+class _Bone:
+    """direction, axis: (3,) as the ASF has them, in the skeleton's frame. dof: tx … rz, in the AMC's order."""
+
+    dof: list[str] = field(default_factory=list)
+    direction: Array = field(default_factory=lambda: np.zeros(3))
+    axis: Array = field(default_factory=lambda: np.zeros(3))
+    length: float = 0.0
+
+
+def read_amc(path: Path, skeleton: Path | None) -> Captured:
+    """Raises BadMotion."""
+    if skeleton is None:
+        raise fault(path, "an AMC file holds angles and no bones", "no_skeleton", "Give its ASF file too")
+    unit, angle, bones, hierarchy = _bones(skeleton)
+    frames, lines = _frames(path, bones)
+    names = ("root", *[name for name in _ordered(skeleton, hierarchy) if name in bones and name != "root"])
+    parent = np.array([-1, *[names.index(hierarchy[name]) for name in names[1:]]], dtype=np.intp)
+    size = len(frames)
+    local, offset, end = np.empty((size, len(names), 3, 3)), np.zeros((len(names), 3)), np.zeros((len(names), 3))
+    rest = np.empty((1, len(names), 3, 3))
+    world = [Rotation.from_euler("xyz", bones[name].axis, degrees=angle) for name in names]
+    root = np.zeros((size, 3))
+    for j, name in enumerate(names):
+        above = Rotation.identity() if parent[j] < 0 else world[parent[j]]
+        still = above.inv() * world[j]
+        turns = np.zeros((size, 3))
+        dof = bones[name].dof
+        for k, each in enumerate(dof):
+            values = np.array([frame[name][k] for frame in frames])
+            if each[0] == "t":
+                root[:, "xyz".index(each[1])] = values
+            else:
+                turns[:, "xyz".index(each[1])] = values
+        local[:, j] = (still * Rotation.from_euler("xyz", turns, degrees=angle)).as_matrix()
+        rest[:, j] = still.as_matrix()
+        end[j] = world[j].inv().apply(bones[name].direction) * bones[name].length
+        offset[j] = 0.0 if parent[j] < 0 else end[parent[j]]
+    pose = pose_of(names, parent, local, offset, end, root)
+    still_pose = [each[0] for each in pose_of(names, parent, rest, offset, end, root[:1])]
+    told = {"rate": f"guessed: {RATE:g} Hz, an AMC file does not say", "frames": f"{lines} lines"}
+    body = Skeleton(names, parent, *pose, *still_pose)
+    return Captured("ASF/AMC", np.arange(size) / RATE, unit, None, skeleton=body, told=told)
+
+
+def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
+    """Metres per unit, degrees?, bones by name, parents by name."""
+    unit, degrees, section = INCH, True, ""
+    bones = {"root": _Bone(list(DOF))}
+    hierarchy: dict[str, str] = {}
+    now = _Bone()
+    for row, line in enumerate(lines_of(path), start=1):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        if words[0].startswith(":"):
+            section = words[0][1:].lower()
+        elif section == "units" and words[0] == "length":
+            unit = INCH / number(path, words[1], row, "length")
+        elif section == "units" and words[0] == "angle":
+            degrees = words[1].lower().startswith("deg")
+        elif section == "root" and words[0] == "order":
+            bones["root"].dof = _dof(path, words[1:], row)
+        elif section == "bonedata" and words[0] == "begin":
+            now = _Bone()
+        elif section == "bonedata" and words[0] == "name":
+            bones[words[1]] = now
+        elif section == "bonedata" and words[0] in ("direction", "axis"):
+            if len(words) < 4 or (words[0] == "axis" and words[4:] not in ([], ["XYZ"])):
+                raise fault(path, "this axis cannot be read", "bad_axis", "Three numbers, in the order XYZ", row=row)
+            setattr(now, words[0], np.array([number(path, word, row, words[0]) for word in words[1:4]]))
+        elif section == "bonedata" and words[0] == "length":
+            now.length = number(path, words[1], row, "length")
+        elif section == "bonedata" and words[0] == "dof":
+            now.dof = _dof(path, words[1:], row)
+        elif section == "hierarchy" and words[0] not in ("begin", "end"):
+            hierarchy |= dict.fromkeys(words[1:], words[0])
+    if len(bones) < 2 or not hierarchy:
+        raise fault(path, "no bones are described", "not_asf", "An ASF file has :bonedata and :hierarchy")
+    return unit, degrees, bones, hierarchy
+
+
+def _dof(path: Path, words: list[str], row: int) -> list[str]:
+    dof = [word.lower() for word in words]
+    wrong = next((each for each in dof if each not in DOF), None)
+    if wrong is not None:
+        raise fault(path, "no such freedom of a bone", "bad_dof", f"One of {', '.join(DOF)}", row=row, value=wrong)
+    return dof
+
+
+def _ordered(path: Path, hierarchy: dict[str, str]) -> list[str]:
+    """Parents before children."""
+    order, left = ["root"], dict(hierarchy)
+    while left:
+        ready = [name for name, above in left.items() if above in order]
+        if not ready:
+            name, above = next(iter(left.items()))
+            raise fault(path, f"bone {name!r} hangs on {above!r}, which hangs on nothing", "loose_bone",
+                        "Every bone of :hierarchy hangs on root in the end")  # fmt: skip
+        order += ready
+        left = {name: above for name, above in left.items() if name not in ready}
+    return order
+
+
+def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[list[dict[str, list[float]]], int]:
+    frames: list[dict[str, list[float]]] = []
+    lines = lines_of(path)
+    moved = {name for name, bone in bones.items() if bone.dof}
+    for row, line in enumerate(lines, start=1):
+        words = line.split()
+        if not words or words[0][0] in "#:":
+            continue
+        if len(words) == 1 and words[0].isdigit():
+            if int(words[0]) != len(frames) + 1:
+                raise fault(path, f"frame {len(frames) + 1} is missing", "frame_count", "Export the file again",
+                            row=row, value=words[0])  # fmt: skip
+            frames.append({})
+            continue
+        if words[0] not in moved or not frames:
+            raise fault(path, f"the skeleton has no moving bone {words[0]!r}", "other_bones",
+                        "Give the ASF file of this person", row=row, column=words[0])  # fmt: skip
+        dof = bones[words[0]].dof
+        if len(words) - 1 != len(dof):
+            raise fault(path, f"{len(words) - 1} numbers for {dof}", "other_bones", "Give the ASF file of this person",
+                        row=row, column=words[0])  # fmt: skip
+        frames[-1][words[0]] = [number(path, word, row, words[0]) for word in words[1:]]
+    short = next((k for k, frame in enumerate(frames) if set(frame) != moved), None)
+    if not frames or short is not None:
+        lost = sorted(moved - set(frames[short])) if short is not None else []
+        raise fault(path, f"frame {(short or 0) + 1} lacks bones: {', '.join(lost[:3]) or 'all'}", "frame_cut",
+                    "The file was cut off, or belongs to another skeleton", row=len(lines))  # fmt: skip
+    return frames, len(lines)

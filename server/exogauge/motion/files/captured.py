@@ -1,0 +1,95 @@
+"""What a reader hands on: the file's own axes and unit, not yet turned upright."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadMotion, Fault
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Skeleton:
+    """J bones as `motion.human.JointTree` has them, in the file's axes and unit."""
+
+    names: tuple[str, ...]
+    parent: NDArray[np.intp]
+    position: Array
+    rotation: Array
+    end: Array
+    rest_position: Array
+    rest_rotation: Array
+    rest_end: Array
+
+
+@final
+@dataclass(frozen=True)
+class Captured:
+    """unit: metres per unit of length, None where the file does not say. up: (3,) axis, None likewise.
+
+    labels, position: (T, M, 3) of markers, NaN where one was not seen; or a skeleton.
+    """
+
+    format: str
+    time: Array
+    unit: float | None
+    up: Array | None
+    labels: tuple[str, ...] = ()
+    position: Array | None = None
+    skeleton: Skeleton | None = None
+    told: Mapping[str, str] = field(default_factory=dict)
+
+
+def lines_of(path: Path) -> list[str]:
+    """Lines of a text file without their ends. Raises BadMotion where there is none, or where it is no text."""
+    data = path.read_bytes()
+    if not data.strip():
+        raise fault(path, "the file is empty", "empty_file", "Export the motion again")
+    if b"\0" in data[:4096]:
+        raise fault(path, "the file holds no text", "not_text", "Name the file as what it is: .c3d for C3D")
+    return data.decode("utf-8", errors="replace").splitlines()
+
+
+def fault(
+    path: Path, detail: str, rule: str, advice: str, *, row: int | None = None, column: str | None = None,
+    value: str | None = None,
+) -> BadMotion:  # fmt: skip
+    return BadMotion(Fault(detail, rule, advice, path.name, row, column, value))
+
+
+def number(path: Path, text: str, row: int, column: str) -> float:
+    """A finite number. row counts the file's lines from 1."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise fault(path, "this is no number", "not_a_number", "Export the file again", row=row, column=column,
+                    value=text)  # fmt: skip
+    return value
+
+
+def pose_of(
+    names: tuple[str, ...], parent: NDArray[np.intp], local: Array, offset: Array, end: Array, root: Array
+) -> tuple[Array, Array, Array]:
+    """Places (T, J, 3), turns (T, J, 3, 3) and ends (T, J, 3) of bones, parents before children.
+
+    local: (T, J, 3, 3) turn of each bone in its parent. offset: (J, 3) of its origin in its parent's frame. end: (J, 3)
+    in its own frame. root: (T, 3).
+    """
+    rotation, position = np.empty_like(local), np.empty((*local.shape[:2], 3))
+    for j, above in enumerate(parent):
+        if above < 0:
+            rotation[:, j], position[:, j] = local[:, j], root
+        else:
+            rotation[:, j] = rotation[:, above] @ local[:, j]
+            position[:, j] = position[:, above] + rotation[:, above] @ offset[j]
+    return position, rotation, position + np.einsum("tjab,jb->tja", rotation, end)

@@ -1,0 +1,198 @@
+"""Any file of captured motion becomes a `HumanMotion`: metres, z up, seconds from 0. What was guessed is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_import import USUAL
+from exogauge.motion.files.captured import Captured, fault
+from exogauge.motion.human import HumanMotion, JointTree, Markers, Segment
+from exogauge.motion.presets import recognise
+
+Array = NDArray[np.float64]
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+UP = {sign + name: s * np.eye(3)[k] for k, name in enumerate("xyz") for sign, s in (("", 1.0), ("+", 1.0), ("-", -1.0))}
+
+
+def open_motion(
+    path: Path, *, skeleton: Path | None = None, up: str | None = None, unit: str | None = None,
+    subject: str | None = None,
+) -> HumanMotion:  # fmt: skip
+    """C3D, TRC, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises BadMotion.
+
+    up: x, y, z or -x, -y, -z, unit: m, cm, mm or in, where the file is silent or wrong. subject: the prefix of one of
+    several people. `told`: format, unit, up, prefix, preset, unknown, duplicates, unit_doubt, as far as there is one.
+    """
+    if not path.is_file():
+        raise fault(path, "there is no such file", "no_file", "Look at its name")
+    if path.stat().st_size > USUAL.most_bytes:
+        raise fault(path, "the file is too large", "too_large", "Cut the motion", value=f"{path.stat().st_size} bytes")
+    with path.open("rb") as stream:
+        head = stream.read(512)
+    try:
+        captured = _read(path, head, skeleton)
+    except (ValueError, IndexError, KeyError, OverflowError) as problem:  # what no rule of a reader foresaw
+        detail = f"the file is damaged: {problem}"
+        raise fault(path, detail, "damaged", "Export it again, from the program that captured it") from problem
+    if isinstance(captured, HumanMotion):
+        return captured
+    return _canonical(path, _one_person(path, captured, subject), up, unit)
+
+
+def _read(path: Path, head: bytes, skeleton: Path | None) -> Captured | HumanMotion:
+    kind = path.suffix.lower()
+    if kind == ".c3d":
+        from exogauge.motion.files.c3d import read_c3d
+
+        return read_c3d(path)
+    if kind == ".trc" or head.startswith(b"PathFileType"):
+        from exogauge.motion.files.trc import read_trc
+
+        return read_trc(path)
+    if kind in (".mot", ".sto"):
+        from exogauge.motion.files.storage import read_storage
+
+        return read_storage(path)
+    if kind == ".bvh" or head.lstrip().startswith(b"HIERARCHY"):
+        from exogauge.motion.files.bvh import read_bvh
+
+        return read_bvh(path)
+    if kind == ".amc":
+        from exogauge.motion.files.acclaim import read_amc
+
+        return read_amc(path, skeleton)
+    raise fault(path, "no such format of motion is known", "unknown_format", "C3D, TRC, MOT, STO, BVH or AMC",
+                value=path.suffix or None)  # fmt: skip
+
+
+def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured:
+    """Prefixes of subjects off; what is named twice and cannot be told apart is numbered, and told."""
+    told, labels, position = dict(captured.told), captured.labels, captured.position
+    if position is None:
+        return captured
+    prefixes = Counter(label.rsplit(":", 1)[0] for label in labels if ":" in label)
+    if len(prefixes) > 1 and subject not in prefixes:
+        raise fault(path, f"{len(prefixes)} people are in the file", "two_people",
+                    f"Say which one: {', '.join(sorted(prefixes))}", column="subject", value=subject)  # fmt: skip
+    if prefixes:
+        of = subject or next(iter(prefixes))
+        kept = [k for k, label in enumerate(labels) if label.startswith(of + ":") or ":" not in label]
+        labels, position = tuple(labels[k].removeprefix(of + ":") for k in kept), position[:, kept]
+        told["prefix"] = of
+    seen: Counter[str] = Counter()
+    twice = sorted(label for label, times in Counter(labels).items() if times > 1)
+    if twice:
+        told["duplicates"] = ", ".join(twice)
+    single = []
+    for label in labels:
+        seen[label] += 1
+        single.append(label if seen[label] == 1 and label not in twice else f"{label} #{seen[label]}")
+    return replace(captured, labels=tuple(single), position=position, told=told)
+
+
+def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None) -> HumanMotion:
+    time = _even(path, captured.time)
+    body = captured.skeleton
+    names = captured.labels if body is None else body.names
+    preset, segment = recognise(names)
+    points = captured.position if body is None else body.position
+    assert points is not None
+    if points[..., 0].size > USUAL.most_points:
+        raise fault(path, "more points than are taken", "too_large", "Cut the motion", value=str(points[..., 0].size))
+    if not np.isfinite(points).any():
+        raise fault(path, "no marker was seen in any frame", "all_gaps", "Export the trial with its trajectories")
+    told = {"format": captured.format, **captured.told, "preset": preset or "none knows these names"}
+    unknown = [name for name in names if name not in segment]
+    if unknown:
+        told["unknown"] = ", ".join(unknown)
+    tall = _feet_to_head(points, names, segment)
+    axis, told["up"] = _up(path, captured, up, tall)
+    metres, told["unit"] = _metres(path, captured, unit, tall)
+    height = float(np.nanpercentile(np.linalg.norm(tall, axis=1), 90)) * metres if tall is not None else np.nan
+    if np.isfinite(height) and not USUAL.shortest_m <= height <= USUAL.tallest_m:
+        told["unit_doubt"] = f"feet to head would be {height:.3g} m"
+    turn = _upright(axis)
+    if body is None:
+        place = points @ turn.T * metres
+        markers = Markers(captured.labels, place, np.zeros(place.shape[:2], dtype=bool), segment)
+        return HumanMotion(path.stem, time, markers=markers, told=told)
+    tree = JointTree(
+        body.names, body.parent, body.position @ turn.T * metres, turn @ body.rotation, body.end @ turn.T * metres,
+        turn @ body.rest_rotation, body.rest_position @ turn.T * metres, body.rest_end @ turn.T * metres, segment,
+    )  # fmt: skip
+    return HumanMotion(path.stem, time, tree=tree, told=told)
+
+
+def _even(path: Path, time: Array) -> Array:
+    """From 0, on an even clock."""
+    if len(time) < 2:
+        raise fault(path, "one frame is no motion", "one_frame", "Two frames at least", value=str(len(time)))
+    even = np.linspace(0.0, time[-1] - time[0], len(time))
+    stray = np.abs(time - time[0] - even)
+    if not even[1] > 0.0 or stray.max() > USUAL.uneven * even[1]:
+        raise fault(path, "time does not run evenly", "uneven_time", "Resample it, or cut where frames are lost",
+                    row=int(stray.argmax()) + 1, column="time", value=f"{time[stray.argmax()]:g}")  # fmt: skip
+    return even
+
+
+def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segment]) -> Array | None:
+    """(T', 3) from the feet to the head, or to the thorax where no head is known, in frames that show both."""
+    of = {part: [k for k, name in enumerate(names) if segment.get(name, "").endswith(part)]
+          for part in ("foot", "shank", "thorax", "head")}  # fmt: skip
+    below, above = of["foot"] or of["shank"], of["head"] or of["thorax"]
+    if not below or not above:
+        return None
+    seen = np.isfinite(points[..., 0])
+    both = seen[:, below].any(axis=1) & seen[:, above].any(axis=1)
+    way = np.nanmean(points[both][:, above], axis=1) - np.nanmean(points[both][:, below], axis=1)
+    return way if len(way) else None
+
+
+def _up(path: Path, captured: Captured, stated: str | None, tall: Array | None) -> tuple[Array, str]:
+    if stated is not None:
+        if stated.lower() not in UP:
+            raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
+        return UP[stated.lower()], f"stated: {stated.lower()}"
+    if captured.up is not None:
+        return captured.up, f"read: {_name(captured.up)}"
+    if tall is None:
+        raise fault(path, "which way is up is neither said nor seen", "no_up_axis", "Say it: up = x, y or z",
+                    column="up")  # fmt: skip
+    mean = np.median(tall, axis=0)
+    k = int(np.abs(mean).argmax())
+    if abs(mean[k]) < USUAL.upright * np.linalg.norm(mean):
+        raise fault(path, "feet and head lie along no single axis", "no_up_axis", "Say which way is up: x, y or z",
+                    column="up", value=", ".join(f"{each:.3g}" for each in mean))  # fmt: skip
+    axis = np.sign(mean[k]) * np.eye(3)[k]
+    return axis, f"guessed: {_name(axis)}, from the feet to the head"
+
+
+def _metres(path: Path, captured: Captured, stated: str | None, tall: Array | None) -> tuple[float, str]:
+    if stated is not None:
+        if stated not in UNITS:
+            raise fault(path, "no such unit", "bad_unit", "m, cm, mm or in", column="unit", value=stated)
+        return UNITS[stated], f"stated: {stated}"
+    if captured.unit is not None:
+        return captured.unit, f"read: {captured.unit:g} m"
+    high = float(np.percentile(np.linalg.norm(tall, axis=1), 90)) if tall is not None else np.nan
+    fit = [name for name, metres in UNITS.items() if USUAL.shortest_m <= high * metres <= USUAL.tallest_m]
+    if len(fit) != 1:
+        raise fault(path, "the unit of length is neither said nor seen", "no_unit", "Say it: m, cm, mm or in",
+                    column="unit", value=f"feet to head {high:.4g}")  # fmt: skip
+    return UNITS[fit[0]], f"guessed: {fit[0]}, as feet to head are {high * UNITS[fit[0]]:.2f} m then"
+
+
+def _name(axis: Array) -> str:
+    k = int(np.abs(axis).argmax())
+    return ("-" if axis[k] < 0 else "") + "xyz"[k]
+
+
+def _upright(up: Array) -> Array:
+    """(3, 3) rotation whose last row is `up`."""
+    first = np.roll(np.abs(up), 1)
+    return np.stack([first, np.cross(up, first), up])

@@ -1,0 +1,49 @@
+"""TRC, the text file of markers that OpenSim reads; header oddities that are met in the wild are taken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from exogauge.motion.files.captured import Captured, fault, lines_of, number
+
+METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "meters": 1.0, "millimeters": 1e-3}
+
+
+def read_trc(path: Path) -> Captured:
+    """Raises BadMotion. A point that is left empty, or at 0 0 0 exactly, was not seen."""
+    lines = lines_of(path)
+    if len(lines) < 6 or not lines[0].startswith("PathFileType"):
+        raise fault(path, "the first line is not that of a TRC file", "not_trc", "It begins with PathFileType", row=1)
+    header = dict(zip(lines[1].split(), lines[2].split(), strict=False))
+    labels = tuple(text.strip() for text in lines[3].split("\t")[2:] if text.strip())
+    stated, unit = header.get("NumMarkers", ""), METRES.get(header.get("Units", "").lower())
+    if not labels:
+        raise fault(path, "no marker is named", "no_markers", "Line 4 holds Frame#, Time and a name per marker", row=4)
+    if stated != str(len(labels)):
+        raise fault(path, f"{len(labels)} markers are named and {stated or 'none'} announced", "marker_count",
+                    "Line 3 announces what line 4 names", row=3, column="NumMarkers", value=stated)  # fmt: skip
+    rows = [(k, line) for k, line in enumerate(lines[5:], start=6) if line.strip()]
+    if header.get("NumFrames") != str(len(rows)):
+        raise fault(path, f"{len(rows)} frames are there and {header.get('NumFrames')} announced", "frame_count",
+                    "The file was cut off, or joined of two: export it again", row=3, column="NumFrames",
+                    value=header.get("NumFrames"))  # fmt: skip
+    wide = 3 * len(labels)
+    time, position = np.empty(len(rows)), np.full((len(rows), wide), np.nan)
+    for t, (row, line) in enumerate(rows):
+        fields = line.split("\t")
+        if len(fields) < 2 + wide or any(text.strip() for text in fields[2 + wide :]):
+            raise fault(path, f"{len(fields) - 2} numbers for {wide} coordinates", "row_length",
+                        "Every row holds frame, time and x, y, z of every marker", row=row)  # fmt: skip
+        time[t] = number(path, fields[1], row, "Time")
+        try:
+            position[t] = [float(text) if text.strip() else np.nan for text in fields[2 : 2 + wide]]
+        except ValueError:
+            for k, text in enumerate(fields[2 : 2 + wide]):
+                if text.strip():
+                    number(path, text, row, f"{labels[k // 3]} {'xyz'[k % 3]}")
+    points = position.reshape(len(rows), len(labels), 3)
+    points[(points == 0.0).all(axis=2)] = np.nan
+    points[~np.isfinite(points).all(axis=2)] = np.nan
+    return Captured("TRC", time, unit, None, labels, points)

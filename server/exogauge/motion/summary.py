@@ -1,0 +1,53 @@
+"""A motion in a few lines, and as arrays for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.motion.human import HumanMotion
+
+Array = NDArray[np.float64]
+
+
+def summarise(motion: HumanMotion) -> dict[str, str | float | int]:
+    """What the file is: frames, rate, what it holds, gaps, what was read and what was guessed."""
+    said: dict[str, str | float | int] = {
+        "name": motion.name, "frames": len(motion.time), "rate_hz": round(motion.rate, 6),
+        "seconds": round(float(motion.time[-1]), 6),
+    }  # fmt: skip
+    if motion.markers is not None:
+        gap = ~np.isfinite(motion.markers.position[..., 0])
+        runs = [longest_run(column) for column in gap.T]
+        said["markers"] = len(motion.markers.labels)
+        said["gaps"] = f"{100 * gap.mean():.2g} % of samples, in {100 * gap.any(axis=1).mean():.3g} % of frames"
+        if max(runs):
+            worst = int(np.argmax(runs))
+            said["longest_gap"] = f"{motion.markers.labels[worst]}: {max(runs)} frames"
+    if motion.tree is not None:
+        said["bones"] = len(motion.tree.names)
+    if motion.angles is not None:
+        said["coordinates"] = len(motion.angles.names)
+    return said | dict(motion.told)
+
+
+def longest_run(gap: NDArray[np.bool_]) -> int:
+    """Samples of the longest stretch of True. gap: (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], gap, [False]]).astype(np.int8)))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def write_arrays(motion: HumanMotion, path: Path) -> None:
+    """npz: time [s]; names, position (T, N, 3) [m], z up, NaN in gaps; of a skeleton rotation (T, N, 3, 3) R_world_bone
+    too; of angles names, value (T, K) [rad or m]."""
+    arrays: dict[str, NDArray[np.generic]] = {"time": motion.time}
+    if motion.markers is not None:
+        arrays |= {"names": np.array(motion.markers.labels), "position": motion.markers.position}
+    if motion.tree is not None:
+        tree = motion.tree
+        arrays |= {"names": np.array(tree.names), "position": tree.position, "rotation": tree.rotation}
+    if motion.angles is not None:
+        arrays |= {"names": np.array(motion.angles.names), "value": motion.angles.value}
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]

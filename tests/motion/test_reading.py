@@ -1,0 +1,298 @@
+"""Files made here, whose truth is known, and files that are wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import ezc3d
+import numpy as np
+import pytest
+
+from exogauge.cli import main
+from exogauge.errors import BadMotion
+from exogauge.motion.files import open_motion
+from exogauge.motion.presets import PRESETS
+
+LABELS = ("LFHD", "RFHD", "C7", "LASI", "RASI", "LKNE", "LHEE", "RHEE")
+STANDING = np.array([
+    [0.1, 0.1, 1.7], [0.1, -0.1, 1.7], [-0.1, 0, 1.5], [0.1, 0.1, 1.0], [0.1, -0.1, 1.0], [0, 0.1, 0.5],
+    [-0.1, 0.1, 0.1], [-0.1, -0.1, 0.1],
+])  # fmt: skip
+TURNS = {  # of a body that stands along z, into the axes of a file
+    "x": np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]),
+    "y": np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]),
+    "z": np.eye(3),
+    "-y": np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]),
+}
+
+
+def body(frames: int = 12) -> np.ndarray:
+    """(T, M, 3) [m], z up: a body that walks slowly along x."""
+    return STANDING + np.linspace(0.0, 0.2, frames)[:, None, None] * np.array([1.0, 0.0, 0.0])
+
+
+def trc(path: Path, points: np.ndarray, unit: str = "m", labels: tuple[str, ...] = LABELS, rate: float = 100.0) -> Path:
+    head = ["PathFileType\t4\t(X/Y/Z)\tmade.trc", "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits",
+            f"{rate}\t{rate}\t{len(points)}\t{len(labels)}\t{unit}",
+            "Frame#\tTime\t" + "\t\t\t".join(labels) + "\t\t", "\t\t" + "\t".join("XYZ" * len(labels)), ""]  # fmt: skip
+    rows = [
+        "\t".join([str(t + 1), f"{t / rate:.6f}", *("" if np.isnan(x) else repr(float(x)) for x in row.ravel())])
+        for t, row in enumerate(points)
+    ]
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    return path
+
+
+def c3d(path: Path, points: np.ndarray, labels: tuple[str, ...] = LABELS) -> Path:
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [100.0]
+    file["parameters"]["POINT"]["LABELS"]["value"] = list(labels)
+    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
+    file["data"]["points"] = np.concatenate([np.moveaxis(points, 2, 0), np.ones((1, *points.shape[:2]))]).transpose(
+        0, 2, 1
+    )
+    file.write(str(path))
+    return path
+
+
+BVH = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Spine2
+  {
+    OFFSET 0 30 0
+    CHANNELS 3 Yrotation Xrotation Zrotation
+    JOINT Head
+    {
+      OFFSET 0 30 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 0 20 0
+      }
+    }
+  }
+  JOINT LeftFoot
+  {
+    OFFSET 10 -95 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 0 15
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.01
+0 100 0 0 0 0 0 0 0 0 0 0 0 0 0
+0 100 0 0 90 0 0 90 0 0 0 0 0 0 0
+"""
+ASF = """:units
+  length 1.0
+  angle deg
+:root
+  order TX TY TZ RX RY RZ
+:bonedata
+  begin
+    name thorax
+    direction 0 1 0
+    length 20
+    axis 0 0 0 XYZ
+    dof rx
+  end
+  begin
+    name head
+    direction 0 1 0
+    length 10
+    axis 0 0 0 XYZ
+  end
+  begin
+    name lfoot
+    direction 0 -1 0
+    length 36
+    axis 0 90 0 XYZ
+    dof rz
+  end
+:hierarchy
+  begin
+    root thorax lfoot
+    thorax head
+  end
+"""
+AMC = ":DEGREES\n1\nroot 0 40 0 0 0 0\nthorax 0\nlfoot 0\n2\nroot 0 40 0 0 0 0\nthorax 90\nlfoot 0\n"
+
+
+@pytest.mark.parametrize("unit", ["m", "mm", "cm"])
+@pytest.mark.parametrize("up", list(TURNS))
+def test_every_axis_and_unit_comes_back_upright_in_metres(tmp_path, up, unit) -> None:
+    scale = {"m": 1.0, "mm": 1000.0, "cm": 100.0}[unit]
+    motion = open_motion(trc(tmp_path / "a.trc", body() @ TURNS[up].T * scale, unit))
+    assert motion.told["up"].startswith(f"guessed: {up},")
+    got, want = motion.markers.position, body()
+    assert got[..., 2] == pytest.approx(want[..., 2])
+    between = [np.linalg.norm(x[:, :, None] - x[:, None], axis=3) for x in (got, want)]
+    assert between[0] == pytest.approx(between[1])
+    left = [np.cross(x[0, 0] - x[0, 2], x[0, 1] - x[0, 2])[2] for x in (got, want)]
+    assert left[0] == pytest.approx(left[1])  # not mirrored
+
+
+def test_c3d_and_trc_of_one_motion_agree(tmp_path) -> None:
+    there, gone = body(), body()
+    gone[3:5, 2] = np.nan
+    first = open_motion(trc(tmp_path / "a.trc", gone, "m")).markers
+    second = open_motion(c3d(tmp_path / "a.c3d", 1000 * gone)).markers
+    assert first.labels == second.labels == LABELS
+    assert np.array_equal(np.isnan(first.position), np.isnan(gone))
+    assert np.array_equal(np.isnan(second.position), np.isnan(gone))
+    assert np.nanmax(np.abs(first.position - there)) < 1e-9
+    assert np.nanmax(np.abs(second.position - there)) < 1e-6
+    assert first.segment["LKNE"] == "l_thigh"
+
+
+def test_bones_of_a_bvh_turn_in_the_order_of_their_channels(tmp_path) -> None:
+    (tmp_path / "a.bvh").write_text(BVH)
+    motion = open_motion(tmp_path / "a.bvh", up="y")
+    assert motion.told["unit"].startswith("guessed: cm")
+    tree = motion.tree
+    head, spine = tree.names.index("Head"), tree.names.index("Spine2")
+    first = tree.rotation[0, 0].T @ (tree.end[0, head] - tree.position[0, 0])
+    assert first == pytest.approx([0, 0.8, 0])
+    # in frame 2 the root turns by 90° about its x, and the spine once more: what stood up hangs down behind it
+    bent = tree.end[1, head] - tree.position[1, spine]
+    assert bent[2] == pytest.approx(-0.5)
+    assert np.linalg.norm(tree.position[1, spine] - tree.position[1, 0]) == pytest.approx(0.3)
+    assert tree.position[0, 0, 2] == pytest.approx(1.0)
+
+
+def test_bones_of_an_amc_turn_about_their_own_axes(tmp_path) -> None:
+    (tmp_path / "a.asf").write_text(ASF)
+    (tmp_path / "a.amc").write_text(AMC)
+    tree = open_motion(tmp_path / "a.amc", skeleton=tmp_path / "a.asf", up="y").tree
+    head = tree.names.index("head")
+    assert tree.end[0, head, 2] == pytest.approx(0.0254 * 70)
+    assert tree.end[1, head, 2] == pytest.approx(0.0254 * 40)
+    assert np.linalg.norm(tree.end[1, head] - tree.position[1, 0]) == pytest.approx(0.0254 * 30)
+
+
+def _broken(folder: Path) -> dict[str, tuple[Path, str]]:
+    """Files that are wrong, each with the rule it breaks."""
+
+    def text(name: str, content: str) -> Path:
+        (folder / name).write_text(content)
+        return folder / name
+
+    (folder / "a.asf").write_text(ASF)
+    whole = trc(folder / "whole.trc", body()).read_text()
+    swapped = body()
+    swapped[:] = np.nan
+    people = tuple(f"{who}:{label}" for who in ("Ann", "Ben") for label in LABELS)
+    return {
+        "empty": (text("empty.trc", ""), "empty_file"),
+        "text as c3d": (text("text.c3d", "hello"), "not_c3d"),
+        "zeros as c3d": (text("zeros.c3d", "\0" * 4096), "not_c3d"),
+        "no trc": (text("no.trc", "a\nb\nc\nd\ne\nf\ng"), "not_trc"),
+        "cut": (text("cut.trc", "\n".join(whole.split("\n")[:-4]) + "\n"), "frame_count"),
+        "short row": (text("short.trc", whole.rstrip().rsplit("\t", 2)[0] + "\n"), "row_length"),
+        "a word": (text("word.trc", whole.replace("1.7", "abc", 1)), "not_a_number"),
+        "time stands": (text("time.trc", whole.replace("0.010000", "0.000000", 1)), "uneven_time"),
+        "all gaps": (trc(folder / "gaps.trc", swapped), "all_gaps"),
+        "nobody": (trc(folder / "names.trc", body(), labels=tuple(f"M{k}" for k in range(8))), "no_up_axis"),
+        "no unit": (trc(folder / "unit.trc", 7000 * body(), unit="furlong"), "no_unit"),
+        "two people": (c3d(folder / "two.c3d", np.concatenate([body(), body()], axis=1), people), "two_people"),
+        "one frame": (trc(folder / "one.trc", body(1)), "one_frame"),
+        "foreign": (text("a.xyz", "1 2 3"), "unknown_format"),
+        "amc alone": (text("a.amc", AMC), "no_skeleton"),
+        "bvh cut": (text("cut.bvh", BVH.rsplit("\n", 2)[0]), "frame_count"),
+        "bvh short row": (text("row.bvh", BVH.replace("0 100 0 0 90 0 0 90 0", "0 100 0 0 90")), "row_length"),
+        "bvh NaN": (text("nan.bvh", BVH.replace("0 100 0 0 90", "0 nan 0 0 90")), "not_a_number"),
+        "degrees": (
+            text("deg.mot", "inDegrees=no\nendheader\ntime\thip\n0\t0\n0.01\t90\n"), "degrees_for_radians",
+        ),
+        "no angle unit": (text("none.mot", "version=1\nendheader\ntime\thip\n0\t0\n0.01\t1\n"), "no_angle_unit"),
+    }  # fmt: skip
+
+
+def test_what_is_wrong_is_refused_with_its_place_and_advice(tmp_path) -> None:
+    for what, (path, rule) in _broken(tmp_path).items():
+        with pytest.raises(BadMotion) as refused:
+            open_motion(path)
+        fault = refused.value.faults[0]
+        assert (what, fault.rule) == (what, rule)
+        assert fault.file == path.name
+        assert fault.advice
+
+
+def test_bones_of_another_person_are_refused_at_their_row(tmp_path) -> None:
+    (tmp_path / "a.asf").write_text(ASF)
+    for amc, row, rule in (
+        (AMC.replace("lfoot 0\n2", "rfoot 0\n2"), 5, "other_bones"),
+        (AMC.replace("thorax 90", "thorax 90 1"), 8, "other_bones"),
+        (AMC.rsplit("lfoot", 1)[0], 8, "frame_cut"),
+    ):
+        (tmp_path / "a.amc").write_text(amc)
+        with pytest.raises(BadMotion) as refused:
+            open_motion(tmp_path / "a.amc", skeleton=tmp_path / "a.asf", up="y")
+        assert (refused.value.faults[0].row, refused.value.faults[0].rule) == (row, rule)
+
+
+def test_one_of_two_people_is_taken_when_named(tmp_path) -> None:
+    people = tuple(f"{who}:{label}" for who in ("Ann", "Ben") for label in LABELS)
+    path = c3d(tmp_path / "two.c3d", 1000 * np.concatenate([body(), body() + np.array([0, 2, 0])], axis=1), people)
+    assert open_motion(path, subject="Ben").markers.position == pytest.approx(body() + np.array([0, 2, 0]), abs=1e-6)
+
+
+def test_a_label_that_is_there_twice_is_told_and_stands_for_no_part(tmp_path) -> None:
+    motion = open_motion(trc(tmp_path / "a.trc", body(), labels=(*LABELS[:5], "LHEE", *LABELS[6:])))
+    assert motion.told["duplicates"] == "LHEE"
+    assert motion.markers.labels[5:7] == ("LHEE #1", "LHEE #2")
+    assert set(motion.markers.segment) == set(motion.markers.labels) - {"LHEE #1", "LHEE #2"}
+
+
+def test_damaged_files_never_end_in_a_traceback(tmp_path) -> None:
+    rng, faults = np.random.default_rng(7), []
+    (tmp_path / "whole.asf").write_text(ASF)
+    (tmp_path / "whole.bvh").write_text(BVH)
+    (tmp_path / "whole.amc").write_text(AMC)
+    trc(tmp_path / "whole.trc", body())
+    (tmp_path / "whole.mot").write_text("inDegrees=yes\nnRows=2\nendheader\ntime\thip\n0\t0\n0.01\t9\n")
+    for kind in ("bvh", "amc", "trc", "mot", "asf"):
+        data = (tmp_path / f"whole.{kind}").read_bytes()
+        for _ in range(60):
+            spoilt = bytearray(data)
+            for at in rng.integers(0, len(data), 3):
+                spoilt[at] = rng.integers(9, 127)
+            cut = spoilt[: rng.integers(0, len(data))] if rng.random() < 0.5 else spoilt
+            path = tmp_path / f"spoilt.{kind}"
+            path.write_bytes(bytes(cut))
+            try:
+                if kind == "asf":
+                    open_motion(tmp_path / "whole.amc", skeleton=path)
+                else:
+                    open_motion(path, skeleton=tmp_path / "whole.asf")
+            except BadMotion as refused:
+                faults += refused.faults
+    assert len(faults) > 100
+    assert all(fault.rule and fault.advice for fault in faults)
+
+
+def test_presets_name_both_sides_and_no_part_that_there_is_not() -> None:
+    for preset in PRESETS.values():
+        parts = set(preset.values())
+        assert {part for part in parts if part.startswith("l_")} == {
+            "l_" + part[2:] for part in parts if part.startswith("r_")
+        }
+        assert {"pelvis", "thorax", "l_thigh", "l_shank", "l_foot"} <= parts
+
+
+def test_the_command_says_what_a_file_is_and_hands_it_out(tmp_path, capsys) -> None:
+    path = trc(tmp_path / "a.trc", body() @ TURNS["y"].T * 1000, "mm")
+    assert main(["motion", "import", str(path), "--out", str(tmp_path / "a.npz")]) == 0
+    said = capsys.readouterr().out
+    assert "frames         12" in said
+    assert "guessed: y" in said
+    with np.load(tmp_path / "a.npz") as arrays:
+        assert list(arrays["names"]) == list(LABELS)
+        assert arrays["position"][..., 2] == pytest.approx(body()[..., 2])
