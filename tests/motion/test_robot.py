@@ -48,7 +48,7 @@ def test_slopes_of_the_torques_are_exact(model) -> None:
     pin.computeRNEADerivatives(model, data, q, v, a)
     step = 1e-6 * np.eye(model.nq)
     ahead, behind = (np.stack([pin.rnea(model, model.createData(), q + s * d, v, a) for d in step]) for s in (1, -1))
-    assert data.dtau_dq.T == pytest.approx((ahead - behind) / 2e-6, abs=1e-5)
+    assert np.abs(data.dtau_dq.T - (ahead - behind) / 2e-6).max() < 1e-5
 
 
 def test_joints_that_are_not_named_are_held_and_the_torso_is_found() -> None:
