@@ -19,6 +19,7 @@ def add_commands(commands: Commands) -> None:
     read.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
     read.add_argument("--unit", metavar="UNIT", help="m, cm, mm or in, where the file is silent or wrong")
     read.add_argument("--subject", metavar="PREFIX", help="which one of several people")
+    read.add_argument("--fill", action="store_true", help="close gaps: short ones by splines, others by rigid segments")
     read.add_argument("--json", action="store_true", help="as JSON")
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
     read.set_defaults(command=import_motion)
@@ -27,9 +28,12 @@ def add_commands(commands: Commands) -> None:
 def import_motion(args: argparse.Namespace) -> int:
     """What the file is; with --out the motion itself."""
     from exogauge.motion.files import open_motion
+    from exogauge.motion.gaps import fill_gaps
     from exogauge.motion.summary import summarise, write_arrays
 
     motion = open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit, subject=args.subject)
+    if args.fill:
+        motion = fill_gaps(motion)
     said = summarise(motion)
     if args.out is not None:
         write_arrays(motion, args.out)

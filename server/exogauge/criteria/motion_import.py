@@ -11,7 +11,10 @@ from typing import final
 class MotionImport:
     """shortest_m, tallest_m: feet to head of a person that stands; beyond 98 % of adults, bent postures included in
     the 90th percentile over time that is compared. upright: share of the way from feet to head that must lie along one
-    axis before it is taken as up; a bend of 45° leaves .7. uneven: share of a sample by which a clock may stray."""
+    axis before it is taken as up; a bend of 45° leaves .7. uneven: share of a sample by which a clock may stray.
+    spline_s: longest gap that a spline closes; a body's fastest parts swing at 2 Hz, half a swing is not guessed.
+    beside: samples on each side that the spline goes through. rigid_m: rms by which the other markers of a segment may
+    miss a rigid motion before they carry a lost one; skin moves by 1 to 2 cm."""
 
     shortest_m: float = 0.9
     tallest_m: float = 2.3
@@ -19,6 +22,9 @@ class MotionImport:
     uneven: float = 0.1
     most_bytes: int = 2_000_000_000
     most_points: int = 20_000_000
+    spline_s: float = 0.1
+    beside: int = 8
+    rigid_m: float = 0.02
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 

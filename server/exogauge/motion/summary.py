@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.motion.gaps import runs
 from exogauge.motion.human import HumanMotion
 
 Array = NDArray[np.float64]
@@ -20,12 +21,12 @@ def summarise(motion: HumanMotion) -> dict[str, str | float | int]:
     }  # fmt: skip
     if motion.markers is not None:
         gap = ~np.isfinite(motion.markers.position[..., 0])
-        runs = [longest_run(column) for column in gap.T]
+        longest = [max((stop - start for start, stop in runs(column)), default=0) for column in gap.T]
         said["markers"] = len(motion.markers.labels)
         said["gaps"] = f"{100 * gap.mean():.2g} % of samples, in {100 * gap.any(axis=1).mean():.3g} % of frames"
-        if max(runs):
-            worst = int(np.argmax(runs))
-            said["longest_gap"] = f"{motion.markers.labels[worst]}: {max(runs)} frames"
+        if max(longest):
+            worst = int(np.argmax(longest))
+            said["longest_gap"] = f"{motion.markers.labels[worst]}: {max(longest)} frames"
     if motion.tree is not None:
         said["bones"] = len(motion.tree.names)
     if motion.angles is not None:
@@ -33,18 +34,13 @@ def summarise(motion: HumanMotion) -> dict[str, str | float | int]:
     return said | dict(motion.told)
 
 
-def longest_run(gap: NDArray[np.bool_]) -> int:
-    """Samples of the longest stretch of True. gap: (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], gap, [False]]).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
-
-
 def write_arrays(motion: HumanMotion, path: Path) -> None:
     """npz: time [s]; names, position (T, N, 3) [m], z up, NaN in gaps; of a skeleton rotation (T, N, 3, 3) R_world_bone
-    too; of angles names, value (T, K) [rad or m]."""
+    too; of markers filled (T, N); of angles names, value (T, K) [rad or m]."""
     arrays: dict[str, NDArray[np.generic]] = {"time": motion.time}
     if motion.markers is not None:
-        arrays |= {"names": np.array(motion.markers.labels), "position": motion.markers.position}
+        markers = motion.markers
+        arrays |= {"names": np.array(markers.labels), "position": markers.position, "filled": markers.filled}
     if motion.tree is not None:
         tree = motion.tree
         arrays |= {"names": np.array(tree.names), "position": tree.position, "rotation": tree.rotation}
