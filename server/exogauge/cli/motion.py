@@ -27,6 +27,7 @@ def add_commands(commands: Commands) -> None:
 
 def import_motion(args: argparse.Namespace) -> int:
     """What the file is; with --out the motion itself."""
+    from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
     from exogauge.motion.gaps import fill_gaps
     from exogauge.motion.summary import summarise, write_arrays
@@ -34,6 +35,7 @@ def import_motion(args: argparse.Namespace) -> int:
     motion = open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit, subject=args.subject)
     if args.fill:
         motion = fill_gaps(motion)
+    motion = with_contacts(motion)
     said = summarise(motion)
     if args.out is not None:
         write_arrays(motion, args.out)

@@ -14,7 +14,10 @@ class MotionImport:
     axis before it is taken as up; a bend of 45° leaves .7. uneven: share of a sample by which a clock may stray.
     spline_s: longest gap that a spline closes; a body's fastest parts swing at 2 Hz, half a swing is not guessed.
     beside: samples on each side that the spline goes through. rigid_m: rms by which the other markers of a segment may
-    miss a rigid motion before they carry a lost one; skin moves by 1 to 2 cm."""
+    miss a rigid motion before they carry a lost one; skin moves by 1 to 2 cm.
+    low_m, slow_m_per_s: a foot's point that is no higher above its own floor and no faster stands; a foot that swings
+    passes 1 m/s, one that stands sways by some cm/s. smooth_s: over which speed is taken. shortest_step_s: shorter
+    stands and steps are flicker; a fast step takes .3 s."""
 
     shortest_m: float = 0.9
     tallest_m: float = 2.3
@@ -25,6 +28,10 @@ class MotionImport:
     spline_s: float = 0.1
     beside: int = 8
     rigid_m: float = 0.02
+    low_m: float = 0.05
+    slow_m_per_s: float = 0.3
+    smooth_s: float = 0.05
+    shortest_step_s: float = 0.1
     largest_angle_rad: float = 12.6  # two turns: what is larger was written in degrees
 
 

@@ -31,6 +31,10 @@ def summarise(motion: HumanMotion) -> dict[str, str | float | int]:
         said["bones"] = len(motion.tree.names)
     if motion.angles is not None:
         said["coordinates"] = len(motion.angles.names)
+    if motion.contacts is not None:
+        left, right = motion.contacts.left, motion.contacts.right
+        shares = [100.0 * part.mean() for part in (left & right, left ^ right, ~left & ~right)]
+        said["feet"] = "both stand in {:.3g} % of frames, one in {:.3g} %, none in {:.3g} %".format(*shares)
     return said | dict(motion.told)
 
 
@@ -46,4 +50,6 @@ def write_arrays(motion: HumanMotion, path: Path) -> None:
         arrays |= {"names": np.array(tree.names), "position": tree.position, "rotation": tree.rotation}
     if motion.angles is not None:
         arrays |= {"names": np.array(motion.angles.names), "value": motion.angles.value}
+    if motion.contacts is not None:
+        arrays |= {"left_stands": motion.contacts.left, "right_stands": motion.contacts.right}
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
