@@ -238,6 +238,17 @@ def test_bones_of_another_person_are_refused_at_their_row(tmp_path) -> None:
         assert (refused.value.faults[0].row, refused.value.faults[0].rule) == (row, rule)
 
 
+def test_a_c3d_file_that_counts_fewer_frames_than_it_holds_is_refused(tmp_path) -> None:
+    """A header's 16 bits wrap: ezc3d then opens what is left without a word."""
+    path = c3d(tmp_path / "long.c3d", 1000 * body(200))
+    data = bytearray(path.read_bytes())
+    data[8:10] = (20).to_bytes(2, "little")
+    path.write_bytes(data)
+    with pytest.raises(BadMotion) as refused:
+        open_motion(path)
+    assert (refused.value.faults[0].rule, refused.value.faults[0].value) == ("frame_count", "20")
+
+
 def test_one_of_two_people_is_taken_when_named(tmp_path) -> None:
     people = tuple(f"{who}:{label}" for who in ("Ann", "Ben") for label in LABELS)
     path = c3d(tmp_path / "two.c3d", 1000 * np.concatenate([body(), body() + np.array([0, 2, 0])], axis=1), people)

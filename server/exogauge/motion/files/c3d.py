@@ -12,6 +12,7 @@ from exogauge.motion.files.captured import Captured, fault
 METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 NO_MARKERS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 AXES = {sign + name: s * np.eye(3)[k] for k, name in enumerate("XYZ") for sign, s in (("+", 1.0), ("-", -1.0))}
+BLOCK = 512  # bytes, the unit of a C3D file
 BIG_ENDIAN = 86  # processor type of SGI (C3D file format, parameter section)
 
 
@@ -55,10 +56,10 @@ def _check_header(path: Path) -> None:
     """The data section must be as long as the header's frames make it."""
     size = path.stat().st_size
     with path.open("rb") as stream:
-        head = stream.read(512)
+        head = stream.read(BLOCK)
         if size < 1024 or head[1] != 0x50:
             raise fault(path, "this is no C3D file", "not_c3d", "A C3D file is at least 1 kB and has 0x50 in byte 2")
-        stream.seek(512 * (head[0] - 1))
+        stream.seek(BLOCK * (head[0] - 1))
         start = stream.read(4)
     processor = start[3] if len(start) == 4 else 0
     if processor == BIG_ENDIAN:
@@ -71,6 +72,11 @@ def _check_header(path: Path) -> None:
     frames = last - first + 1
     if points == 0 or frames <= 0:
         raise fault(path, "the header announces no point or no frame", "no_markers", "Export the trial again")
-    if last < 65535 and size < 512 * (place - 1) + frames * width * (4 * points + analog):
+    one = width * (4 * points + analog)
+    there = (size - BLOCK * (place - 1)) // one
+    if there < frames:
         raise fault(path, f"the header announces {frames} frames, and the file is too short for them", "frame_count",
                     "The file was cut off: copy it again", value=f"{size} bytes")  # fmt: skip
+    if (there - frames) * one > 2 * BLOCK + one:  # files are filled up to whole blocks
+        raise fault(path, f"the header announces {frames} frames, and the file holds about {there}", "frame_count",
+                    "A C3D header counts to 65535: cut the trial, or save it as TRC", value=str(frames))  # fmt: skip
