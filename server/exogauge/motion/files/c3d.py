@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from exogauge.motion.files.captured import Captured, fault
+from exogauge.motion.files.captured import METRES, Captured, fault
 
-METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 NO_MARKERS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 AXES = {sign + name: s * np.eye(3)[k] for k, name in enumerate("XYZ") for sign, s in (("+", 1.0), ("-", -1.0))}
 BLOCK = 512  # bytes, the unit of a C3D file

@@ -14,6 +14,8 @@ from exogauge.errors import BadMotion, Fault
 
 Array = NDArray[np.float64]
 
+METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "meters": 1.0, "millimeters": 1e-3}  # per unit
+
 
 @final
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import Captured, fault
+from exogauge.motion.files.captured import METRES, Captured, fault
 from exogauge.motion.human import HumanMotion, JointTree, Markers, Segment
 from exogauge.motion.presets import recognise
 
 Array = NDArray[np.float64]
-UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in")}
 UP = {sign + name: s * np.eye(3)[k] for k, name in enumerate("xyz") for sign, s in (("", 1.0), ("+", 1.0), ("-", -1.0))}
 
 

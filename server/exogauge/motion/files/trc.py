@@ -6,9 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exogauge.motion.files.captured import Captured, fault, lines_of, number
-
-METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "meters": 1.0, "millimeters": 1e-3}
+from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number
 
 
 def read_trc(path: Path) -> Captured:
