@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.motion.robot import BASE, Limits, MotionRobot, flat_model
+from exogauge.motion.robot import BASE, MotionRobot, flat_model
+from exogauge.robots.joint_limits import JointLimits
 from exogauge.synthetic.robot_facts import JOINTS
 from exogauge.synthetic.urdf import robot_urdf
 
@@ -59,7 +60,7 @@ def test_joints_that_are_not_named_are_held_and_the_torso_is_found() -> None:
     assert tuple(list(model.names)[1:7]) == BASE
     none = np.full(len(joints), np.inf)
     robot = MotionRobot(
-        "sample", model, joints, True, Limits(-none, none, none, none, none, none),
+        "sample", model, joints, True, JointLimits(-none, none, none, none, none),
         segments={"pelvis": "BODY", "thorax": "chest", "l_foot": "l_foot"},
     )  # fmt: skip
     assert [joints[k] for k in robot.torso] == ["torso_yaw", "torso_pitch"]

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, STD, generator
 
 from exogauge.payload.dynamics import Prior, static_prior
-from exogauge.payload.planning.arm import Arm, Component, Limits
+from exogauge.payload.planning.arm import Arm, Component
 from exogauge.payload.planning.excitation import Series, Task
 from exogauge.payload.planning.workspace import Cap
+from exogauge.robots.joint_limits import JointLimits
 
 Array = NDArray[np.float64]
 
@@ -24,8 +25,8 @@ def arm_of(moved: tuple[str, ...] = generator.JOINTS[3:], urdf: str | None = Non
     )  # fmt: skip
 
 
-def wrist_limits() -> Limits:
-    return Limits(
+def wrist_limits() -> JointLimits:
+    return JointLimits(
         np.full(6, -2.8), np.full(6, 2.8), np.full(6, 1.6), np.full(6, 6.0),
         np.array([3000.0, 3000.0, 3000.0, 600.0, 600.0, 300.0]),
     )  # fmt: skip

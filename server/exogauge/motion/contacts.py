@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL, MotionImport
-from exogauge.motion.gaps import runs
+from exogauge.logs.findings import runs
 from exogauge.motion.human import Contacts, HumanMotion
 
 Array = NDArray[np.float64]
@@ -50,10 +50,10 @@ def _stands(points: Array, rate: float, criteria: MotionImport) -> BoolArray:
     with np.errstate(invalid="ignore"):
         stands: BoolArray = ((points[..., 2] - lowest < criteria.low_m) & (speed < criteria.slow_m_per_s)).any(axis=1)
     unknown = ~np.isfinite(speed).any(axis=1)
-    for start, stop in runs(unknown):  # as before the foot was lost
-        stands[start:stop] = stands[start - 1] if start else False
+    for start, length in zip(*runs(unknown), strict=True):  # as before the foot was lost
+        stands[start : start + length] = stands[start - 1] if start else False
     for value in (True, False):
-        for start, stop in runs(stands == value):
-            if start > 0 and stop < len(stands) and stop - start < criteria.shortest_step_s * rate:
-                stands[start:stop] = not value
+        for start, length in zip(*runs(stands == value), strict=True):
+            if start > 0 and start + length < len(stands) and length < criteria.shortest_step_s * rate:
+                stands[start : start + length] = not value
     return stands

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from exogauge.criteria.motion_import import USUAL, MotionImport
+from exogauge.logs.findings import runs
 from exogauge.motion.human import HumanMotion, Markers
 
 Array = NDArray[np.float64]
@@ -36,15 +37,10 @@ def fill_gaps(motion: HumanMotion, criteria: MotionImport = USUAL) -> HumanMotio
     return replace(motion, markers=whole, told={**motion.told, "filled": said})
 
 
-def runs(gap: BoolArray) -> list[tuple[int, int]]:
-    """[start, stop) of every stretch of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], gap, [False]]).astype(np.int8)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
 def _spline(time: Array, place: Array, seen: BoolArray, criteria: MotionImport) -> None:
     """place: (T, 3), written to. Gaps at either end have nothing beyond them, and stay."""
-    for start, stop in runs(~seen):
+    for start, length in zip(*runs(~seen), strict=True):
+        stop = start + length
         before = np.flatnonzero(seen[:start])[-criteria.beside :]
         after = stop + np.flatnonzero(seen[stop:])[: criteria.beside]
         if min(len(before), len(after)) < 2 or time[stop] - time[start - 1] > criteria.spline_s:
@@ -66,7 +62,8 @@ def _rigid(place: Array, seen: Array, others: Array, most: float) -> None:
     Carried from the nearest frames before and after in which it was seen, each by how near it is.
     """
     there, known = np.isfinite(seen[:, 0]), np.isfinite(others[..., 0])
-    for start, stop in runs(~there):
+    for start, length in zip(*runs(~there), strict=True):
+        stop = start + length
         ends = [t for t in (start - 1, stop) if 0 <= t < len(place)]
         for t in range(start, stop):
             said = [(abs(t - end), _carried(seen[end], others[end], others[t], known[end] & known[t], most))

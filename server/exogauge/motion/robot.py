@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.motion.human import Segment
+from exogauge.robots.joint_limits import JointLimits
 
 Array = NDArray[np.float64]
 BASE = ("base_x", "base_y", "base_z", "base_yaw", "base_roll", "base_pitch")
@@ -28,19 +29,6 @@ class Sole:
 
 @final
 @dataclass(frozen=True)
-class Limits:
-    """(J,) each, in the order of the joints [rad or m and their rates; N·m or N]; inf where there is none."""
-
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array
-    torque: Array
-
-
-@final
-@dataclass(frozen=True)
 class MotionRobot:
     """model: pinocchio; nq = nv = B + J, dq/dt = v (`flat_model`). joints: (J,) names, in the model's order.
 
@@ -53,7 +41,7 @@ class MotionRobot:
     model: pin.Model
     joints: tuple[str, ...]
     floating: bool
-    limits: Limits
+    limits: JointLimits
     soles: tuple[Sole, ...] = ()
     segments: Mapping[Segment, str] = field(default_factory=dict)
     geometry: pin.GeometryModel | None = None

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.motion.gaps import runs
+from exogauge.logs.findings import longest_run
 from exogauge.motion.human import HumanMotion
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ def summarise(motion: HumanMotion) -> dict[str, str | float | int]:
     }  # fmt: skip
     if motion.markers is not None:
         gap = ~np.isfinite(motion.markers.position[..., 0])
-        longest = [max((stop - start for start, stop in runs(column)), default=0) for column in gap.T]
+        longest = [longest_run(column)[1] for column in gap.T]
         said["markers"] = len(motion.markers.labels)
         said["gaps"] = f"{100 * gap.mean():.2g} % of samples, in {100 * gap.any(axis=1).mean():.3g} % of frames"
         if max(longest):

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from exogauge.motion.files.captured import Captured, Skeleton, fault, lines_of, number, pose_of
+from exogauge.motion.files.captured import METRES, Captured, fault, lines_of, number, posed
 
 Array = NDArray[np.float64]
 DOF = ("tx", "ty", "tz", "rx", "ry", "rz")
-INCH, RATE = 0.0254, 120.0  # an AMC says no rate: CMU's database was captured at 120 Hz
+RATE = 120.0  # Hz; an AMC says none, and CMU's database was captured at this one
 
 
 @final
@@ -33,12 +33,12 @@ def read_amc(path: Path, skeleton: Path | None) -> Captured:
     if skeleton is None:
         raise fault(path, "an AMC file holds angles and no bones", "no_skeleton", "Give its ASF file too")
     unit, angle, bones, hierarchy = _bones(skeleton)
-    frames, lines = _frames(path, bones)
+    frames = _frames(path, bones)
     names = ("root", *[name for name in _ordered(skeleton, hierarchy) if name in bones and name != "root"])
     parent = np.array([-1, *[names.index(hierarchy[name]) for name in names[1:]]], dtype=np.intp)
     size = len(frames)
     local, offset, end = np.empty((size, len(names), 3, 3)), np.zeros((len(names), 3)), np.zeros((len(names), 3))
-    rest = np.empty((1, len(names), 3, 3))
+    rest = np.empty((len(names), 3, 3))
     world = [Rotation.from_euler("xyz", bones[name].axis, degrees=angle) for name in names]
     root = np.zeros((size, 3))
     for j, name in enumerate(names):
@@ -53,19 +53,17 @@ def read_amc(path: Path, skeleton: Path | None) -> Captured:
             else:
                 turns[:, "xyz".index(each[1])] = values
         local[:, j] = (still * Rotation.from_euler("xyz", turns, degrees=angle)).as_matrix()
-        rest[:, j] = still.as_matrix()
+        rest[j] = still.as_matrix()
         end[j] = world[j].inv().apply(bones[name].direction) * bones[name].length
         offset[j] = 0.0 if parent[j] < 0 else end[parent[j]]
-    pose = pose_of(names, parent, local, offset, end, root)
-    still_pose = [each[0] for each in pose_of(names, parent, rest, offset, end, root[:1])]
-    told = {"rate": f"guessed: {RATE:g} Hz, an AMC file does not say", "frames": f"{lines} lines"}
-    body = Skeleton(names, parent, *pose, *still_pose)
+    told = {"rate": f"guessed: {RATE:g} Hz, an AMC file does not say"}
+    body = posed(names, parent, local, rest, offset, end, root)
     return Captured("ASF/AMC", np.arange(size) / RATE, unit, None, skeleton=body, told=told)
 
 
 def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
     """Metres per unit, degrees?, bones by name, parents by name."""
-    unit, degrees, section = INCH, True, ""
+    unit, degrees, section = METRES["in"], True, ""
     bones = {"root": _Bone(list(DOF))}
     hierarchy: dict[str, str] = {}
     now = _Bone()
@@ -76,7 +74,7 @@ def _bones(path: Path) -> tuple[float, bool, dict[str, _Bone], dict[str, str]]:
         if words[0].startswith(":"):
             section = words[0][1:].lower()
         elif section == "units" and words[0] == "length":
-            unit = INCH / number(path, words[1], row, "length")
+            unit = METRES["in"] / number(path, words[1], row, "length")
         elif section == "units" and words[0] == "angle":
             degrees = words[1].lower().startswith("deg")
         elif section == "root" and words[0] == "order":
@@ -122,7 +120,7 @@ def _ordered(path: Path, hierarchy: dict[str, str]) -> list[str]:
     return order
 
 
-def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[list[dict[str, list[float]]], int]:
+def _frames(path: Path, bones: dict[str, _Bone]) -> list[dict[str, list[float]]]:
     frames: list[dict[str, list[float]]] = []
     lines = lines_of(path)
     moved = {name for name, bone in bones.items() if bone.dof}
@@ -149,4 +147,4 @@ def _frames(path: Path, bones: dict[str, _Bone]) -> tuple[list[dict[str, list[fl
         lost = sorted(moved - set(frames[short])) if short is not None else []
         raise fault(path, f"frame {(short or 0) + 1} lacks bones: {', '.join(lost[:3]) or 'all'}", "frame_cut",
                     "The file was cut off, or belongs to another skeleton", row=len(lines))  # fmt: skip
-    return frames, len(lines)
+    return frames

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from exogauge.motion.files.captured import Captured, Skeleton, fault, lines_of, number, pose_of
+from exogauge.motion.files.captured import Captured, fault, lines_of, number, posed
+from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
 
@@ -73,7 +74,7 @@ def read_bvh(path: Path) -> Captured:
 def _posed(
     names: list[str], parent: NDArray[np.intp], offset: list[Array], end: list[Array], channels: list[list[str]],
     data: Array,
-) -> Skeleton:  # fmt: skip
+) -> JointTree:  # fmt: skip
     local, root, column = np.empty((len(data), len(names), 3, 3)), np.tile(offset[0], (len(data), 1)), 0
     for j, named in enumerate(channels):
         turn = Rotation.identity(len(data))
@@ -89,8 +90,5 @@ def _posed(
         if np.isnan(end[j]).any():  # a bone ends where its first child begins
             below = [k for k in range(len(names)) if parent[k] == j]
             end[j] = offset[below[0]] if below else np.zeros(3)
-    shape = np.stack(offset), np.stack(end)
-    pose = pose_of(tuple(names), parent, local, *shape, root)
-    still = np.tile(np.eye(3), (1, len(names), 1, 1))
-    rest = [each[0] for each in pose_of(tuple(names), parent, still, *shape, root[:1])]
-    return Skeleton(tuple(names), parent, *pose, *rest)
+    still = np.tile(np.eye(3), (len(names), 1, 1))
+    return posed(names, parent, local, still, np.stack(offset), np.stack(end), root)

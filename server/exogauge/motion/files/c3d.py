@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from exogauge.motion.files.captured import METRES, Captured, fault
+from exogauge.motion.files.captured import AXES, METRES, Captured, fault
 
 NO_MARKERS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
-AXES = {sign + name: s * np.eye(3)[k] for k, name in enumerate("XYZ") for sign, s in (("+", 1.0), ("-", -1.0))}
-BLOCK = 512  # bytes, the unit of a C3D file
-BIG_ENDIAN = 86  # processor type of SGI (C3D file format, parameter section)
+BLOCK = 512  # bytes; the C3D file format counts in blocks of this size
+DEC, SGI = 84, 86  # processor types (C3D file format, parameter section)
 
 
 def read_c3d(path: Path) -> Captured:
@@ -42,7 +41,7 @@ def read_c3d(path: Path) -> Captured:
     told = {"left_out": ", ".join(label for label in labels if label in other)} if len(kept) < len(labels) else {}
     return Captured(
         "C3D", np.arange(len(points)) / rate, METRES.get(str(units[0]).strip().lower()) if len(units) else None,
-        AXES.get(str(up[0]).strip().upper()) if len(up) else None, tuple(labels[k] for k in kept), points[:, kept],
+        AXES.get(str(up[0]).strip().lower()) if len(up) else None, tuple(labels[k] for k in kept), points[:, kept],
         None, told,
     )  # fmt: skip
 
@@ -61,12 +60,12 @@ def _check_header(path: Path) -> None:
         stream.seek(BLOCK * (head[0] - 1))
         start = stream.read(4)
     processor = start[3] if len(start) == 4 else 0
-    if processor == BIG_ENDIAN:
+    if processor == SGI:
         raise fault(path, "the file is written for SGI processors", "sgi_c3d",
                     "Save it as Intel C3D: every maker's program and Mokka do", value=str(processor))  # fmt: skip
     points, analog, first, last = struct.unpack_from("<4H", head, 2)
     place = struct.unpack_from("<H", head, 16)[0]
-    scale = head[12:16] if processor == 84 else head[14:16] + head[12:14]  # DEC writes its words the other way round
+    scale = head[12:16] if processor == DEC else head[14:16] + head[12:14]  # DEC writes its words the other way round
     width = 4 if scale[3] & 0x80 else 2
     frames = last - first + 1
     if points == 0 or frames <= 0:

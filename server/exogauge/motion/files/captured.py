@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
@@ -11,25 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.errors import BadMotion, Fault
+from exogauge.motion.human import JointTree
 
 Array = NDArray[np.float64]
 
 METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "meters": 1.0, "millimeters": 1e-3}  # per unit
-
-
-@final
-@dataclass(frozen=True)
-class Skeleton:
-    """J bones as `motion.human.JointTree` has them, in the file's axes and unit."""
-
-    names: tuple[str, ...]
-    parent: NDArray[np.intp]
-    position: Array
-    rotation: Array
-    end: Array
-    rest_position: Array
-    rest_rotation: Array
-    rest_end: Array
+AXES = {
+    sign + name: s * np.eye(3)[k] for k, name in enumerate("xyz") for sign, s in (("", 1.0), ("+", 1.0), ("-", -1.0))
+}
 
 
 @final
@@ -37,7 +26,7 @@ class Skeleton:
 class Captured:
     """unit: metres per unit of length, None where the file does not say. up: (3,) axis, None likewise.
 
-    labels, position: (T, M, 3) of markers, NaN where one was not seen; or a skeleton.
+    labels, position: (T, M, 3) of markers, NaN where one was not seen; or a skeleton, in the file's axes and unit.
     """
 
     format: str
@@ -46,7 +35,7 @@ class Captured:
     up: Array | None
     labels: tuple[str, ...] = ()
     position: Array | None = None
-    skeleton: Skeleton | None = None
+    skeleton: JointTree | None = None
     told: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -79,14 +68,21 @@ def number(path: Path, text: str, row: int, column: str) -> float:
     return value
 
 
-def pose_of(
-    names: tuple[str, ...], parent: NDArray[np.intp], local: Array, offset: Array, end: Array, root: Array
-) -> tuple[Array, Array, Array]:
-    """Places (T, J, 3), turns (T, J, 3, 3) and ends (T, J, 3) of bones, parents before children.
+def posed(
+    names: Sequence[str], parent: NDArray[np.intp], local: Array, rest: Array, offset: Array, end: Array, root: Array
+) -> JointTree:  # fmt: skip
+    """The skeleton in every frame and at rest.
 
-    local: (T, J, 3, 3) turn of each bone in its parent. offset: (J, 3) of its origin in its parent's frame. end: (J, 3)
-    in its own frame. root: (T, 3).
+    local: (T, J, 3, 3) turn of each bone in its parent; rest: (J, 3, 3) with all angles zero. offset: (J, 3) of its
+    origin in its parent's frame. end: (J, 3) in its own frame. root: (T, 3).
     """
+    position, rotation, ends = _pose(parent, local, offset, end, root)
+    still, turned, still_end = (each[0] for each in _pose(parent, rest[None], offset, end, root[:1]))
+    return JointTree(tuple(names), parent, position, rotation, ends, turned, still, still_end)
+
+
+def _pose(parent: NDArray[np.intp], local: Array, offset: Array, end: Array, root: Array) -> tuple[Array, Array, Array]:
+    """Places (T, J, 3), turns (T, J, 3, 3) and ends (T, J, 3) of bones, parents before children."""
     rotation, position = np.empty_like(local), np.empty((*local.shape[:2], 3))
     for j, above in enumerate(parent):
         if above < 0:

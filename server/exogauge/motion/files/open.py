@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
-from exogauge.motion.files.captured import METRES, Captured, fault
-from exogauge.motion.human import HumanMotion, JointTree, Markers, Segment
+from exogauge.motion.files.captured import AXES, METRES, Captured, fault
+from exogauge.motion.human import HumanMotion, Markers, Segment
 from exogauge.motion.presets import recognise
 
 Array = NDArray[np.float64]
 UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in")}
-UP = {sign + name: s * np.eye(3)[k] for k, name in enumerate("xyz") for sign, s in (("", 1.0), ("+", 1.0), ("-", -1.0))}
 
 
 def open_motion(
@@ -112,19 +111,18 @@ def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None)
         told["unknown"] = ", ".join(unknown)
     tall = _feet_to_head(points, names, segment)
     axis, told["up"] = _up(path, captured, up, tall)
-    metres, told["unit"] = _metres(path, captured, unit, tall)
-    height = float(np.nanpercentile(np.linalg.norm(tall, axis=1), 90)) * metres if tall is not None else np.nan
-    if np.isfinite(height) and not USUAL.shortest_m <= height <= USUAL.tallest_m:
-        told["unit_doubt"] = f"feet to head would be {height:.3g} m"
+    height = float(np.percentile(np.linalg.norm(tall, axis=1), 90)) if tall is not None else np.nan
+    metres, told["unit"] = _metres(path, captured, unit, height)
+    if tall is not None and not USUAL.shortest_m <= height * metres <= USUAL.tallest_m:
+        told["unit_doubt"] = f"feet to head would be {height * metres:.3g} m"
     turn = _upright(axis)
     if body is None:
         place = points @ turn.T * metres
         markers = Markers(captured.labels, place, np.zeros(place.shape[:2], dtype=bool), segment)
         return HumanMotion(path.stem, time, markers=markers, told=told)
-    tree = JointTree(
-        body.names, body.parent, body.position @ turn.T * metres, turn @ body.rotation, body.end @ turn.T * metres,
-        turn @ body.rest_rotation, body.rest_position @ turn.T * metres, body.rest_end @ turn.T * metres, segment,
-    )  # fmt: skip
+    places = {name: getattr(body, name) @ turn.T * metres for name in ("position", "end", "rest_position", "rest_end")}
+    turns = {name: turn @ getattr(body, name) for name in ("rotation", "rest_rotation")}
+    tree = replace(body, **places, **turns, segment=segment)
     return HumanMotion(path.stem, time, tree=tree, told=told)
 
 
@@ -155,9 +153,9 @@ def _feet_to_head(points: Array, names: tuple[str, ...], segment: dict[str, Segm
 
 def _up(path: Path, captured: Captured, stated: str | None, tall: Array | None) -> tuple[Array, str]:
     if stated is not None:
-        if stated.lower() not in UP:
+        if stated.lower() not in AXES:
             raise fault(path, "no such axis", "bad_up", "x, y, z or -x, -y, -z", column="up", value=stated)
-        return UP[stated.lower()], f"stated: {stated.lower()}"
+        return AXES[stated.lower()], f"stated: {stated.lower()}"
     if captured.up is not None:
         return captured.up, f"read: {_name(captured.up)}"
     if tall is None:
@@ -172,19 +170,18 @@ def _up(path: Path, captured: Captured, stated: str | None, tall: Array | None) 
     return axis, f"guessed: {_name(axis)}, from the feet to the head"
 
 
-def _metres(path: Path, captured: Captured, stated: str | None, tall: Array | None) -> tuple[float, str]:
+def _metres(path: Path, captured: Captured, stated: str | None, height: float) -> tuple[float, str]:
     if stated is not None:
         if stated not in UNITS:
             raise fault(path, "no such unit", "bad_unit", "m, cm, mm or in", column="unit", value=stated)
         return UNITS[stated], f"stated: {stated}"
     if captured.unit is not None:
         return captured.unit, f"read: {captured.unit:g} m"
-    high = float(np.percentile(np.linalg.norm(tall, axis=1), 90)) if tall is not None else np.nan
-    fit = [name for name, metres in UNITS.items() if USUAL.shortest_m <= high * metres <= USUAL.tallest_m]
+    fit = [name for name, metres in UNITS.items() if USUAL.shortest_m <= height * metres <= USUAL.tallest_m]
     if len(fit) != 1:
         raise fault(path, "the unit of length is neither said nor seen", "no_unit", "Say it: m, cm, mm or in",
-                    column="unit", value=f"feet to head {high:.4g}")  # fmt: skip
-    return UNITS[fit[0]], f"guessed: {fit[0]}, as feet to head are {high * UNITS[fit[0]]:.2f} m then"
+                    column="unit", value=f"feet to head {height:.4g}")  # fmt: skip
+    return UNITS[fit[0]], f"guessed: {fit[0]}, as feet to head are {height * UNITS[fit[0]]:.2f} m then"
 
 
 def _name(axis: Array) -> str:

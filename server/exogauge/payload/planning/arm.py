@@ -49,18 +49,6 @@ class Component:
 
 @final
 @dataclass(frozen=True)
-class Limits:
-    """(J,) each: lower, upper [rad]; velocity [rad/s]; acceleration [rad/s²]; torque [N·m], inf where unknown."""
-
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    torque: Array
-
-
-@final
-@dataclass(frozen=True)
 class Moving:
     """T samples, in {S}'s axes: state (T, 9) of [a - g, α, ω], torque (T, J) [N·m] with the payload, rotation R_BS.
 

@@ -14,8 +14,9 @@ from scipy.optimize import minimize
 
 from exogauge.errors import NotIdentifiable
 from exogauge.payload.dynamics import Prior, prior_information, regressor_slopes
-from exogauge.payload.planning.arm import Arm, Limits, Moving
+from exogauge.payload.planning.arm import Arm, Moving
 from exogauge.payload.planning.workspace import Cap
+from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.regressor import wrench_columns
 
 Array = NDArray[np.float64]
@@ -86,7 +87,7 @@ class Task:
 
     arm: Arm
     series: Series
-    limits: Limits
+    limits: JointLimits
     caps: Sequence[Cap]
     sign: int
     std: Array

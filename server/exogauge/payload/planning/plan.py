@@ -23,13 +23,14 @@ from exogauge.payload.dynamics import (
     dynamic_stage,
     static_prior,
 )
-from exogauge.payload.planning.arm import CONTINUOUS, Arm, Component, Limits
+from exogauge.payload.planning.arm import CONTINUOUS, Arm, Component
 from exogauge.payload.planning.excitation import Series, Task, excite
 from exogauge.payload.planning.postures import Believed, algorithm_1, choose, least_travel
 from exogauge.payload.planning.workspace import Cap, inside
 from exogauge.payload.schema import Certainty, Found
 from exogauge.payload.sensor_motion import from_joints
 from exogauge.payload.statics import StaticSolution
+from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.parameters import UNITS
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
@@ -56,7 +57,7 @@ class Asked:
     plan: PlanEntry
     tree: RigidTree
     arm: Arm
-    limits: Limits
+    limits: JointLimits
     caps: tuple[Cap, ...]
 
     @property
@@ -304,7 +305,7 @@ def _chosen(asked: Asked) -> tuple[Array, StaticSolution]:
     return angles[chosen], believed.solution(rotation[chosen])
 
 
-def _limits(path: Path, plan: PlanEntry, tree: RigidTree) -> Limits:
+def _limits(path: Path, plan: PlanEntry, tree: RigidTree) -> JointLimits:
     """The URDF's, with those of the plan in their place."""
     joints = tree.joints
 
@@ -323,7 +324,7 @@ def _limits(path: Path, plan: PlanEntry, tree: RigidTree) -> Limits:
             advice = f"Add `{name}` to `plan.velocity` [rad/s]."
             raise _fault(path, "neither the URDF nor the plan limits the velocity", "no_velocity", advice,
                          "plan.velocity", name)  # fmt: skip
-    return Limits(
+    return JointLimits(
         position[:, 0], position[:, 1], velocity, stated(np.full(len(joints), np.inf), plan.acceleration),
         stated(tree.effort_limit, plan.torque),
     )  # fmt: skip
