@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 
 from exogauge.cli.endings import Commands
@@ -23,6 +24,49 @@ def add_commands(commands: Commands) -> None:
     read.add_argument("--json", action="store_true", help="as JSON")
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
     read.set_defaults(command=import_motion)
+
+    plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
+    plan.add_argument("file", type=Path, help="BVH or AMC")
+    plan.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
+    plan.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles, human_map and home")
+    plan.add_argument("--up", metavar="AXIS", help="as for import")
+    plan.add_argument("--unit", metavar="UNIT", help="as for import")
+    plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")
+    plan.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="where it ends")
+    plan.add_argument("--slow", type=float, default=1.0, metavar="FACTOR", help="take that many times the time")
+    plan.add_argument("--despite", action="store_true", help="write the motion although it breaks a bound")
+    plan.add_argument("--json", action="store_true", help="as JSON")
+    plan.add_argument("--out", type=Path, metavar="FILE.csv", help="write time and joint angles there, at 200 Hz")
+    plan.set_defaults(command=retarget_motion)
+
+
+def retarget_motion(args: argparse.Namespace) -> int:
+    """1 where a bound is broken; then nothing is written, unless `--despite`."""
+    from exogauge.motion.contacts import with_contacts
+    from exogauge.motion.files import open_motion
+    from exogauge.motion.person import person_of
+    from exogauge.motion.plan.judge import judge
+    from exogauge.motion.plan.outcome import summarise, write_csv
+    from exogauge.motion.plan.retarget import ask
+    from exogauge.motion.plan.solve import Round, plan
+    from exogauge.motion.robot_file import load_motion_robot
+
+    def tell(now: Round) -> None:
+        print(f"round {now.number}: step {now.step:.2g}, feet off by {now.strays:.2g}, bounds exceeded by "
+              f"{now.excess:.2g}", file=sys.stderr)  # fmt: skip
+
+    robot = load_motion_robot(args.robot)
+    motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
+    person = person_of(motion).cut(args.begin, args.end).slowed(args.slow)
+    asked, missed = ask(robot, person)
+    planned = plan(robot, asked, report=tell)
+    judged = judge(robot, planned.spline, asked)
+    said = summarise(robot, person, asked, missed, planned, judged)
+    if args.out is not None and (args.despite or not judged.broken):
+        write_csv(robot, judged, args.out)
+        said["written"] = args.out.name
+    print(json.dumps(said, indent=2) if args.json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
+    return 1 if judged.broken else 0
 
 
 def import_motion(args: argparse.Namespace) -> int:

@@ -33,8 +33,7 @@ class MotionRobot:
     """model: pinocchio; nq = nv = B + J, dq/dt = v (`flat_model`). joints: (J,) names, in the model's order.
 
     soles: those of the feet, left first where there are two. segments: part of the human body -> link that stands for
-    it. geometry: convex shapes with the pairs that may touch by accident, None where no shapes are known.
-    clearance: [m] that such pairs keep. left_out: pairs of links that are not looked at, and why.
+    it. home: (B + J,) posture in which motions begin and end, the soles on the floor.
     """
 
     name: str
@@ -44,9 +43,7 @@ class MotionRobot:
     limits: JointLimits
     soles: tuple[Sole, ...] = ()
     segments: Mapping[Segment, str] = field(default_factory=dict)
-    geometry: pin.GeometryModel | None = None
-    clearance: float = 0.01
-    left_out: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    home: Array | None = None
 
     @property
     def base(self) -> int:
@@ -54,14 +51,40 @@ class MotionRobot:
         return 6 if self.floating else 0
 
     @cached_property
+    def data(self) -> pin.Data:
+        return self.model.createData()
+
+    def frame(self, link: str) -> int:
+        """Index of a link's frame in the model."""
+        return int(self.model.getFrameId(link, pin.FrameType.BODY))
+
+    def leg(self, foot: int) -> NDArray[np.intp]:
+        """Columns of `model`'s q that move the foot and not the base."""
+        above = self.model.supports[self.model.frames[self.frame(self.soles[foot].link)].parentJoint]
+        return np.array([joint - 1 for joint in above if joint > self.base], dtype=np.intp)
+
+    @cached_property
     def mass(self) -> float:
         """[kg]"""
         return float(sum(inertia.mass for inertia in self.model.inertias))
 
     @cached_property
+    def weight(self) -> float:
+        """[N]"""
+        return self.mass * float(np.linalg.norm(self.model.gravity.linear))
+
+    @cached_property
     def torso(self) -> tuple[int, ...]:
         """Indices in `joints` of those between the pelvis and the thorax, from below."""
         return self.chain("pelvis", "thorax")
+
+    def beyond(self, below: Segment) -> tuple[int, ...]:
+        """Indices in `joints` of all that the link of `below` carries."""
+        own = self.model.frames[self.frame(self.segments[below])].parentJoint
+        return tuple(
+            self.joints.index(self.model.names[k]) for k in range(self.base + 1, self.model.njoints)
+            if own in list(self.model.supports[k]) and k != own
+        )  # fmt: skip
 
     def chain(self, below: Segment, above: Segment) -> tuple[int, ...]:
         """Indices in `joints` of those that move `above` and not `below`."""

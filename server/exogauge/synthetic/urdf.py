@@ -9,7 +9,21 @@ from xml.etree import ElementTree as Xml
 
 from exogauge.synthetic import sensors
 from exogauge.synthetic.inertia import Mass, of_shape
-from exogauge.synthetic.robot_facts import AXES, BASE, FEET, IMU_FRAME, JOINTS, LINKS, NAME, Link
+from exogauge.synthetic.robot_facts import (
+    AXES,
+    BASE,
+    FEET,
+    HOME,
+    HUMAN_MAP,
+    IMU_FRAME,
+    JOINTS,
+    LINKS,
+    NAME,
+    SENSOR_DROP,
+    SOLE_CENTRE,
+    SOLE_SIZE,
+    Link,
+)
 from exogauge.synthetic.true_robot import INERTIAL_STD, a_priori_joint, a_priori_joint_std
 
 
@@ -55,7 +69,17 @@ def robot_file(
         ],
         "noise": {**sensors.NOISE, "q": sensors.position_noise(encoder_step)},
         "inertial_prior_std": {"default": INERTIAL_STD},
+        "soles": [{"link": foot, "outline": _outline()} for foot in FEET],
+        "human_map": HUMAN_MAP,
+        "home": HOME,
     }
+
+
+def _outline() -> list[list[float]]:
+    """Corners of a sole in its foot's frame [m]."""
+    (x, y, z), (a, b, c) = SOLE_CENTRE, (size / 2 for size in SOLE_SIZE)
+    corners = ((a, b), (-a, b), (-a, -b), (a, -b))
+    return [[round(x + dx, 6), round(y + dy, 6), round(z - c - SENSOR_DROP, 6)] for dx, dy in corners]
 
 
 def _rounded(values: Mapping[str, float]) -> dict[str, float]:

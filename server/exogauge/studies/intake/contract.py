@@ -281,8 +281,23 @@ class DeviceUncertainty(_Part):
     donning: NotNegative | None = None
 
 
+class SoleEntry(_Part):
+    """What a foot stands on: corners [m] in the frame of its link, in order around."""
+
+    link: Name
+    outline: Annotated[list[Place], Field(min_length=3, max_length=20)]
+
+
+class MotionLimits(_Part):
+    """Of joints, what the URDF does not say [rad/s² or m/s²]."""
+
+    acceleration: Annotated[dict[Name, Positive], Field(max_length=500)] = {}
+
+
 class RobotFile(_Part):
-    """robot.yaml. uncertainty `none`: of a simulated robot, which is what it is said to be."""
+    """robot.yaml. soles, limits, human_map, home: for planning motions alone. human_map: part of the body -> link.
+
+    home: posture [rad or m] in which planned motions begin and end, zero of joints that are not named. uncertainty `none`: of a simulated robot, which is what it is said to be."""
 
     version: Literal[1]
     name: Name | None = None
@@ -296,6 +311,10 @@ class RobotFile(_Part):
     noise: Noise = Noise()
     inertial_prior_std: dict[str, Positive] = {}
     uncertainty: RobotUncertainty | Literal["none"] = RobotUncertainty()
+    soles: Annotated[list[SoleEntry], Field(max_length=2)] = []
+    limits: MotionLimits = MotionLimits()
+    human_map: Annotated[dict[Name, Name], Field(max_length=50)] = {}
+    home: Annotated[dict[Name, Number], Field(max_length=500)] = {}
 
     @model_validator(mode="after")
     def _check(self) -> Self:

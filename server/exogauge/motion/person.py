@@ -1,0 +1,99 @@
+"""What of a person's motion a robot can be asked for, in the body's own axes: x forward, y left, z up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.errors import BadMotion, Fault
+from exogauge.motion.human import Contacts, HumanMotion, JointTree, Segment
+
+Array = NDArray[np.float64]
+LIMBS: tuple[tuple[Segment, Segment], ...] = (
+    ("l_upper_arm", "l_forearm"), ("l_forearm", "l_hand"), ("r_upper_arm", "r_forearm"), ("r_forearm", "r_hand"),
+)  # fmt: skip
+
+
+@final
+@dataclass(frozen=True)
+class Person:
+    """time: (T,) [s]. pelvis: (T, 3) [m] and turn: (T, 3, 3), world from pelvis. trunk: (T, 3, 3), pelvis from thorax.
+    limbs: unit vectors (T, 3) along a segment, seen from the thorax. hip_height: [m] of the hips over the ankles when
+    upright."""
+
+    name: str
+    time: Array
+    pelvis: Array
+    turn: Array
+    trunk: Array
+    limbs: Mapping[Segment, Array]
+    hip_height: float
+    contacts: Contacts | None = None
+    told: Mapping[str, str] = field(default_factory=dict)
+
+    def cut(self, begin: float, end: float) -> Person:
+        """From `begin` to `end` [s]."""
+        kept = (self.time >= begin - 1e-9) & (self.time <= end + 1e-9)
+        if kept.sum() < 2:
+            raise BadMotion(Fault(f"nothing is left between {begin:g} and {end:g} s", "empty_cut",
+                                  f"The motion lasts {self.time[-1]:g} s", self.name))  # fmt: skip
+        contacts = self.contacts and Contacts(self.contacts.left[kept], self.contacts.right[kept])
+        return replace(
+            self, time=self.time[kept] - self.time[kept][0], pelvis=self.pelvis[kept], turn=self.turn[kept],
+            trunk=self.trunk[kept], limbs={part: along[kept] for part, along in self.limbs.items()}, contacts=contacts,
+        )  # fmt: skip
+
+    def slowed(self, factor: float) -> Person:
+        """The same in `factor` times the time."""
+        return replace(self, time=self.time * factor)
+
+
+def person_of(motion: HumanMotion) -> Person:
+    """Of a skeleton. Raises BadMotion where it has no pelvis, thorax, thighs and feet."""
+    tree = motion.tree
+    if tree is None:
+        raise _fault(motion, "the motion has no skeleton", "no_skeleton", "Fit a body to its markers first")
+    bones = _bones(tree)
+    needed: tuple[Segment, ...] = ("pelvis", "thorax", "l_thigh", "r_thigh", "l_foot", "r_foot")
+    lost = [part for part in needed if part not in bones]
+    if lost:
+        raise _fault(motion, f"no bone stands for {', '.join(lost)}", "no_segment", "Name its bones: see `unknown`")
+    rest = tree.rest_position
+    left = rest[bones["l_thigh"]] - rest[bones["r_thigh"]]
+    left[2] = 0.0
+    left /= np.linalg.norm(left)
+    up = np.array([0.0, 0.0, 1.0])
+    axes = np.stack([np.cross(left, up), left, up], axis=1)
+    pelvis, thorax = (
+        tree.rotation[:, bones[part]] @ tree.rest_rotation[bones[part]].T @ axes for part in ("pelvis", "thorax")
+    )
+    limbs = {}
+    for part, beyond in LIMBS:
+        if part in bones and beyond in bones:
+            along = tree.position[:, bones[beyond]] - tree.position[:, bones[part]]
+            along = along / np.linalg.norm(along, axis=1, keepdims=True)
+            limbs[part] = np.einsum("tji,tj->ti", thorax, along)
+    hips = 0.5 * (rest[bones["l_thigh"]] + rest[bones["r_thigh"]])
+    ankles = 0.5 * (rest[bones["l_foot"]] + rest[bones["r_foot"]])
+    return Person(
+        motion.name, motion.time, tree.position[:, bones["pelvis"]], pelvis,
+        np.einsum("tji,tjk->tik", pelvis, thorax), limbs, float(hips[2] - ankles[2]), motion.contacts, motion.told,
+    )  # fmt: skip
+
+
+def _bones(tree: JointTree) -> dict[Segment, int]:
+    """Of every part of the body, the bone nearest to the root."""
+    found: dict[Segment, int] = {}
+    for k, name in enumerate(tree.names):
+        part = tree.segment.get(name)
+        if part is not None:
+            found.setdefault(part, k)
+    return found
+
+
+def _fault(motion: HumanMotion, detail: str, rule: str, advice: str) -> BadMotion:
+    return BadMotion(Fault(detail, rule, advice, motion.name))

@@ -1,0 +1,62 @@
+"""What is asked of a robot over time, node by node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.motion.robot import MotionRobot
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+@final
+@dataclass(frozen=True)
+class Asked:
+    """N nodes, `step` [s] apart; n coordinates of `MotionRobot.model`; F feet in the order of its soles.
+
+    q: (N, n) [rad or m]. stray: (n,) by how much each may stray from it at equal cost, inf where nothing is asked.
+    stands: (N, F). place: (N, F) poses of the soles' links in the world where they stand.
+    start, end: (n,) postures at rest, None where they are free.
+    """
+
+    q: Array
+    stray: Array
+    step: float
+    stands: BoolArray
+    place: tuple[tuple[pin.SE3, ...], ...]
+
+    @property
+    def time(self) -> Array:
+        """(N,) [s]"""
+        return self.step * np.arange(len(self.q))
+
+
+def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], stands: BoolArray, rounds: int = 30) -> Array:
+    """(n,) posture with the joints of the standing legs turned so that their feet are at `place`, as far as they reach.
+
+    Newton's steps with damping, within the joints' bounds; the base stays.
+    """
+    model, data = robot.model, robot.data
+    q = q.copy()
+    for k, sole in enumerate(robot.soles):
+        if not stands[k]:
+            continue
+        frame = robot.frame(sole.link)
+        columns = robot.leg(k)
+        lower, upper = robot.limits.lower[columns - robot.base], robot.limits.upper[columns - robot.base]
+        for _ in range(rounds):
+            pin.computeJointJacobians(model, data, q)
+            error = pin.log6(place[k].inverse() * pin.updateFramePlacement(model, data, frame)).vector
+            if np.abs(error).max() < 1e-10:
+                break
+            J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)[:, columns]
+            damping = min(1e-3, float(error @ error))
+            step = J.T @ np.linalg.solve(J @ J.T + damping * np.eye(6), error)
+            q[columns] = np.clip(q[columns] - step, lower, upper)
+    return q

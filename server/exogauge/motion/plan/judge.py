@@ -1,0 +1,108 @@
+"""What a planned motion does between the nodes: judged at the rate at which it is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.spline import Spline
+from exogauge.motion.robot import MotionRobot
+
+Array = NDArray[np.float64]
+
+SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 N and of .1 N·m cost the same
+
+
+@final
+@dataclass(frozen=True)
+class Judged:
+    """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
+    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; of the legs with the
+    loads that are smallest. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
+    place, value and bound in words.
+    """
+
+    time: Array
+    q: Array
+    dq: Array
+    inside: Array
+    carried: Array
+    torque: Array
+    feet_m: float
+    feet_rad: float
+    broken: tuple[str, ...] = field(default_factory=tuple)
+
+
+def judge(
+    robot: MotionRobot, spline: Spline, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None
+) -> Judged:
+    """rate: [Hz], `judged_hz` where none is given. All feet stand throughout."""
+    rate = rate or criteria.judged_hz
+    time = np.arange(int(spline.duration * rate + 1e-6) + 1) / rate
+    q, v, a = spline.at(time)
+    model, data, base = robot.model, robot.data, robot.base
+    frames = [robot.frame(sole.link) for sole in robot.soles]
+    place = asked.place[0]
+    corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
+                              for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
+    edges = ConvexHull(corners[:, :2]).equations  # outward normals and offsets
+    floor = float(corners[:, 2].mean())
+    T, J = len(time), len(robot.joints)
+    inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
+    share = np.tile(np.repeat(SHARES, 3), len(frames))
+    for t in range(T):
+        tau = pin.rnea(model, data, q[t], v[t], a[t])
+        pin.computeJointJacobians(model, data, q[t])
+        rows = np.concatenate([pin.getFrameJacobian(model, data, k, pin.LOCAL) for k in frames])
+        driven = rows[:, :base]
+        loads = share * (driven @ np.linalg.solve(driven.T @ (share[:, None] * driven), tau[:base]))
+        torque[t] = tau[base:] - rows[:, base:].T @ loads
+        total = pin.Force.Zero()
+        for f, k in enumerate(frames):
+            at = pin.updateFramePlacement(model, data, k)
+            total += at.act(pin.Force(loads[6 * f : 6 * f + 6]))
+            moved = place[f].inverse() * at
+            strays[t] = np.maximum(
+                strays[t], [np.linalg.norm(moved.translation), np.linalg.norm(pin.log3(moved.rotation))]
+            )
+        force, moment = total.linear, total.angular
+        cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
+        inside[t] = -(edges[:, :2] @ cop + edges[:, 2]).max()
+        carried[t] = force[2] / robot.weight
+    limits = robot.limits
+    angle = q[:, base:]
+    sizes = (  # what, share of the bound, what is counted
+        ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
+        ("velocity", np.abs(v[:, base:]) / limits.velocity, v[:, base:]),
+        ("acceleration", np.abs(a[:, base:]) / limits.acceleration, a[:, base:]),
+        ("torque", np.abs(torque) / limits.torque, torque),
+    )
+    broken = []
+    for what, ratio, value in sizes:
+        for j in np.flatnonzero((ratio > 1.0 + criteria.beyond).any(axis=0)):
+            t = int(ratio[:, j].argmax())
+            often = 100.0 * float((ratio[:, j] > 1.0 + criteria.beyond).mean())
+            broken.append(f"{what} of {robot.joints[j]}: {value[t, j]:.4g} at {time[t]:.3f} s, beyond its bound in "
+                          f"{often:.2g} % of samples")  # fmt: skip
+    for what, low, least, unit in (
+        ("centre of pressure inside the soles", inside, criteria.inside_m, "m"),
+        ("weight on the feet", carried, criteria.least_weight, "of the weight"),
+    ):
+        if low.min() < least:
+            broken.append(f"{what}: {low.min():.4g} {unit} at {time[low.argmin()]:.3f} s, at least {least:g} is asked")
+    for what, far, most, unit in (
+        ("way", strays[:, 0], criteria.feet_m, "m"),
+        ("turn", strays[:, 1], criteria.feet_rad, "rad"),
+    ):
+        if far.max() > most:
+            broken.append(f"{what} of a standing foot: {far.max():.3g} {unit} at {time[far.argmax()]:.3f} s")
+    return Judged(
+        time, q, v, inside, carried, torque, float(strays[:, 0].max()), float(strays[:, 1].max()), tuple(broken)
+    )

@@ -1,0 +1,65 @@
+"""A plan in a few lines, and as a file that a robot plays."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from exogauge.motion.person import Person
+from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.judge import Judged
+from exogauge.motion.plan.solve import Planned
+from exogauge.motion.robot import MotionRobot
+
+Told = dict[str, str | float | list[str]]
+
+
+def summarise(
+    robot: MotionRobot, person: Person, asked: Asked, missed: np.ndarray, planned: Planned, judged: Judged
+) -> Told:
+    """Trunk asked and given, margins, what breaks; missed: (N,) [rad] of `ask`."""
+    torso = robot.base + np.array(robot.torso)
+    given = planned.spline.at_nodes()[0]
+    off = np.degrees(given[:, torso] - asked.q[:, torso])
+    said: Told = {
+        "robot": robot.name, "motion": person.name, "seconds": round(float(judged.time[-1]), 3),
+        "rounds": planned.rounds,
+    }  # fmt: skip
+    for k, j in enumerate(robot.torso):
+        low, high = np.degrees(asked.q[:, torso[k]].min()), np.degrees(asked.q[:, torso[k]].max())
+        bound = np.degrees(robot.limits.lower[j]), np.degrees(robot.limits.upper[j])
+        outside = (asked.q[:, torso[k]] < robot.limits.lower[j]) | (asked.q[:, torso[k]] > robot.limits.upper[j])
+        within = off[~outside, k]
+        said[f"trunk {robot.joints[j]}"] = (
+            f"asked {low:.1f} to {high:.1f}°, the joint bears {bound[0]:.1f} to {bound[1]:.1f}° "
+            f"({100 * outside.mean():.2g} % of nodes lie beyond); given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
+            f"{np.abs(within).max():.2g}° at most where it bears them"
+        )
+    said["trunk not expressed"] = (
+        f"{np.degrees(np.sqrt(np.mean(missed**2))):.3g}° rms, {np.degrees(missed.max()):.3g}° at most, "
+        "in directions in which the torso has no joint"
+    )
+    said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
+    said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
+    said["feet"] = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
+    shares = {
+        "velocity": np.abs(judged.dq[:, robot.base :]) / robot.limits.velocity,
+        "torque": np.abs(judged.torque) / robot.limits.torque,
+    }
+    for what, share in shares.items():
+        j = int(share.max(axis=0).argmax())
+        said[what] = f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
+    said["not looked at"] = "collisions of the robot with itself"
+    said["broken"] = list(judged.broken)
+    return said
+
+
+def write_csv(robot: MotionRobot, judged: Judged, path: Path) -> None:
+    """Columns time [s] and q.<joint> [rad or m]."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream)
+        table.writerow(["time", *(f"q.{name}" for name in robot.joints)])
+        for time, row in zip(judged.time, judged.q[:, robot.base :], strict=True):
+            table.writerow([f"{time:.6f}", *(f"{x:.9g}" for x in row)])

@@ -1,0 +1,155 @@
+"""From a person's motion to what is asked of a robot that stands on both feet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.errors import BadRobot, Fault
+from exogauge.motion.human import Segment
+from exogauge.motion.person import LIMBS, Person
+from exogauge.motion.plan.asked import Asked
+from exogauge.motion.robot import MotionRobot
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tuple[Asked, Array]:
+    """What the person does, asked of the robot between rests at its home, feet where they are there; and the angle
+    [rad] (N,) of the trunk's turn that no angles of the robot's joints express, bounds aside.
+    """
+    home = _home(robot)
+    step = 1.0 / criteria.nodes_per_s
+    count = int(person.time[-1] / step) + 1
+    time = step * np.arange(count)
+    turn, trunk = (Slerp(person.time, Rotation.from_matrix(each))(time) for each in (person.turn, person.trunk))
+    place = np.stack([np.interp(time, person.time, each) for each in person.pelvis.T], axis=1)
+    limbs = {part: _unit(np.stack([np.interp(time, person.time, each) for each in along.T], axis=1))
+             for part, along in person.limbs.items()}  # fmt: skip
+    q = np.tile(home, (count, 1))
+    model, data = robot.model, robot.data
+    pin.forwardKinematics(model, data, home)
+    feet = tuple(pin.SE3(pin.updateFramePlacement(model, data, robot.frame(sole.link))) for sole in robot.soles)
+    heading = float(turn[0].as_euler("ZXY")[0])
+    level = Rotation.from_euler("z", -heading)
+    q[:, 3:6] = np.unwrap((level * turn).as_euler("ZXY"), axis=0)
+    scale = _hip_height(robot) / person.hip_height
+    q[:, :3] = home[:3] + scale * level.apply(place - place[0])
+    missed = np.empty(count)
+    stray = np.full(model.nq, np.inf)
+    stray[:3], stray[3:6] = criteria.pelvis_m, criteria.pelvis_rad
+    torso = np.array(robot.torso, dtype=np.intp)
+    stray[robot.base + torso] = criteria.trunk_rad
+    arms = sorted(
+        {
+            k
+            for part, beyond in LIMBS
+            if part in limbs and beyond in robot.segments
+            for k in robot.chain("thorax", beyond)
+        }
+    )
+    stray[robot.base + np.array(arms, dtype=np.intp)] = criteria.limb_rad
+    rest = [k for k in robot.beyond("thorax") if k not in arms]
+    stray[robot.base + np.array(rest, dtype=np.intp)] = criteria.limb_rad
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    upright = {part: pin.updateFramePlacement(model, data, robot.frame(link)).rotation.copy()
+               for part, link in robot.segments.items()}  # fmt: skip
+    now = home.copy()
+    for t in range(count):
+        now[: robot.base] = 0.0
+        missed[t] = _turn_torso(robot, now, torso, trunk[t].as_matrix(), upright)
+        if arms:
+            _point_limbs(robot, now, home, np.array(arms), {part: along[t] for part, along in limbs.items()}, upright)
+        q[t, robot.base :] = now[robot.base :]
+    lead = round(criteria.approach_s / step)
+    s = np.arange(lead)[:, None] / lead
+    ease = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    q = np.concatenate([home + ease * (q[0] - home), q, (home + ease * (q[-1] - home))[::-1]])
+    missed = np.concatenate([np.zeros(lead), missed, np.zeros(lead)])
+    stands = np.ones((len(q), len(robot.soles)), dtype=bool)
+    return Asked(q, stray, step, stands, (feet,) * len(q)), missed
+
+
+def _home(robot: MotionRobot) -> Array:
+    """Raises BadRobot where a robot lacks what standing needs."""
+    for key, there in (("soles", robot.soles), ("home", robot.home is not None)):
+        if not there:
+            raise BadRobot(Fault(f"the robot has no {key}", f"no_{key}", f"Add `{key}` to robot.yaml", robot.name))
+    lost = [part for part in ("pelvis", "thorax") if part not in robot.segments]
+    if lost:
+        raise BadRobot(Fault(f"no link stands for the {lost[0]}", "no_human_map", "Add it to `human_map` of robot.yaml",
+                             robot.name, None, f"human_map.{lost[0]}"))  # fmt: skip
+    if not robot.torso:
+        raise BadRobot(Fault("no joint lies between pelvis and thorax", "no_torso", "Name other links in `human_map`",
+                             robot.name, None, "human_map.thorax"))  # fmt: skip
+    assert robot.home is not None
+    return robot.home
+
+
+def _unit(along: Array) -> Array:
+    return np.asarray(along / np.linalg.norm(along, axis=1, keepdims=True))
+
+
+def _hip_height(robot: MotionRobot) -> float:
+    """[m] of the hips over the soles' links, all joints at zero."""
+    model, data = robot.model, robot.data
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    hip = data.oMi[int(robot.leg(0)[0]) + 1].translation[2]
+    return float(hip - pin.updateFramePlacement(model, data, robot.frame(robot.soles[0].link)).translation[2])
+
+
+def _turn_torso(robot: MotionRobot, q: Array, torso: IntArray, wanted: Array, upright: dict[Segment, Array]) -> float:
+    """Writes the torso's joints (base at zero) that come nearest to the turn; the angle [rad] that is left."""
+    model, data = robot.model, robot.data
+    below, above = (robot.frame(robot.segments[part]) for part in ("pelvis", "thorax"))
+    at = robot.base + torso
+    error = np.zeros(3)
+    for _ in range(10):
+        pin.computeJointJacobians(model, data, q)
+        R_p = pin.updateFramePlacement(model, data, below).rotation @ upright["pelvis"].T
+        R_t = pin.updateFramePlacement(model, data, above).rotation @ upright["thorax"].T
+        error = pin.log3((R_p.T @ R_t).T @ wanted)
+        J = R_t.T @ pin.getFrameJacobian(model, data, above, pin.LOCAL_WORLD_ALIGNED)[3:, at]
+        step = np.linalg.lstsq(J, error, rcond=1e-6)[0]
+        q[at] += step
+        if np.abs(step).max() < 1e-8:
+            break
+    return float(np.linalg.norm(error))
+
+
+def _point_limbs(
+    robot: MotionRobot, q: Array, home: Array, arms: IntArray, limbs: dict[Segment, Array],
+    upright: dict[Segment, Array],
+) -> None:  # fmt: skip
+    """Writes the arms' joints (base at zero) whose limbs point as asked, seen from the thorax."""
+    model, data = robot.model, robot.data
+    at = robot.base + arms
+    pull = 0.03
+    for _ in range(4):
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
+        thorax = robot.frame(robot.segments["thorax"])
+        R = data.oMf[thorax].rotation @ upright["thorax"].T
+        rows, left = [], []
+        for part, beyond in LIMBS:
+            if part not in limbs or beyond not in robot.segments or part not in robot.segments:
+                continue
+            ends = [robot.frame(robot.segments[each]) for each in (part, beyond)]
+            along = data.oMf[ends[1]].translation - data.oMf[ends[0]].translation
+            J = np.subtract(
+                *(pin.getFrameJacobian(model, data, k, pin.LOCAL_WORLD_ALIGNED)[:3, at] for k in ends[::-1])
+            )
+            size = np.linalg.norm(along)
+            rows.append(J / size)
+            left.append(R @ limbs[part] - along / size)
+        J, error = np.concatenate(rows), np.concatenate(left)
+        hold = pull * np.eye(len(at))
+        step = np.linalg.lstsq(
+            np.concatenate([J, hold]), np.concatenate([error, pull * (home[at] - q[at])]), rcond=None
+        )[0]
+        limits = robot.limits
+        q[at] = np.clip(q[at] + np.clip(step, -0.5, 0.5), limits.lower[arms], limits.upper[arms])

@@ -1,0 +1,73 @@
+"""robot.yaml and its URDF become what motions are planned for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.errors import BadRobot, Fault
+from exogauge.motion.human import Segment
+from exogauge.motion.robot import MotionRobot, Sole, flat_model
+from exogauge.robots.joint_limits import JointLimits
+from exogauge.studies.intake.bundle import Bundle
+from exogauge.studies.intake.robot_file import read_robot
+
+Array = NDArray[np.float64]
+
+
+def load_motion_robot(path: Path) -> MotionRobot:
+    """Raises BadRobot, with the key that is at fault."""
+    robot, entry, urdf = read_robot(Bundle(path.parent, path.name), path.name)
+    names, tree = [joint.name for joint in entry.joints], robot.tree
+    model = flat_model(urdf.decode(), names, robot.floating)
+    base = 6 if robot.floating else 0
+    joints = tuple(list(model.names)[1 + base :])
+    order = [tree.joints.index(name) for name in joints]
+    links = {frame.name for frame in model.frames if frame.type == pin.FrameType.BODY}
+    parts = set(get_args(Segment))
+
+    def fault(detail: str, rule: str, advice: str, column: str, value: str) -> BadRobot:
+        return BadRobot(Fault(detail, rule, advice, path.name, None, column, value))
+
+    for key, named in (("soles", [sole.link for sole in entry.soles]), ("human_map", list(entry.human_map.values()))):
+        for link in named:
+            if link not in links:
+                raise fault("the URDF has no such link", "unknown_link", "Name one of its links", key, link)
+    for part in entry.human_map:
+        if part not in parts:
+            raise fault("no such part of the body", "unknown_segment", f"One of {', '.join(sorted(parts))}",
+                        f"human_map.{part}", part)  # fmt: skip
+    for key, stated in (("home", entry.home), ("limits.acceleration", entry.limits.acceleration)):
+        for name in stated:
+            if name not in joints:
+                raise fault(
+                    "the robot has no such joint", "unknown_joint", "Name one of `joints`", f"{key}.{name}", name
+                )
+    fast = np.array([entry.limits.acceleration.get(name, np.inf) for name in joints])
+    limits = JointLimits(
+        tree.lower[order], tree.upper[order], tree.velocity_limit[order], fast, tree.effort_limit[order]
+    )
+    posture = np.array([entry.home.get(name, 0.0) for name in joints])
+    for name, value, low, high in zip(joints, posture, limits.lower, limits.upper, strict=True):
+        if not low <= value <= high:
+            raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", "Give a posture within the limits",
+                        f"home.{name}", f"{value:g}")  # fmt: skip
+    soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
+    segments = {part: link for part, link in entry.human_map.items()}
+    made = MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments)  # type: ignore[arg-type]
+    home = np.concatenate([np.zeros(base), posture])
+    if soles and robot.floating:
+        home[2] = -_lowest(made, home)
+    return MotionRobot(robot.name, model, joints, robot.floating, limits, soles, made.segments, home)
+
+
+def _lowest(robot: MotionRobot, q: Array) -> float:
+    """[m] height of the lowest corner of the soles."""
+    pin.forwardKinematics(robot.model, robot.data, q)
+    at = [pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link)) for sole in robot.soles]
+    return float(min((sole.outline @ pose.rotation.T + pose.translation)[:, 2].min()
+                     for sole, pose in zip(robot.soles, at, strict=True)))  # fmt: skip

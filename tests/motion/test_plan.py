@@ -1,0 +1,248 @@
+"""A planned motion is judged by MuJoCo, between the nodes, and its equations by differences."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+import yaml
+from scipy.spatial import ConvexHull
+
+from exogauge.cli import main
+from exogauge.criteria.motion_plan import USUAL
+from exogauge.errors import BadRobot
+from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.judge import judge
+from exogauge.motion.plan.rows import equations, slopes, sole_frame, sole_rows
+from exogauge.motion.plan.solve import plan
+from exogauge.motion.plan.spline import Spline, through
+from exogauge.motion.robot import MotionRobot, Sole
+from exogauge.motion.robot_file import load_motion_robot
+from exogauge.synthetic.urdf import robot_file, robot_urdf
+
+CAPTURES = Path(__file__).parents[3] / "shared" / "data" / "cmu_mocap_bend_twist"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("robot")
+    (made / "robot.urdf").write_text(robot_urdf())
+    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
+    return made
+
+
+@pytest.fixture(scope="module")
+def robot(folder: Path) -> MotionRobot:
+    return load_motion_robot(folder / "robot.yaml")
+
+
+def bend(robot: MotionRobot, pitch: float, seconds: float) -> Asked:
+    """One bend of the trunk, the pelvis tilting with it, hands straight up forward at once: fast where it is short."""
+    step = 1.0 / USUAL.nodes_per_s
+    time = step * np.arange(round(seconds / step) + 1)
+    s = np.clip(2.0 * np.minimum(time, time[-1] - time) / time[-1], 0.0, 1.0)
+    grown = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+    q = np.tile(robot.home, (len(time), 1))
+    q[:, at(robot, "torso_pitch")] += pitch * grown
+    for side in "lr":
+        q[:, at(robot, f"{side}_shoulder_pitch")] -= 1.2 * grown
+    stray = np.full(robot.model.nq, np.inf)
+    stray[:3], stray[3:6] = USUAL.pelvis_m, USUAL.pelvis_rad
+    stray[robot.base + np.array(robot.beyond("thorax"))] = USUAL.limb_rad
+    stray[robot.base + np.array(robot.torso)] = USUAL.trunk_rad
+    pin.forwardKinematics(robot.model, robot.data, robot.home)
+    feet = tuple(pin.SE3(pin.updateFramePlacement(robot.model, robot.data, robot.frame(s.link))) for s in robot.soles)
+    return Asked(q, stray, step, np.ones((len(time), 2), bool), (feet,) * len(time))
+
+
+def at(robot: MotionRobot, joint: str) -> int:
+    return robot.base + robot.joints.index(joint)
+
+
+class ByMuJoCo:
+    """Forces and torques of a trajectory by MuJoCo's inverse dynamics of the URDF, rates by its own differences."""
+
+    def __init__(self, robot: MotionRobot, spline: Spline, rate: float) -> None:
+        spec = mujoco.MjSpec.from_string(robot_urdf().replace(
+            "</robot>", '<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco></robot>'
+        ))  # fmt: skip
+        spec.worldbody.first_body().add_freejoint()
+        model = spec.compile()
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        model.dof_damping[:] = model.dof_frictionloss[:] = model.dof_armature[:] = 0.0
+        data = mujoco.MjData(model)
+        time = np.arange(int(spline.duration * rate + 1e-6) + 1) / rate
+        tight = 1e-4
+        fine = [spline.at(np.clip(time + k * tight, 0.0, spline.duration))[0] for k in (-1, 0, 1)]
+        place = [np.stack([self.qpos(model, robot, row) for row in q]) for q in fine]
+        order = [model.joint(name).dofadr[0] for name in robot.joints]
+        self.torque, self.inside = np.empty((len(time) - 2, len(order))), np.empty(len(time) - 2)
+        self.feet = np.empty((len(time), 2, 3))
+        hull = None
+        for t in range(len(time)):
+            data.qpos[:] = place[1][t]
+            mujoco.mj_kinematics(model, data)
+            for f, sole in enumerate(robot.soles):
+                body = data.body(sole.link)
+                self.feet[t, f] = body.xpos
+                if hull is None and f == 1:
+                    corners = [data.body(s.link).xmat.reshape(3, 3) @ c + data.body(s.link).xpos
+                               for s in robot.soles for c in s.outline]  # fmt: skip
+                    hull = ConvexHull(np.array(corners)[:, :2]).equations
+                    floor = np.array(corners)[:, 2].mean()
+            if not 0 < t < len(time) - 1:
+                continue
+            before, after = np.empty(model.nv), np.empty(model.nv)
+            mujoco.mj_differentiatePos(model, before, tight, place[0][t], place[1][t])
+            mujoco.mj_differentiatePos(model, after, tight, place[1][t], place[2][t])
+            data.qvel[:], data.qacc[:] = 0.5 * (before + after), (after - before) / tight
+            mujoco.mj_inverse(model, data)
+            force = data.qfrc_inverse[:3].copy()
+            R = data.xmat[1].reshape(3, 3)
+            moment = R @ data.qfrc_inverse[3:6] + np.cross(data.qpos[:3] - [0, 0, floor], force)
+            cop = np.array([-moment[1], moment[0]]) / force[2]
+            self.inside[t - 1] = -(hull[:, :2] @ cop + hull[:, 2]).max()
+            self.torque[t - 1] = data.qfrc_inverse[order]
+
+    @staticmethod
+    def qpos(model: mujoco.MjModel, robot: MotionRobot, q: np.ndarray) -> np.ndarray:
+        out = np.empty(model.nq)
+        turn = pin.Quaternion(pin.rpy.rotate("z", q[3]) @ pin.rpy.rotate("x", q[4]) @ pin.rpy.rotate("y", q[5]))
+        out[:3], out[3:7] = q[:3], [turn.w, turn.x, turn.y, turn.z]
+        for k, name in enumerate(robot.joints):
+            out[model.joint(name).qposadr[0]] = q[6 + k]
+        return out
+
+
+def test_a_spline_at_its_nodes_is_the_spline_and_its_rates_are_its_slopes() -> None:
+    rng = np.random.default_rng(0)
+    spline = Spline(rng.normal(size=(12, 3)), 0.02)
+    time = spline.step * np.arange(10)
+    for whole, nodes in zip(spline.at(time[1:-1]), spline.at_nodes(), strict=True):
+        assert whole == pytest.approx(nodes[1:-1])
+    inner = np.linspace(0.01, spline.duration - 0.01, 50)
+    q, v, a = spline.at(inner)
+    ahead, behind = spline.at(inner + 1e-6), spline.at(inner - 1e-6)
+    assert (ahead[0] - behind[0]) / 2e-6 == pytest.approx(v, abs=1e-5)
+    assert (ahead[1] - behind[1]) / 2e-6 == pytest.approx(a, abs=2e-2)
+    resting = through(rng.normal(size=(10, 3)), 0.02)
+    for first_last in (resting.at_nodes()[k][[0, -1]] for k in (1, 2)):
+        assert np.abs(first_last).max() < 1e-12
+
+
+def test_the_equations_are_the_slopes_of_the_dynamics_and_of_the_feet(robot: MotionRobot) -> None:
+    asked = bend(robot, 0.4, 0.2)
+    rng = np.random.default_rng(1)
+    N, n = asked.q.shape
+    spline = Spline(through(asked.q, asked.step).control + 1e-3 * rng.normal(size=(N + 2, n)), asked.step)
+    wrench = rng.normal(0.0, 50.0, (N, 2, 6))
+    slope = slopes(robot, asked, spline, wrench)
+    A, _ = equations(robot, asked, spline, wrench, slope)
+    step, pushed = 1e-7 * rng.normal(size=(N + 2, n)), 1e-3 * rng.normal(size=(N, 2, 6))
+    x = np.zeros((N + 2, n + 13))
+    x[:, :n], x[1:-1, n : n + 12] = step, pushed.reshape(N, 12) / robot.weight
+    moved = slopes(robot, asked, Spline(spline.control + step, asked.step), wrench + pushed)
+    said = A @ x.ravel()
+    driven = (moved.torque - slope.torque)[:, :6].ravel() / robot.weight
+    assert said[: 6 * N] == pytest.approx(driven, abs=2e-3 * np.abs(driven).max())
+    feet = np.concatenate([(moved.error - slope.error)[:, f].ravel() for f in range(2)])
+    assert said[6 * N : 18 * N] == pytest.approx(feet, abs=2e-2 * np.abs(feet).max())
+
+
+def test_a_sole_bears_what_presses_inside_it_and_no_more() -> None:
+    sole = Sole("foot", np.array([[0.1, 0.05, -0.08], [-0.1, 0.05, -0.08], [-0.1, -0.05, -0.08], [0.1, -0.05, -0.08]]))
+    R, middle = sole_frame(sole)
+    assert R[:, 2] == pytest.approx([0.0, 0.0, 1.0])
+
+    def load(x: float, y: float, along: float = 0.0) -> np.ndarray:
+        """100 N that press at (x, y) of the sole, with a force along it."""
+        force = np.array([along, 0.0, 100.0])
+        return np.concatenate([force, np.cross([x, y, -0.08], force)])
+
+    rows = sole_rows(sole, 0.5, 0.02)
+    for inside in (load(0, 0), load(0.079, 0), load(0, -0.029), load(0.05, 0.02, 30.0)):
+        assert (rows @ inside <= 1e-9).all()
+    for outside in (load(0.081, 0), load(0, -0.031), load(0, 0, 40.0), -load(0, 0)):
+        assert (rows @ outside > 0.0).any()
+
+
+@pytest.fixture(scope="module")
+def bent(robot: MotionRobot):
+    asked = bend(robot, 0.9, 3.0)
+    return asked, plan(robot, asked)
+
+
+@pytest.mark.parametrize("rate", [200.0, 1000.0])
+def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, rate: float) -> None:
+    asked, planned = bent
+    seen = ByMuJoCo(robot, planned.spline, rate)
+    assert seen.inside.min() >= 0.015
+    assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
+    upper = np.array(robot.beyond("thorax") + robot.torso)
+    assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
+    judged = judge(robot, planned.spline, asked, rate=rate)
+    assert judged.broken == ()
+    assert judged.inside[1:-1] == pytest.approx(seen.inside, abs=2e-4)
+    assert judged.torque[1:-1, upper] == pytest.approx(seen.torque[:, upper], abs=0.05)
+    given = planned.spline.at_nodes()[0]
+    off = np.degrees(given - asked.q)[:, robot.base + np.array(robot.torso)]
+    assert np.sqrt(np.mean(off**2, axis=0)).max() <= 0.2
+    assert np.abs(off).max() <= 1.0
+
+
+def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:
+    """The plan is what keeps the balance: the same bend with the pelvis where it is asked presses outside the soles."""
+    asked, _ = bent
+    assert judge(robot, through(asked.q, asked.step), asked).inside.min() < 0.0
+
+
+def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: MotionRobot) -> None:
+    asked = bend(robot, 1.3, 3.0)
+    planned = plan(robot, asked)
+    pitch = planned.spline.at(np.arange(0.0, planned.spline.duration, 1e-3))[0][:, at(robot, "torso_pitch")]
+    top = robot.limits.upper[robot.joints.index("torso_pitch")]
+    assert top - 0.02 < pitch.max() <= top + 1e-9
+    weak = robot.limits.torque.copy()
+    weak[robot.joints.index("l_knee_pitch")] = 1.0
+    limp = replace(robot, limits=replace(robot.limits, torque=weak))
+    said = judge(limp, planned.spline, asked).broken
+    assert any(line.startswith("torque of l_knee_pitch") for line in said)
+
+
+def test_a_robot_that_cannot_be_planned_for_is_told_why(folder: Path, tmp_path: Path) -> None:
+    shutil.copy(folder / "robot.urdf", tmp_path)
+    whole = yaml.safe_load((folder / "robot.yaml").read_text())
+    for change, column in (
+        ({"human_map": {"pelvis": "BODY", "thorax": "nothing"}}, "human_map"),
+        ({"human_map": {"tail": "BODY"}}, "human_map.tail"),
+        ({"home": {"l_knee_pitch": -1.0}}, "home.l_knee_pitch"),
+        ({"limits": {"acceleration": {"no_joint": 3.0}}}, "limits.acceleration.no_joint"),
+    ):
+        (tmp_path / "robot.yaml").write_text(yaml.safe_dump({**whole, **change}))
+        with pytest.raises(BadRobot) as told:
+            load_motion_robot(tmp_path / "robot.yaml")
+        assert told.value.faults[0].column == column
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not CAPTURES.is_dir(), reason="../shared/data/cmu_mocap_bend_twist is not there")
+def test_a_captured_bend_becomes_a_file_that_keeps_its_bounds(folder: Path, tmp_path: Path) -> None:
+    amc = tmp_path / "02_06.amc"
+    with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
+        amc.write_bytes(packed.read())
+    out = tmp_path / "bend.csv"
+    assert main(["motion", "retarget", str(amc), "--skeleton", str(CAPTURES / "02.asf"), "--to", "4",
+                 "--robot", str(folder / "robot.yaml"), "--out", str(out)]) == 0  # fmt: skip
+    rows = list(csv.reader(out.open()))
+    robot = load_motion_robot(folder / "robot.yaml")
+    assert rows[0] == ["time", *(f"q.{name}" for name in robot.joints)]
+    q = np.array([[float(x) for x in row[1:]] for row in rows[1:]])
+    assert (q >= robot.limits.lower - 1e-9).all() and (q <= robot.limits.upper + 1e-9).all()
+    assert np.ptp(q[:, robot.joints.index("torso_pitch")]) > 0.2
