@@ -36,7 +36,7 @@ def add_commands(commands: Commands) -> None:
     plan.add_argument("--slow", type=float, default=1.0, metavar="FACTOR", help="take that many times the time")
     plan.add_argument("--despite", action="store_true", help="write the motion although it breaks a bound")
     plan.add_argument("--json", action="store_true", help="as JSON")
-    plan.add_argument("--out", type=Path, metavar="FILE.csv", help="write time and joint angles there, at 200 Hz")
+    plan.add_argument("--out", type=Path, metavar="FILE.csv", help="write t and q.<joint> there, at 200 Hz")
     plan.set_defaults(command=retarget_motion)
 
 
@@ -46,7 +46,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.files import open_motion
     from exogauge.motion.person import person_of
     from exogauge.motion.plan.judge import judge
-    from exogauge.motion.plan.outcome import summarise, write_csv
+    from exogauge.motion.plan.outcome import motion_table, summarise
     from exogauge.motion.plan.retarget import ask
     from exogauge.motion.plan.solve import Round, plan
     from exogauge.motion.robot_file import load_motion_robot
@@ -63,7 +63,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     judged = judge(robot, planned.spline, asked)
     said = summarise(robot, person, asked, missed, planned, judged)
     if args.out is not None and (args.despite or not judged.broken):
-        write_csv(robot, judged, args.out)
+        args.out.write_bytes(motion_table(robot, judged))
         said["written"] = args.out.name
     print(json.dumps(said, indent=2) if args.json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
     return 1 if judged.broken else 0

@@ -20,7 +20,7 @@ class MotionPlan:
     what is evaluated. free_rad: likewise of joints of which nothing is asked, for smoothness alone. wrench: likewise of
     the feet's loads, in weights: it decides how two feet share, not where the body goes. slack_cost: of a bound that is
     exceeded by its whole size at one node; more than any angle is worth.
-    step_rad: largest step of a round; the equations are straight so far. done_rad: largest step of the last round, and
+    done_rad: largest step of the last round, and
     held [m or rad], floats [share of the weight]: what feet and dynamics may be off then; a tenth of what is promised.
     rounds: at most. approach_s: from home to the motion's begin, and back.
     feet_m, feet_rad: by which a standing foot may move. inside_m: margin of the centre of pressure below which a plan
@@ -41,7 +41,6 @@ class MotionPlan:
     free_rad: float = 2.0
     wrench: float = 10.0
     slack_cost: float = 1e4
-    step_rad: float = 0.3
     done_rad: float = 1e-2
     held: float = 1e-5
     floats: float = 1e-3

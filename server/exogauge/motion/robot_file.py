@@ -57,12 +57,12 @@ def load_motion_robot(path: Path) -> MotionRobot:
             raise fault(f"home lies outside [{low:g}, {high:g}]", "home_outside", "Give a posture within the limits",
                         f"home.{name}", f"{value:g}")  # fmt: skip
     soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
-    segments = {part: link for part, link in entry.human_map.items()}
-    made = MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments)  # type: ignore[arg-type]
+    segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
+    made = MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments)
     home = np.concatenate([np.zeros(base), posture])
     if soles and robot.floating:
         home[2] = -_lowest(made, home)
-    return MotionRobot(robot.name, model, joints, robot.floating, limits, soles, made.segments, home)
+    return MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments, home)
 
 
 def _lowest(robot: MotionRobot, q: Array) -> float:

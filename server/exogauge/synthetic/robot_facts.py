@@ -169,14 +169,11 @@ LINKS: tuple[Link, ...] = _links()  # parents before children
 BY_NAME: dict[str, Link] = {link.name: link for link in LINKS}
 JOINTS: tuple[Joint, ...] = tuple(link.joint for link in LINKS if link.joint is not None)
 JOINT_NAMES: tuple[str, ...] = tuple(joint.name for joint in JOINTS)
-SIDES = ("l", "r")
+_LIMBS = ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
 HUMAN_MAP: dict[str, str] = {"pelvis": BASE, "thorax": "chest", "head": "head"} | {
-    f"{side}_{part}": f"{side}_{part}"
-    for side in SIDES
-    for part in ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
+    f"{side}_{part}": f"{side}_{part}" for side in "lr" for part in _LIMBS
 }  # part of a person -> link
-HOME: dict[str, float] = {  # [rad]: standing, knees and elbows a little bent, arms off the trunk
-    **{f"{side}_{name}": value for side in SIDES for name, value in (
-        ("hip_pitch", -0.35), ("knee_pitch", 0.7), ("ankle_pitch", -0.35), ("elbow_pitch", -0.4))},
-    "l_shoulder_roll": 0.25, "r_shoulder_roll": -0.25,
-}  # fmt: skip
+_BENT = {"hip_pitch": -0.35, "knee_pitch": 0.7, "ankle_pitch": -0.35, "elbow_pitch": -0.4}
+HOME: dict[str, float] = {"l_shoulder_roll": 0.25, "r_shoulder_roll": -0.25} | {
+    f"{side}_{name}": value for side in "lr" for name, value in _BENT.items()
+}  # [rad]: standing, knees and elbows a little bent, arms off the trunk

@@ -34,7 +34,7 @@ class Asked:
     @property
     def time(self) -> Array:
         """(N,) [s]"""
-        return self.step * np.arange(len(self.q))
+        return np.asarray(self.step * np.arange(len(self.q)), dtype=np.float64)
 
 
 def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], stands: BoolArray, rounds: int = 30) -> Array:

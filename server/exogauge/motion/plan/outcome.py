@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.solve import Planned
 from exogauge.motion.robot import MotionRobot
+from exogauge.studies.csv_table import csv_table
 
+PLACES = 8  # decimals: a ten-thousandth of what an encoder tells
 Told = dict[str, str | float | list[str]]
 
 
 def summarise(
-    robot: MotionRobot, person: Person, asked: Asked, missed: np.ndarray, planned: Planned, judged: Judged
+    robot: MotionRobot, person: Person, asked: Asked, missed: NDArray[np.float64], planned: Planned, judged: Judged
 ) -> Told:
     """Trunk asked and given, margins, what breaks; missed: (N,) [rad] of `ask`."""
     torso = robot.base + np.array(robot.torso)
@@ -43,6 +45,9 @@ def summarise(
     )
     said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
     said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
+    if person.contacts is not None:
+        lifts = 100.0 * float((person.contacts.left ^ person.contacts.right).mean())
+        said["person's feet"] = f"one is up in {lifts:.2g} % of frames; the robot's stay where they are"
     said["feet"] = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
     shares = {
         "velocity": np.abs(judged.dq[:, robot.base :]) / robot.limits.velocity,
@@ -56,10 +61,8 @@ def summarise(
     return said
 
 
-def write_csv(robot: MotionRobot, judged: Judged, path: Path) -> None:
-    """Columns time [s] and q.<joint> [rad or m]."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["time", *(f"q.{name}" for name in robot.joints)])
-        for time, row in zip(judged.time, judged.q[:, robot.base :], strict=True):
-            table.writerow([f"{time:.6f}", *(f"{x:.9g}" for x in row)])
+def motion_table(robot: MotionRobot, judged: Judged) -> bytes:
+    """t [s], then `q.<joint>` [rad, or m of a prismatic joint]."""
+    table = np.column_stack([judged.time, judged.q[:, robot.base :]])
+    rows: Sequence[Sequence[float]] = np.round(table, PLACES).tolist()
+    return csv_table(("t", *(f"q.{name}" for name in robot.joints)), rows)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
-from exogauge.errors import BadRobot, Fault
+from exogauge.errors import BadMotion, BadRobot, Fault
+from exogauge.logs.findings import runs
 from exogauge.motion.human import Segment
 from exogauge.motion.person import LIMBS, Person
 from exogauge.motion.plan.asked import Asked
@@ -17,12 +18,15 @@ from exogauge.motion.robot import MotionRobot
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
+PULL = 0.03  # of a joint to its place at home against a limb that points elsewhere: what nothing asks stays there
+
 
 def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tuple[Asked, Array]:
     """What the person does, asked of the robot between rests at its home, feet where they are there; and the angle
     [rad] (N,) of the trunk's turn that no angles of the robot's joints express, bounds aside.
     """
     home = _home(robot)
+    _refuse_flight(person)
     step = 1.0 / criteria.nodes_per_s
     count = int(person.time[-1] / step) + 1
     time = step * np.arange(count)
@@ -44,14 +48,8 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     stray[:3], stray[3:6] = criteria.pelvis_m, criteria.pelvis_rad
     torso = np.array(robot.torso, dtype=np.intp)
     stray[robot.base + torso] = criteria.trunk_rad
-    arms = sorted(
-        {
-            k
-            for part, beyond in LIMBS
-            if part in limbs and beyond in robot.segments
-            for k in robot.chain("thorax", beyond)
-        }
-    )
+    known = {part: beyond for part, beyond in LIMBS if part in limbs and {part, beyond} <= set(robot.segments)}
+    arms = sorted({k for beyond in known.values() for k in robot.chain("thorax", beyond)})
     stray[robot.base + np.array(arms, dtype=np.intp)] = criteria.limb_rad
     rest = [k for k in robot.beyond("thorax") if k not in arms]
     stray[robot.base + np.array(rest, dtype=np.intp)] = criteria.limb_rad
@@ -63,7 +61,7 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
         now[: robot.base] = 0.0
         missed[t] = _turn_torso(robot, now, torso, trunk[t].as_matrix(), upright)
         if arms:
-            _point_limbs(robot, now, home, np.array(arms), {part: along[t] for part, along in limbs.items()}, upright)
+            _point_limbs(robot, now, home, np.array(arms), {part: limbs[part][t] for part in known}, upright)
         q[t, robot.base :] = now[robot.base :]
     lead = round(criteria.approach_s / step)
     s = np.arange(lead)[:, None] / lead
@@ -88,6 +86,20 @@ def _home(robot: MotionRobot) -> Array:
                              robot.name, None, "human_map.thorax"))  # fmt: skip
     assert robot.home is not None
     return robot.home
+
+
+def _refuse_flight(person: Person) -> None:
+    if person.contacts is None:
+        return
+    starts, lengths = runs(~(person.contacts.left | person.contacts.right))
+    if not len(starts):
+        return
+    time = person.time
+    spans = [f"{time[a]:.2f} to {time[a + n - 1]:.2f} s" for a, n in zip(starts, lengths, strict=True)]
+    raise BadMotion(Fault(
+        f"no foot stands in {len(spans)} stretches: {', '.join(spans[:3])}", "flight",
+        "Cut them off: a robot that stands cannot fly", person.name, int(starts[0]) + 1, "contacts", spans[0],
+    ))  # fmt: skip
 
 
 def _unit(along: Array) -> Array:
@@ -128,7 +140,6 @@ def _point_limbs(
     """Writes the arms' joints (base at zero) whose limbs point as asked, seen from the thorax."""
     model, data = robot.model, robot.data
     at = robot.base + arms
-    pull = 0.03
     for _ in range(4):
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
@@ -136,7 +147,7 @@ def _point_limbs(
         R = data.oMf[thorax].rotation @ upright["thorax"].T
         rows, left = [], []
         for part, beyond in LIMBS:
-            if part not in limbs or beyond not in robot.segments or part not in robot.segments:
+            if part not in limbs:
                 continue
             ends = [robot.frame(robot.segments[each]) for each in (part, beyond)]
             along = data.oMf[ends[1]].translation - data.oMf[ends[0]].translation
@@ -147,9 +158,9 @@ def _point_limbs(
             rows.append(J / size)
             left.append(R @ limbs[part] - along / size)
         J, error = np.concatenate(rows), np.concatenate(left)
-        hold = pull * np.eye(len(at))
+        hold = PULL * np.eye(len(at))
         step = np.linalg.lstsq(
-            np.concatenate([J, hold]), np.concatenate([error, pull * (home[at] - q[at])]), rcond=None
+            np.concatenate([J, hold]), np.concatenate([error, PULL * (home[at] - q[at])]), rcond=None
         )[0]
         limits = robot.limits
         q[at] = np.clip(q[at] + np.clip(step, -0.5, 0.5), limits.lower[arms], limits.upper[arms])

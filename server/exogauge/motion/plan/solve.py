@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 import piqp
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, diags
+from scipy.sparse import coo_matrix, csc_matrix
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
@@ -77,11 +77,7 @@ def plan(
             return Planned(spline, wrench, excess, rounds, size)
         A, b = equations(robot, asked, spline, wrench, slope)
         G, h = bounds(robot, asked, spline, wrench, slope, criteria)
-        near = spline.control.clip(low[:, :n], high[:, :n])
-        floor, roof = low.copy(), high.copy()
-        floor[:, :n] = np.maximum(low[:, :n], near - criteria.step_rad)
-        roof[:, :n] = np.minimum(high[:, :n], near + criteria.step_rad)
-        x = _solve(robot, P, c, A, b, G, h, floor.ravel(), roof.ravel()).reshape(N + 2, wide)
+        x = _solve(robot, P, c, A, b, G, h, low.ravel(), high.ravel()).reshape(N + 2, wide)
         size = float(np.abs(x[:, :n] - spline.control).max())
         spline = Spline(x[:, :n], asked.step)
         wrench = x[1:-1, n : n + 6 * F].reshape(N, F, 6) * weight
@@ -93,11 +89,14 @@ def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_m
     """½ xᵀP x + cᵀx over all stages: what is asked, smoothly; wrenches small; slack dear."""
     N, n, F, h = len(asked.q), robot.model.nq, len(robot.soles), asked.step
     wide = n + 6 * F + 1
-    value = diags([np.full(N, w) for w in (1 / 6, 4 / 6, 1 / 6)], [0, 1, 2], shape=(N, N + 2)).tocsc()
-    curve = diags([np.full(N, w) for w in (1.0, -2.0, 1.0)], [0, 1, 2], shape=(N, N + 2)).tocsc() / h**2
+    node = np.arange(N)
+    value, curve = (
+        csc_matrix((np.repeat(each, N), (np.tile(node, 3), np.concatenate([node, node + 1, node + 2]))), (N, N + 2))
+        for each in (np.array([1.0, 4.0, 1.0]) / 6.0, np.array([1.0, -2.0, 1.0]) / h**2)
+    )
     inverse = np.where(np.isfinite(asked.stray), 1.0 / asked.stray, 0.0) ** 2
     smooth = (1.0 / np.minimum(asked.stray, criteria.free_rad)) ** 2 / (2.0 * np.pi * criteria.smooth_hz) ** 4
-    close, even = (value.T @ value).tocoo(), (curve.T @ curve).tocoo()
+    close, even = coo_matrix(value.T @ value), coo_matrix(curve.T @ curve)
     columns = np.arange(n)
     rows, cols, values = [], [], []
     for part, each in ((close, inverse), (even, smooth)):

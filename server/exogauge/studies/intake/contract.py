@@ -297,7 +297,9 @@ class MotionLimits(_Part):
 class RobotFile(_Part):
     """robot.yaml. soles, limits, human_map, home: for planning motions alone. human_map: part of the body -> link.
 
-    home: posture [rad or m] in which planned motions begin and end, zero of joints that are not named. uncertainty `none`: of a simulated robot, which is what it is said to be."""
+    home: posture [rad or m] in which planned motions begin and end, zero of joints that are not named.
+    uncertainty `none`: of a simulated robot, which is what it is said to be.
+    """
 
     version: Literal[1]
     name: Name | None = None
