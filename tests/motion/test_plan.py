@@ -285,7 +285,7 @@ def test_a_captured_bend_becomes_a_motion_that_keeps_its_bounds(
     out = tmp_path / "bend.csv"
     assert main(["motion", "retarget", str(amc), "--skeleton", str(CAPTURES / "02.asf"), "--to", "3",
                  "--robot", str(folder / "robot.yaml"), "--out", str(out)]) == 0  # fmt: skip
-    rows = list(csv.reader(out.open()))
+    rows = list(csv.reader(out.read_text().splitlines()))
     assert rows[0] == ["t", *(f"q.{name}" for name in robot.joints)]
     q = np.array([[float(x) for x in row[1:]] for row in rows[1:]])
     assert (q >= robot.limits.lower - 1e-7).all()
