@@ -60,7 +60,7 @@ def retarget_motion(args: argparse.Namespace) -> int:
     person = person_of(motion).cut(args.begin, args.end).slowed(args.slow)
     asked, missed = ask(robot, person)
     planned = plan(robot, asked, report=tell)
-    judged = judge(robot, planned.spline, asked)
+    judged = judge(robot, planned, asked)
     said = summarise(robot, person, asked, missed, planned, judged)
     if args.out is not None and (args.despite or not judged.broken):
         args.out.write_bytes(motion_table(robot, judged))

@@ -21,10 +21,27 @@ BASE = ("base_x", "base_y", "base_z", "base_yaw", "base_roll", "base_pitch")
 @final
 @dataclass(frozen=True)
 class Sole:
-    """What a foot stands on. link: of the URDF. outline: (K, 3) [m] corners in the link's frame, in order around."""
+    """What a foot stands on. link: of the URDF. outline: (K, 3) [m] corners in the link's frame, counter-clockwise when
+    seen from above."""
 
     link: str
     outline: Array
+
+    @property
+    def middle(self) -> Array:
+        """(3,) [m] of the corners."""
+        return np.asarray(self.outline.mean(axis=0), dtype=np.float64)
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) in the link's frame: x along the first edge, z the normal upwards."""
+        spokes = self.outline - self.middle
+        z = np.cross(spokes, np.roll(spokes, -1, axis=0)).sum(axis=0)
+        z /= np.linalg.norm(z)
+        x = self.outline[1] - self.outline[0]
+        x = x - z * (x @ z)
+        x /= np.linalg.norm(x)
+        return np.stack([x, np.cross(z, x), z], axis=1)
 
 
 @final

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -60,14 +61,14 @@ def load_motion_robot(path: Path) -> MotionRobot:
     segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
     made = MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments)
     home = np.concatenate([np.zeros(base), posture])
-    if soles and robot.floating:
-        home[2] = -_lowest(made, home)
-    return MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments, home)
-
-
-def _lowest(robot: MotionRobot, q: Array) -> float:
-    """[m] height of the lowest corner of the soles."""
-    pin.forwardKinematics(robot.model, robot.data, q)
-    at = [pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link)) for sole in robot.soles]
-    return float(min((sole.outline @ pose.rotation.T + pose.translation)[:, 2].min()
-                     for sole, pose in zip(robot.soles, at, strict=True)))  # fmt: skip
+    if not soles or not robot.floating:
+        return replace(made, home=home)
+    pin.forwardKinematics(model, made.data, home)
+    at = [pin.updateFramePlacement(model, made.data, made.frame(sole.link)).copy() for sole in soles]
+    corners = [sole.outline @ pose.rotation.T + pose.translation for sole, pose in zip(soles, at, strict=True)]
+    home[2] = -min(each[:, 2].min() for each in corners)
+    soles = tuple(
+        sole if pose.rotation[2] @ sole.axes[:, 2] > 0.0 else Sole(sole.link, sole.outline[::-1].copy())
+        for sole, pose in zip(soles, at, strict=True)
+    )
+    return replace(made, soles=soles, home=home)

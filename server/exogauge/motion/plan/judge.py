@@ -8,11 +8,12 @@ from typing import final
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.interpolate import interp1d
 from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.plan.asked import Asked
-from exogauge.motion.plan.spline import Spline
+from exogauge.motion.plan.solve import Planned
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
@@ -24,8 +25,8 @@ SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 
 @dataclass(frozen=True)
 class Judged:
     """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
-    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; of the legs with the
-    loads that are smallest. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
+    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; of the legs, where
+    two feet share the load as planned. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
     place, value and bound in words.
     """
 
@@ -41,10 +42,10 @@ class Judged:
 
 
 def judge(
-    robot: MotionRobot, spline: Spline, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None
+    robot: MotionRobot, planned: Planned, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None
 ) -> Judged:
     """rate: [Hz], `judged_hz` where none is given. All feet stand throughout."""
-    rate = rate or criteria.judged_hz
+    rate, spline = rate or criteria.judged_hz, planned.spline
     time = np.arange(int(spline.duration * rate + 1e-6) + 1) / rate
     q, v, a = spline.at(time)
     model, data, base = robot.model, robot.data, robot.base
@@ -55,6 +56,8 @@ def judge(
     edges = ConvexHull(corners[:, :2]).equations  # outward normals and offsets
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
+    held = planned.wrench.reshape(len(planned.wrench), -1)
+    shared = interp1d(asked.time, held, axis=0)(np.minimum(time, asked.time[-1]))
     inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(np.repeat(SHARES, 3), len(frames))
     for t in range(T):
@@ -62,7 +65,8 @@ def judge(
         pin.computeJointJacobians(model, data, q[t])
         rows = np.concatenate([pin.getFrameJacobian(model, data, k, pin.LOCAL) for k in frames])
         driven = rows[:, :base]
-        loads = share * (driven @ np.linalg.solve(driven.T @ (share[:, None] * driven), tau[:base]))
+        lacks = np.linalg.solve(driven.T @ (share[:, None] * driven), tau[:base] - driven.T @ shared[t])
+        loads = shared[t] + share * (driven @ lacks)
         torque[t] = tau[base:] - rows[:, base:].T @ loads
         total = pin.Force.Zero()
         for f, k in enumerate(frames):

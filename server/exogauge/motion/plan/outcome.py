@@ -15,6 +15,7 @@ from exogauge.motion.robot import MotionRobot
 from exogauge.studies.csv_table import csv_table
 
 PLACES = 8  # decimals: a ten-thousandth of what an encoder tells
+UNBOUNDED = 1e-6  # share of a bound: makers write 1e9 where they know none
 Told = dict[str, str | float | list[str]]
 
 
@@ -55,7 +56,10 @@ def summarise(
     }
     for what, share in shares.items():
         j = int(share.max(axis=0).argmax())
-        said[what] = f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
+        known = share.max() > UNBOUNDED
+        said[what] = (
+            "no bound is known" if not known else f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
+        )
     said["not looked at"] = "collisions of the robot with itself"
     said["broken"] = list(judged.broken)
     return said

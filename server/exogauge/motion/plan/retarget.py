@@ -36,13 +36,14 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
              for part, along in person.limbs.items()}  # fmt: skip
     q = np.tile(home, (count, 1))
     model, data = robot.model, robot.data
+    facing = _facing(robot)
     pin.forwardKinematics(model, data, home)
     feet = tuple(pin.SE3(pin.updateFramePlacement(model, data, robot.frame(sole.link))) for sole in robot.soles)
-    heading = float(turn[0].as_euler("ZXY")[0])
+    heading = float(turn[0].as_euler("ZXY")[0])  # the person's first pelvis faces where the robot does
     level = Rotation.from_euler("z", -heading)
-    q[:, 3:6] = np.unwrap((level * turn).as_euler("ZXY"), axis=0)
+    q[:, 3:6] = np.unwrap((level * turn * Rotation.from_matrix(facing.T)).as_euler("ZXY"), axis=0)
     scale = _hip_height(robot) / person.hip_height
-    q[:, :3] = home[:3] + scale * level.apply(place - place[0])
+    q[:, :3] = home[:3] + scale * level.apply(place - place[0]) @ facing.T
     missed = np.empty(count)
     stray = np.full(model.nq, np.inf)
     stray[:3], stray[3:6] = criteria.pelvis_m, criteria.pelvis_rad
@@ -54,7 +55,7 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     rest = [k for k in robot.beyond("thorax") if k not in arms]
     stray[robot.base + np.array(rest, dtype=np.intp)] = criteria.limb_rad
     pin.forwardKinematics(model, data, pin.neutral(model))
-    upright = {part: pin.updateFramePlacement(model, data, robot.frame(link)).rotation.copy()
+    upright = {part: facing.T @ pin.updateFramePlacement(model, data, robot.frame(link)).rotation
                for part, link in robot.segments.items()}  # fmt: skip
     now = home.copy()
     for t in range(count):
@@ -104,6 +105,16 @@ def _refuse_flight(person: Person) -> None:
 
 def _unit(along: Array) -> Array:
     return np.asarray(along / np.linalg.norm(along, axis=1, keepdims=True))
+
+
+def _facing(robot: MotionRobot) -> Array:
+    """(3, 3) axes of the body, x forward, y left, z up, in the base with all joints at zero."""
+    model, data = robot.model, robot.data
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    left, right = (pin.updateFramePlacement(model, data, robot.frame(s.link)).translation.copy() for s in robot.soles)
+    y = (left - right) * [1.0, 1.0, 0.0]
+    y /= np.linalg.norm(y)
+    return np.stack([np.cross(y, [0.0, 0.0, 1.0]), y, [0.0, 0.0, 1.0]], axis=1)
 
 
 def _hip_height(robot: MotionRobot) -> float:

@@ -66,7 +66,7 @@ def sole_rows(sole: Sole, friction: float, margin: float) -> Array:
 
     A pyramid inside the cone; a moment about the normal is held by friction within the outline's half width.
     """
-    R, at = sole_frame(sole)
+    R, at = sole.axes, sole.middle
     to_sole = np.zeros((6, 6))
     to_sole[:3, :3] = to_sole[3:, 3:] = R.T
     to_sole[3:, :3] = -R.T @ pin.skew(at)
@@ -92,16 +92,6 @@ def sole_rows(sole: Sole, friction: float, margin: float) -> Array:
         row[5], row[2] = sign, -friction * min(inward)
         rows.append(row)
     return np.stack(rows) @ to_sole
-
-
-def sole_frame(sole: Sole) -> tuple[Array, Array]:
-    """(3, 3) axes of the sole in its link, z its normal on the robot's side; (3,) its middle."""
-    middle = sole.outline.mean(axis=0)
-    _, _, Vt = np.linalg.svd(sole.outline - middle)
-    normal = Vt[2] * (np.sign(Vt[2] @ -middle) or 1.0)  # the link's origin is above its sole
-    x = Vt[0] - normal * (Vt[0] @ normal)
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(normal, x), normal], axis=1), middle
 
 
 @final
@@ -221,7 +211,7 @@ def bounds(
         rows.add([(on, n + 6 * f + np.arange(6), value), (on, slack, spare)], np.zeros(len(value)))
     if robot.floating:
         stage = np.arange(1, N + 1)
-        carried = np.concatenate([np.concatenate([-sole_frame(sole)[0][:, 2], np.zeros(3)]) for sole in robot.soles])
+        carried = np.concatenate([np.concatenate([-sole.axes[:, 2], np.zeros(3)]) for sole in robot.soles])
         parts = [(stage, n + np.arange(6 * F), np.tile(carried, (N, 1))), (stage, slack, -np.ones((N, 1)))]
-        rows.add(parts, np.full(N, -criteria.least_weight))
+        rows.add(parts, np.full(N, -criteria.least_weight / criteria.kept))
     return rows.matrix()

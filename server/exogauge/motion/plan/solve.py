@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 import piqp
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, diags
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
@@ -19,6 +19,8 @@ from exogauge.motion.plan.spline import Spline, through
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
+
+STILLEST = 64.0  # times the pelvis' own weight: steps are then a hundredth of what the equations say
 
 
 @final
@@ -64,8 +66,12 @@ def plan(
     for bound in (low, high):
         bound[[0, -1], n:] = 0.0
         bound[1:-1, n : n + 6 * F][swings] = 0.0
+    ours = np.zeros((N + 2, wide))
+    ours[:, :n] = 1.0
+    ours = ours.ravel()
     excess, size, rounds = np.zeros(N), np.inf, 0
     low[:, robot.base : n], high[:, robot.base : n] = robot.limits.lower, robot.limits.upper
+    still, missed = 0.0, np.inf  # weight of staying near the round before; how far that one was off
     while True:
         slope = slopes(robot, asked, spline, wrench)
         strays = float(np.abs(slope.error[asked.stands]).max(initial=0.0))
@@ -75,9 +81,17 @@ def plan(
         held = strays < criteria.held and floats < criteria.floats
         if rounds == criteria.rounds or (held and size < criteria.done_rad):
             return Planned(spline, wrench, excess, rounds, size)
+        if missed < np.inf:
+            still = min(max(8.0 * still, 1.0), STILLEST) if strays + floats > 0.5 * missed and not held else still / 8.0
+        missed = strays + floats
         A, b = equations(robot, asked, spline, wrench, slope)
         G, h = bounds(robot, asked, spline, wrench, slope, criteria)
-        x = _solve(robot, P, c, A, b, G, h, low.ravel(), high.ravel()).reshape(N + 2, wide)
+        stages = np.zeros((N + 2, wide))
+        stages[:, :n] = spline.control
+        near = still / criteria.pelvis_m**2 * ours
+        x = _solve(
+            robot, csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
+        ).reshape(N + 2, wide)
         size = float(np.abs(x[:, :n] - spline.control).max())
         spline = Spline(x[:, :n], asked.step)
         wrench = x[1:-1, n : n + 6 * F].reshape(N, F, 6) * weight
