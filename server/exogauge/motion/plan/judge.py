@@ -26,8 +26,8 @@ SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 
 class Judged:
     """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
     feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; of the legs, where
-    two feet share the load as planned. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
-    place, value and bound in words.
+    two feet share the load as planned. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as
+    time, place, value and bound in words.
     """
 
     time: Array
