@@ -14,7 +14,8 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.payload.contact import ZERO_S, Compensation, false_alarm_limit, zero_helps, zero_of
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps, zero_of
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
 from exogauge.payload.live_track import LONGEST_GAP, Pose, Track, Tracked
@@ -41,6 +42,7 @@ class Start:
     prior: Prior
     believed: Array
     false_alarms_per_hour: float = 1.0
+    criteria: Criteria = USUAL
 
 
 @final
@@ -78,7 +80,7 @@ class Live:
                  ) -> None:  # fmt: skip
         self.start, self.rate_hz = start, rate_hz
         self.track = Track(start.pose, rate_hz, start.gravity, still=still)
-        self.fit = LiveFit(start.prior, start.believed)
+        self.fit = LiveFit(start.prior, start.believed, start.criteria)
         self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
         self.given = 0  # samples that came out
         self.left_out = 0
@@ -90,7 +92,7 @@ class Live:
         self._wrench = np.zeros((0, 6))
         self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
         self._last_time = np.nan
-        self._zero = SecondZero(start.gravity, round(ZERO_S * rate_hz))
+        self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
 
     def zero(self) -> None:
@@ -191,8 +193,8 @@ class Held:
 class SecondZero:
     """[Payload] (44), as `contact.second_zero`, begun when asked. Refused where an alarm falls into its half second."""
 
-    def __init__(self, gravity: Array, samples: int) -> None:
-        self._gravity, self._samples = gravity, samples
+    def __init__(self, gravity: Array, samples: int, criteria: Criteria = USUAL) -> None:
+        self._gravity, self._samples, self._criteria = gravity, samples, criteria.payload_dynamic
         self._state: Zero = "none"
         self._external, self._rotation = np.zeros((0, 6)), np.zeros((0, 3, 3))
         self._mean, self._then = np.zeros(6), np.zeros(3)
@@ -215,5 +217,5 @@ class SecondZero:
             return external, self._state
         if self._state in ("none", "refused"):
             return external, self._state
-        helps = zero_helps(motion.rotation, self._then, self._gravity)
+        helps = zero_helps(motion.rotation, self._then, self._gravity, self._criteria)
         return np.where(helps[:, None], external - self._mean, external), "held" if helps[-1] else "beyond"

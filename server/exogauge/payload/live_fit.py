@@ -8,7 +8,8 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.payload.dynamics import DECIDED, Prior, Rows, prior_information
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.payload.dynamics import Prior, Rows, prior_information
 from exogauge.payload.total_least_squares import Recursion
 
 Array = NDArray[np.float64]
@@ -48,9 +49,9 @@ class LiveFit:
     systematic in them (gravity's direction, a drift) would be taken for certain.
     """
 
-    def __init__(self, prior: Prior, believed: Array) -> None:
+    def __init__(self, prior: Prior, believed: Array, criteria: Criteria = USUAL) -> None:
         """believed: (16,) std of x before anything was measured."""
-        self.prior, self._believed = prior, believed
+        self.prior, self._believed, self._criteria = prior, believed, criteria
         self._known = prior_information(prior)
         self.recursion = Recursion(16, prior.rows, start=prior.value)
         self.used = 0
@@ -101,7 +102,7 @@ class LiveFit:
         std = np.sqrt(np.diag(covariance))
         self._recent = [*self._recent[-STEADY + 1 :], x]
         steady = len(self._recent) == STEADY and bool(np.all(np.abs(self._recent[0] - x)[:10] < STAYS * std[:10]))
-        decided = std < DECIDED * self._believed
+        decided = std < self._criteria.payload_dynamic.decided * self._believed
         state: State = "converging"
         if self.used == 0 and not decided[4:10].all():
             state = "static"

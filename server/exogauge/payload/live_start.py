@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import Prior, static_prior
@@ -34,21 +35,21 @@ def open_start(path: Path) -> tuple[PayloadFile, Start]:
     return payload.file, start_of(payload)
 
 
-def start_of(payload: Payload) -> Start:
+def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     """gravity, sign and prior by the recipe for logs; level, as stated and next to nothing without any."""
     pose, settings = payload.file.pose, payload.file.settings
     if payload.tree is None and pose.position is None:
         advice = "Send joint angles with a URDF, or name `pose.position`; an IMU is for logs."
         detail = "live, without joint angles or a position nothing says how the sensor accelerates"
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
-    gravity, prior = np.array(payload.file.gravity), static_prior(None)
+    gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
     believed = np.sqrt(np.diag(prior.covariance))
     if payload.recordings:
-        found = evaluate(replace(payload, recordings=tuple(_identifying(payload))))
+        found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
         sign, stages = found.sign, found.rigid or found.stages  # what was named missing is not taken out live
         gravity = stages.gravity
         if stages.postures is not None:
-            prior = prior_of(payload, stages.postures)
+            prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
         if stages.excitation is not None:
             prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
@@ -57,8 +58,9 @@ def start_of(payload: Payload) -> Start:
     std, density = _channels(payload)
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
-        Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour
-    )
+        Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour,
+        criteria,
+    )  # fmt: skip
 
 
 def _identifying(payload: Payload) -> list[Recording]:
