@@ -14,6 +14,7 @@ from exogauge.criteria.judging import Carrying, Judging
 from exogauge.criteria.nominal import Contradicting
 from exogauge.criteria.payload_doctor import Complaining
 from exogauge.criteria.payload_dynamic import Moving
+from exogauge.criteria.payload_live import Streaming
 from exogauge.criteria.payload_static import Standing
 from exogauge.criteria.planning import Planning, Telling
 from exogauge.criteria.searching import Searching
@@ -45,6 +46,7 @@ class Criteria:
     payload_doctor: Complaining = field(default_factory=Complaining)
     payload_static: Standing = field(default_factory=Standing)
     payload_dynamic: Moving = field(default_factory=Moving)
+    payload_live: Streaming = field(default_factory=Streaming)
 
 
 USUAL = Criteria()
