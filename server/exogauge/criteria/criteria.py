@@ -12,6 +12,10 @@ from exogauge.criteria.examining import Comparing, Examining
 from exogauge.criteria.identifying import Identifying, Resting
 from exogauge.criteria.judging import Carrying, Judging
 from exogauge.criteria.nominal import Contradicting
+from exogauge.criteria.payload_doctor import Complaining
+from exogauge.criteria.payload_dynamic import Moving
+from exogauge.criteria.payload_live import Streaming
+from exogauge.criteria.payload_static import Standing
 from exogauge.criteria.planning import Planning, Telling
 from exogauge.criteria.searching import Searching
 from exogauge.criteria.stored_filter import StoredFilter
@@ -39,3 +43,10 @@ class Criteria:
     comparison: Comparing = field(default_factory=Comparing)
     declared: Declaring = field(default_factory=Declaring)
     payload: Carrying = field(default_factory=Carrying)
+    payload_doctor: Complaining = field(default_factory=Complaining)
+    payload_static: Standing = field(default_factory=Standing)
+    payload_dynamic: Moving = field(default_factory=Moving)
+    payload_live: Streaming = field(default_factory=Streaming)
+
+
+USUAL = Criteria()

@@ -9,14 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.payload_rows import spread
 from exogauge.payload.sensor_motion import SensorMotion
 
 Array = NDArray[np.float64]
-
-FARTHEST_ZERO = np.pi / 3  # beyond, a zero taken before is worse than none: |δm| g 2 sin(θ/2) > |δm| g
-ZERO_S = 0.5  # averaged for the secondary zero
-BRIDGED_S = 0.05  # between two alarms of one contact
 
 
 @final
@@ -59,11 +56,13 @@ class Compensation:
         largest = np.linalg.eigvalsh(self.spread(motion)[:, :3, :3])[:, -1]
         return np.asarray(np.sqrt(false_alarm_limit(false_alarms_per_sample) * largest))
 
-    def contacts(self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float) -> list[tuple[float, float]]:
+    def contacts(
+        self, motion: SensorMotion, wrench: Array, false_alarms_per_hour: float, criteria: Moving = USUAL
+    ) -> list[tuple[float, float]]:
         """Spans (from, to) [s] in which the force is more than noise, so many of them wrong per hour."""
         period = float(np.median(np.diff(motion.time)))
         limit = false_alarm_limit(false_alarms_per_hour * period / 3600.0)
-        return spans(motion.time, self.touched(motion, wrench, limit).alarm, BRIDGED_S)
+        return spans(motion.time, self.touched(motion, wrench, limit).alarm, criteria.bridged_s)
 
 
 @final
@@ -82,14 +81,16 @@ def false_alarm_limit(per_sample: float) -> float:
     return float(chi2.isf(per_sample, 3))
 
 
-def second_zero(motion: SensorMotion, external: Array, gravity: Array) -> tuple[Array, NDArray[np.bool_]]:
+def second_zero(
+    motion: SensorMotion, external: Array, gravity: Array, criteria: Moving = USUAL
+) -> tuple[Array, NDArray[np.bool_]]:
     """(T, 6) F_ext minus its mean over the first half second, and (T,) where that still helps: gravity within 60°.
 
     Implements [Payload] (44), with an average in place of one sample.
     """
-    first = motion.time <= motion.time[0] + ZERO_S
+    first = motion.time <= motion.time[0] + criteria.zero_s
     mean, then = zero_of(motion.rotation[first], external[first], gravity)
-    return external - mean, zero_helps(motion.rotation, then, gravity)
+    return external - mean, zero_helps(motion.rotation, then, gravity, criteria)
 
 
 def zero_of(rotation: Array, external: Array, gravity: Array) -> tuple[Array, Array]:
@@ -98,10 +99,10 @@ def zero_of(rotation: Array, external: Array, gravity: Array) -> tuple[Array, Ar
     return external.mean(axis=0), down / np.linalg.norm(down)
 
 
-def zero_helps(rotation: Array, then: Array, gravity: Array) -> NDArray[np.bool_]:
+def zero_helps(rotation: Array, then: Array, gravity: Array, criteria: Moving = USUAL) -> NDArray[np.bool_]:
     """(T,) whether gravity points within 60° of where it did."""
     down = np.einsum("tji,j->ti", rotation, gravity / np.linalg.norm(gravity))
-    return np.asarray(down @ then >= np.cos(FARTHEST_ZERO))
+    return np.asarray(down @ then >= np.cos(np.radians(criteria.farthest_zero_deg)))
 
 
 def spans(time: Array, flag: NDArray[np.bool_], bridged: float) -> list[tuple[float, float]]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadInput, NotIdentifiable
 from exogauge.logs.findings import Finding, longest_run
 from exogauge.payload.dynamics import dynamic_rows
@@ -20,55 +20,48 @@ from exogauge.payload.statics import static_stage, told_sign
 
 Array = NDArray[np.float64]
 
-COARSE = 2.0  # steps of the converter in standard deviations: beyond, noise is no longer white
-NOISE_RATIO = (0.5, 1.5)  # found over stated, between which the statement holds
-CLEAR = 5.0  # standard deviations
-FEWEST_BESIDE = 3  # postures on either side of a step of the zero
-OTHER_AXES = np.radians(5.0)  # mounting is better than that
-GAIN = 0.02  # of an accelerometer, as makers state it
 
-
-def examine(payload: Payload) -> list[tuple[str, Finding]]:
+def examine(payload: Payload, criteria: Criteria = USUAL) -> list[tuple[str, Finding]]:
     """Log and finding. Raises BadInput where `evaluate` would, before anything is fitted."""
     found = [
         (each.name, finding)
         for each in payload.recordings
         for rule in (saturated, quantised, noise_in_holds, drift_in_holds)
-        for finding in rule(payload, each)
+        for finding in rule(payload, each, criteria)
     ]
     if payload.of("postures"):
-        found += [("postures", finding) for finding in (*zero_steps(payload), *imu_axes(payload))]
+        found += [("postures", finding) for finding in (*zero_steps(payload, criteria), *imu_axes(payload, criteria))]
     try:
-        evaluation = evaluate(payload)
+        evaluation = evaluate(payload, criteria=criteria)
     except (BadInput, NotIdentifiable) as problem:
         return [*found, ("all", Finding("error", "ft", "not_identifiable", str(problem), "see what is said there"))]
     gravity = evaluation.stages.gravity
     for each in payload.of("excitation"):
         moved = moving(payload, each, gravity, evaluation.imu)
         rows = dynamic_rows(moved.motion, moved.wrench, gravity, evaluation.sign, std_of(payload))
-        found += [(each.name, finding) for finding in delayed(moved.motion.time, rows.z)]
+        found += [(each.name, finding) for finding in delayed(moved.motion.time, rows.z, criteria)]
     return [*found, *(("all", Finding("warning", "ft", "doubt", text, "")) for text in evaluation.warnings)]
 
 
-def saturated(payload: Payload, recording: Recording) -> Iterator[Finding]:
+def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
     """Beyond the rated range, or cut off at a value below it."""
     rated = payload.file.sensor.range
     limits = np.full(6, np.inf) if rated is None else np.array([*rated.force_n, *rated.moment_nm])
     for name, values, limit in _axes(payload, recording, limits):
-        over = np.abs(values) >= Criteria().payload.full * limit
+        over = np.abs(values) >= criteria.payload.full * limit
         if over.any():
             row = int(np.argmax(over)) + 1
             detail = f"{int(over.sum())} samples reach {np.abs(values).max():.4g}, the sensor is rated for {limit:.4g}"
             advice = "move slower or hold the payload nearer to the sensor; these samples are cut off"
             yield Finding("error", name, "saturated", detail, advice, row, float(np.abs(values).max()))
         else:
-            yield from cut_off(name, values)
+            yield from cut_off(name, values, criteria)
 
 
-def cut_off(name: str, values: Array) -> Iterator[Finding]:
+def cut_off(name: str, values: Array, criteria: Criteria = USUAL) -> Iterator[Finding]:
     """One extreme so often in a row that a channel which repeats itself as this one does elsewhere hardly gives it. A
     channel that stands still elsewhere, as a coarse one at rest, tells nothing."""
-    said, same = Criteria().payload, np.diff(values) == 0.0
+    said, same = criteria.payload, np.diff(values) == 0.0
     extremes = (float(values.max()), float(values.min()))
     inside = ~np.isin(values, extremes)
     elsewhere = same[inside[1:] & inside[:-1]]
@@ -90,29 +83,30 @@ def cut_off(name: str, values: Array) -> Iterator[Finding]:
             yield Finding("error", name, "saturated", detail, advice, start + 1, extreme)
 
 
-def quantised(payload: Payload, recording: Recording) -> Iterator[Finding]:
+def quantised(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
     for name, values, std in _axes(payload, recording, std_of(payload)):
         levels = np.unique(values)
         step = float(np.diff(levels).min()) if 1 < len(levels) < len(values) / 2 else 0.0
-        if step > COARSE * std:
+        if step > criteria.payload_doctor.coarse * std:
             detail = f"values come in steps of {step:.3g}, {step / std:.1f} times the stated noise"
             yield Finding("warning", name, "coarse_steps", detail, "log more digits, or state more noise", None, step)
 
 
-def noise_in_holds(payload: Payload, recording: Recording) -> Iterator[Finding]:
-    spans = _spans(payload, recording)
+def noise_in_holds(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
+    spans = _spans(payload, recording, criteria)
     for name, values, std in _axes(payload, recording, std_of(payload)) if spans else ():
         time = recording.wrench.time
         within = [np.diff(values[(time >= a) & (time <= b)]).std() / np.sqrt(2.0) for a, b in spans]
         ratio = float(np.median(within)) / std
-        if not NOISE_RATIO[0] <= ratio <= NOISE_RATIO[1]:
+        least, most = criteria.payload_doctor.noise_ratio
+        if not least <= ratio <= most:
             detail = f"samples of a hold scatter by {ratio * std:.3g}, {ratio:.2g} times what is stated"
             advice = "state what was found; a filtered channel scatters less and is late"
             yield Finding("warning", name, "noise_differs", detail, advice, None, ratio * std)
 
 
-def drift_in_holds(payload: Payload, recording: Recording) -> Iterator[Finding]:
-    spans = _spans(payload, recording)
+def drift_in_holds(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
+    spans = _spans(payload, recording, criteria)
     for name, values, std in _axes(payload, recording, std_of(payload)) if spans else ():
         time = recording.wrench.time
         worst = (0.0, 0.0, 0.0)
@@ -122,50 +116,54 @@ def drift_in_holds(payload: Payload, recording: Recording) -> Iterator[Finding]:
             slope = float(t @ y / (t @ t))
             chance = std / np.sqrt(t @ t)
             worst = max(worst, (abs(slope) / chance, slope * (b - a), a))
-        if worst[0] > CLEAR and abs(worst[1]) > std:
+        if worst[0] > criteria.payload_doctor.clear and abs(worst[1]) > std:
             detail = f"the value drifts by {worst[1]:.3g} within the hold at {worst[2]:.2f} s"
             advice = "let the sensor warm up, or wait until the payload has stopped swinging"
             yield Finding("warning", name, "drift_in_hold", detail, advice, None, worst[1])
 
 
-def zero_steps(payload: Payload) -> Iterator[Finding]:
+def zero_steps(payload: Payload, criteria: Criteria = USUAL) -> Iterator[Finding]:
     """A sensor that was zeroed between two postures leaves residuals that change their mean there."""
-    holds, _ = holds_of(payload)
+    holds, _ = holds_of(payload, criteria.payload_static)
+    gravity, still, beside = (
+        np.array(payload.file.gravity),
+        criteria.payload_static,
+        criteria.payload_doctor.fewest_beside,
+    )
     try:
-        sign = told_sign(holds, np.array(payload.file.gravity))
-        left = static_stage(holds, np.array(payload.file.gravity), sign).residual
+        left = static_stage(holds, gravity, told_sign(holds, gravity, still), criteria=still).residual
     except NotIdentifiable:
         return
     for axis, name in enumerate(payload.file.sensor.wrench):
         best = (0.0, 0, 0.0)
-        for k in range(FEWEST_BESIDE, len(left) - FEWEST_BESIDE + 1):
+        for k in range(beside, len(left) - beside + 1):
             before, after = left[:k, axis], left[k:, axis]
             spread = max(float(np.hypot(before.std() / np.sqrt(k), after.std() / np.sqrt(len(after)))),
                          float(holds.std[axis]) * np.sqrt(1 / k + 1 / len(after)))  # fmt: skip
             step = float(after.mean() - before.mean())
             best = max(best, (abs(step) / spread, k, step))
-        if best[0] > CLEAR:
+        if best[0] > criteria.payload_doctor.clear:
             detail = f"from posture {best[1] + 1} on the zero is another one, by about {best[2]:.3g}"
             advice = "do not zero the sensor between postures; give the postures before or after it as `span`"
             yield Finding("error", name, "zeroed", detail, advice, None, best[2])
 
 
-def imu_axes(payload: Payload) -> Iterator[Finding]:
-    holds, acceleration = holds_of(payload)
+def imu_axes(payload: Payload, criteria: Criteria = USUAL) -> Iterator[Finding]:
+    holds, acceleration = holds_of(payload, criteria.payload_static)
     if payload.file.imu is None or acceleration is None:
         return
     frame = find_axes(acceleration, holds.rotation, np.array(payload.file.gravity))
     name = payload.file.imu.acceleration[0]
-    if frame.angle > OTHER_AXES:
+    if frame.angle > np.radians(criteria.payload_doctor.other_axes_deg):
         detail = f"the IMU's axes stand {np.degrees(frame.angle):.1f}° off the sensor's; they are turned as found"
         yield Finding("note", name, "imu_axes", detail, "", None, float(np.degrees(frame.angle)))
-    if np.abs(frame.gain - 1.0).max() > GAIN:
+    if np.abs(frame.gain - 1.0).max() > criteria.payload_doctor.gain:
         factor = float(frame.gain[np.argmax(np.abs(frame.gain - 1.0))])
         detail = f"the IMU's readings are to be multiplied by {factor:.4g}"
         yield Finding("warning", name, "imu_gain", detail, "is `imu.unit` right?", None, factor)
 
 
-def delayed(time: Array, z: Array) -> Iterator[Finding]:
+def delayed(time: Array, z: Array, criteria: Criteria = USUAL) -> Iterator[Finding]:
     """The wrench comes late by δ: F(t - δ) = F - δ Ḟ, one column more. z: (T, 6, n+1) rows [A b]."""
     A = z[:, :, :-1].reshape(-1, z.shape[2] - 1)
     scale = np.maximum(np.linalg.norm(A, axis=0), 1e-12)
@@ -179,7 +177,7 @@ def delayed(time: Array, z: Array) -> Iterator[Finding]:
     chance = float(np.sqrt(left @ left / len(b) * np.linalg.pinv(full.T @ full)[-1, -1] * 4.0))
     period = float(np.median(np.diff(time)))
     delta = float(y[-1])
-    if abs(delta) > max(CLEAR * chance, period / 2):
+    if abs(delta) > max(criteria.payload_doctor.clear * chance, period / 2):
         detail = f"the wrench is {1e3 * delta:.1f} ± {1e3 * chance:.1f} ms late against the pose"
         advice = "take the same filter off both channels, or shift the stamps by that"
         yield Finding("warning", "ft", "late", detail, advice, None, delta)
@@ -190,9 +188,9 @@ def _axes(payload: Payload, recording: Recording, per_axis: Array) -> Iterator[t
     yield from zip(names, recording.wrench.values.T, map(float, per_axis), strict=True)
 
 
-def _spans(payload: Payload, recording: Recording) -> list[tuple[float, float]]:
+def _spans(payload: Payload, recording: Recording, criteria: Criteria) -> list[tuple[float, float]]:
     if recording.each_row:
         return []
-    found = find_holds(recording.pose.time, recording.pose.values, payload.file.pose.noise_rad)
+    found = find_holds(recording.pose.time, recording.pose.values, payload.file.pose.noise_rad, criteria.payload_static)
     time = recording.wrench.time
     return [(a, b) for a, b in found if np.sum((time >= a) & (time <= b)) > 10]

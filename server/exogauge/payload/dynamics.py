@@ -11,6 +11,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.errors import NotIdentifiable
 from exogauge.estimation.log_cholesky import nearest_possible, pseudo_inertia
 from exogauge.estimation.physical import solve_physical
@@ -25,14 +26,6 @@ Method = Literal["ls", "tls", "gtls"]
 
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 ZERO_NAMES = ("fx0", "fy0", "fz0", "mx0", "my0", "mz0")
-GYRATION_M = 1.0  # std of unknown inertia, as radius of gyration: only a payload of some metres has more
-MU_STDS, MU_FLOOR = 3.0, 0.05  # how far μ must be from 1 to be told: beyond chance, and more than any noise is known
-DECIDED = 0.1  # of the std that was believed before: what the data leave less sure than that, they do not decide
-MEMORIES = (
-    24.0  # correlation times over which coloured residuals are summed: errors of smoothed accelerations swing back
-)
-RESOLVED = 1e-12  # of the largest eigenvalue of a correlation: rounding
-AGREE = 2.0  # standard deviations within which LS and GTLS count as one
 
 
 @final
@@ -103,10 +96,10 @@ class DynamicSolution:
     def std(self) -> Array:
         return np.sqrt(np.diag(self.covariance))
 
-    def doubted(self, doubt: Array) -> DynamicSolution:
+    def doubted(self, doubt: Array, criteria: Moving = USUAL) -> DynamicSolution:
         """With (16, 16) more doubt."""
         covariance = self.covariance + doubt
-        decided = np.sqrt(np.diag(covariance)) < DECIDED * self.prior_std
+        decided = np.sqrt(np.diag(covariance)) < criteria.decided * self.prior_std
         return replace(self, covariance=covariance, decided=decided)
 
 
@@ -130,15 +123,15 @@ def regressor_slopes(omega: Array) -> Array:
     return np.concatenate([np.broadcast_to(linear, (6, T, 6, 10)), quadratic])
 
 
-def static_prior(static: StaticSolution | None, mass_scale: float = 50.0) -> Prior:
-    """From the static stage, else next to nothing: `mass_scale` [kg] and its moments at 1 m, zero within 1000 N."""
+def static_prior(static: StaticSolution | None, mass_scale: float = 50.0, criteria: Moving = USUAL) -> Prior:
+    """From the static stage, else next to nothing: `mass_scale` [kg] and its moments at 1 m, the zero released."""
     value, covariance = np.zeros(16), np.zeros((16, 16))
     m = mass_scale if static is None else static.mass
-    inertia = (m * GYRATION_M**2) ** 2
+    inertia, zero = (m * criteria.gyration_m**2) ** 2, criteria.released**2
     covariance[np.arange(4, 10), np.arange(4, 10)] = inertia
     known = np.array([0, 1, 2, 3, *range(10, 16)])
     if static is None:
-        covariance[known, known] = np.array([m**2, *[m**2] * 3, *[1000.0**2] * 3, *[1000.0**2] * 3])
+        covariance[known, known] = np.array([m**2, *[m**2] * 3, *[zero] * 6])
     else:
         value[known], moments = static.moments
         covariance[np.ix_(known, known)], lean = moments[:10, :10], np.zeros((18, 2))
@@ -147,7 +140,9 @@ def static_prior(static: StaticSolution | None, mass_scale: float = 50.0) -> Pri
     return Prior(value, covariance)
 
 
-def dynamic_stage(rows: Rows, prior: Prior, method: Method = "gtls", *, correlated: bool = True) -> DynamicSolution:
+def dynamic_stage(
+    rows: Rows, prior: Prior, method: Method = "gtls", *, correlated: bool = True, criteria: Moving = USUAL
+) -> DynamicSolution:
     """Implements [Payload] (29)-(33) with prior rows. Raises NotIdentifiable where nothing was excited.
 
     correlated: residuals are not white (they are not where positions were smoothed or anything was filtered).
@@ -157,11 +152,11 @@ def dynamic_stage(rows: Rows, prior: Prior, method: Method = "gtls", *, correlat
     left = rows.z @ np.append(-x, 1.0)  # (T, 6)
     H = found.information + prior_information(prior)
     scores = _scores(rows, found, left, method)
-    meat = _coloured(scores, left) if correlated else scores.T @ scores
+    meat = _coloured(scores, left, criteria.memories) if correlated else scores.T @ scores
     inverse = np.linalg.inv(H)
     covariance = inverse @ (meat + _of_prior(rows, x, prior)) @ inverse
     before = np.sqrt(np.diag(prior.covariance))
-    decided = np.sqrt(np.diag(covariance)) < DECIDED * before
+    decided = np.sqrt(np.diag(covariance)) < criteria.decided * before
     residual = left * rows.std
     physical, cost = _possible(x, covariance, prior)
     return DynamicSolution(
@@ -242,9 +237,9 @@ def _scores(rows: Rows, found: Fit, left: Array, method: Method) -> Array:
     return np.asarray(scores + found.mu_of_fit * toward[:, :-1])
 
 
-def _coloured(scores: Array, left: Array) -> Array:
+def _coloured(scores: Array, left: Array, memories: float) -> Array:
     """(16, 16) Σ over lags of the scores' autocovariance, by Bartlett's weights."""
-    lags = int(min(np.ceil(MEMORIES * correlation_time(left)), len(left) // 8))
+    lags = int(min(np.ceil(memories * correlation_time(left)), len(left) // 8))
     out = scores.T @ scores
     for k in range(1, lags + 1):
         cross = scores[k:].T @ scores[:-k]
@@ -275,8 +270,8 @@ def _possible(x: Array, covariance: Array, prior: Prior) -> tuple[Array, float]:
         return x, 0.0
     scale = np.sqrt(np.diag(covariance))
     value, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    # What is not decided at all is known by rounding alone.
-    root = (vectors / np.sqrt(np.maximum(value, RESOLVED * value[-1]))).T / scale
+    # What is not decided at all is known by rounding alone, 1e-12 of the largest.
+    root = (vectors / np.sqrt(np.maximum(value, 1e-12 * value[-1]))).T / scale
     reference = x[:10].copy()
     reference[0] = max(reference[0], 1e-6)
     solution = solve_physical(root, root @ x, nearest_possible(reference)[None])
@@ -289,17 +284,17 @@ UNKNOWN_CAUSE = (
 )
 
 
-def reading_of_mu(mu: float, std: float, cause: str = UNKNOWN_CAUSE) -> str | None:
+def reading_of_mu(mu: float, std: float, cause: str = UNKNOWN_CAUSE, criteria: Moving = USUAL) -> str | None:
     """What a μ beside 1 says, or None where chance explains it. cause: of one above."""
-    if abs(mu - 1.0) < max(MU_STDS * std, MU_FLOOR):
+    if abs(mu - 1.0) < max(criteria.mu_stds * std, criteria.mu_floor):
         return None
     said = f"The residual is {mu:.3g} times what the stated noise explains: "
     return f"{said}{cause if mu > 1.0 else 'the noise is stated too large'}."
 
 
-def enough(ls: DynamicSolution, gtls: DynamicSolution) -> bool:
+def enough(ls: DynamicSolution, gtls: DynamicSolution, criteria: Moving = USUAL) -> bool:
     """Whether LS would have done: nowhere further from GTLS than twice the standard deviation."""
-    return bool(np.all(np.abs(ls.value - gtls.value)[:10] < AGREE * gtls.std[:10]))
+    return bool(np.all(np.abs(ls.value - gtls.value)[:10] < criteria.agree * gtls.std[:10]))
 
 
 def require_excitation(solution: DynamicSolution) -> None:

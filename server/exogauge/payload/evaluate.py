@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault
 from exogauge.findings.verdict import Caveat
 from exogauge.payload.contact import Compensation
@@ -59,7 +59,8 @@ class Stages:
 @dataclass(frozen=True)
 class Evaluation:
     """stages: what is told. rigid: the same of a rigid body behind an ideal sensor alone, where `stages` holds what was
-    named missing. level: what is found where the base is taken to be level; None without postures or excitation."""
+    named missing. level: what is found where the base is taken to be level; None without postures or excitation.
+    criteria: by which numbers it was decided."""
 
     payload: Payload
     sign: int
@@ -72,6 +73,7 @@ class Evaluation:
     imu: ImuFrame | None
     missing: Missing
     warnings: tuple[str, ...]
+    criteria: Criteria
 
 
 @final
@@ -96,7 +98,7 @@ class _Logs:
         return _Logs(holds, self.acceleration, excitation, test, contact)
 
 
-def evaluate(payload: Payload, progress: Staged = nobody) -> Evaluation:
+def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = USUAL) -> Evaluation:
     """Raises BadInput, NotIdentifiable."""
     if not payload.of("postures") and not payload.of("excitation"):
         advice = "Give a log the role `postures` (the arm stops here and there) or `excitation`."
@@ -104,40 +106,41 @@ def evaluate(payload: Payload, progress: Staged = nobody) -> Evaluation:
     holds, acceleration = None, None
     if payload.of("postures"):
         progress(0.0, Stage.POSTURES, Doing.FINDING_POSTURES)
-        holds, acceleration = holds_of(payload)
+        holds, acceleration = holds_of(payload, criteria.payload_static)
         progress(0.05, Stage.POSTURES, Doing.IDENTIFYING_STILL)
-    postures, said = _still(payload, holds, acceleration)
+    postures, said = _still(payload, holds, acceleration, criteria)
     sign = postures.chosen.sign if postures else stated_sign(payload)
     gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
     imu = None
     if payload.file.imu is not None and postures:
         progress(0.08, Stage.POSTURES, Doing.PLACING_IMU)
-        imu = _imu(payload, postures, gravity)
+        imu = _imu(payload, postures, gravity, criteria)
     excitation, test, contact = (_moved(payload, role, gravity, imu, progress) for role in MOVED)
     logs = _Logs(holds, acceleration, excitation, test, contact)
     if excitation:
         progress(0.3, Stage.EXCITATION, Doing.IDENTIFYING_MOVED)
-    stages, rigid = _stages(payload, logs, sign, postures, said), None
+    stages, rigid = _stages(payload, logs, sign, postures, said, criteria), None
     if excitation:
         progress(0.5, Stage.MISSING, Doing.LOOKING_FOR_MISSING)
-    missing = _missing(payload, stages, logs, sign)
+    missing = _missing(payload, stages, logs, sign, criteria)
     clean = logs
     if missing.in_the_model:
         clean, rigid = logs.without(missing.courses), stages
         if missing.of_body:
             progress(0.7, Stage.MISSING, Doing.IDENTIFYING_AGAIN)
-            again = _still(payload, clean.holds, clean.acceleration)
-            stages = _stages(payload, clean, sign, *again, missing.doubt)
+            again = _still(payload, clean.holds, clean.acceleration, criteria)
+            stages = _stages(payload, clean, sign, *again, criteria, missing.doubt)
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
-    touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign)
-    warnings = [*stages.warnings, *_doubts(stages, rigid, missing)]
+    touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
+    warnings = [*stages.warnings, *_doubts(stages, rigid, missing, criteria)]
     if test:
         progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
-    level = _level(payload, (rigid or stages).postures, logs.excitation)
+    level = _level(payload, (rigid or stages).postures, logs.excitation, criteria)
+    tests = _tests(payload, stages, rigid, level, logs, clean, criteria)
     return Evaluation(
-        payload, sign, stages, rigid, level, _tests(payload, stages, rigid, level, logs, clean), touches, thresholds,
-        imu, missing, tuple(dict.fromkeys(warnings)),
+        payload, sign, stages, rigid, level, tests, touches, thresholds, imu, missing,
+        tuple(dict.fromkeys(warnings)), criteria,
     )  # fmt: skip
 
 
@@ -150,34 +153,38 @@ def _moved(payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, p
     return out
 
 
-def _still(payload: Payload, holds: Holds | None, acceleration: Array | None) -> tuple[Postures | None, list[str]]:
+def _still(
+    payload: Payload, holds: Holds | None, acceleration: Array | None, criteria: Criteria
+) -> tuple[Postures | None, list[str]]:
     warnings: list[str] = []
-    return None if holds is None else postures_stage(payload, holds, acceleration, warnings), warnings
+    return None if holds is None else postures_stage(payload, holds, acceleration, warnings, criteria), warnings
 
 
 def _stages(
-    payload: Payload, logs: _Logs, sign: int, postures: Postures | None, said: Sequence[str], doubt: Array = NO_DOUBT
+    payload: Payload, logs: _Logs, sign: int, postures: Postures | None, said: Sequence[str], criteria: Criteria,
+    doubt: Array = NO_DOUBT,
 ) -> Stages:  # fmt: skip
     warnings = list(said)
     gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
     excitation = None
     if logs.excitation:
-        excitation = excitation_stage(payload, postures, logs.excitation, gravity, sign, warnings)
-        excitation = replace(excitation, chosen=excitation.chosen.doubted(doubt[:16, :16]))
+        excitation = excitation_stage(payload, postures, logs.excitation, gravity, sign, warnings, criteria)
+        chosen = excitation.chosen.doubted(doubt[:16, :16], criteria.payload_dynamic)
+        excitation = replace(excitation, chosen=chosen)
     if postures:
         postures = replace(postures, chosen=postures.chosen.doubted(doubt))
-    return Stages(
-        postures, excitation, gravity, _compensation(payload, postures, excitation, gravity, sign), tuple(warnings)
-    )
+    compensation = _compensation(payload, postures, excitation, gravity, sign, criteria)
+    return Stages(postures, excitation, gravity, compensation, tuple(warnings))
 
 
-def _doubts(stages: Stages, rigid: Stages | None, missing: Missing) -> list[str]:
+def _doubts(stages: Stages, rigid: Stages | None, missing: Missing, criteria: Criteria) -> list[str]:
     """What the motion's residual says, and where something touched."""
     excitation, out = stages.excitation, list[str]()
     if excitation is None:
         return out
     if excitation.noise_known:
-        reading = reading_of_mu(excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing))
+        mu, mu_std, cause = excitation.chosen.mu, excitation.chosen.mu_std, cause_of_residual(missing)
+        reading = reading_of_mu(mu, mu_std, cause, criteria.payload_dynamic)
         out += [reading] if reading else []
     if excitation.left_out and (rigid is not None or not missing.found):
         spans = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in excitation.left_out[:5])
@@ -185,7 +192,7 @@ def _doubts(stages: Stages, rigid: Stages | None, missing: Missing) -> list[str]
     return out
 
 
-def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int) -> Missing:
+def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria: Criteria) -> Missing:
     """What was left out as a touch is looked at too: it may be what is missing. Undecided where the noise is not known:
     then nothing says how much may be left."""
     postures, excitation, std = stages.postures, stages.excitation, std_of(payload)
@@ -206,15 +213,21 @@ def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int) -> Missin
     still = [still_stretch(postures.holds, gravity, sign)] if postures else []
     frame = Frame(gravity, sign, body)
     inclined = postures is not None and postures.chosen.inclined
-    whole = find_missing([*still, *fitted], held_out, others, frame, inclined, Criteria())
+    whole = find_missing([*still, *fitted], held_out, others, frame, inclined, criteria)
     if whole.found or not excitation.left_out:
         return whole
     untouched = [each.without(excitation.left_out) for each in fitted]
-    return find_missing([*still, *untouched], held_out, others, frame, inclined, Criteria())
+    return find_missing([*still, *untouched], held_out, others, frame, inclined, criteria)
 
 
 def _tests(
-    payload: Payload, stages: Stages, rigid: Stages | None, level: Compensation | None, logs: _Logs, clean: _Logs
+    payload: Payload,
+    stages: Stages,
+    rigid: Stages | None,
+    level: Compensation | None,
+    logs: _Logs,
+    clean: _Logs,
+    criteria: Criteria,
 ) -> dict[str, dict[str, Remainder]]:
     """By log and way. `all`: everything taken out; `rigid`: but what was named missing; `level`, `static`: the first
     two methods of [Payload] V, of wrenches as read."""
@@ -229,13 +242,14 @@ def _tests(
             ways["static"] = read.wrench - plain.postures.by_method["tls"].predict(read.motion.rotation)
         inner, passed = _slow(payload, test.motion.time)
         out[recording.name] = {
-            name: remainder(passed(left)[inner], test.motion.rows(inner), stages.gravity) for name, left in ways.items()
+            name: remainder(passed(left)[inner], test.motion.rows(inner), stages.gravity, criteria.payload_dynamic)
+            for name, left in ways.items()
         }
     return out
 
 
 def _touches(
-    payload: Payload, compensation: Compensation, contact: Sequence[Moved], sign: int
+    payload: Payload, compensation: Compensation, contact: Sequence[Moved], sign: int, criteria: Criteria
 ) -> tuple[dict[str, tuple[Touch, ...]], dict[str, float]]:
     """Contacts by log, and the force [N] that counts as one."""
     touches: dict[str, tuple[Touch, ...]] = {}
@@ -245,7 +259,7 @@ def _touches(
         external = compensation.external(touched.motion, touched.wrench)
         touches[recording.name] = tuple(
             _touch(span, touched.motion.time, -sign * external)
-            for span in compensation.contacts(touched.motion, touched.wrench, rate)
+            for span in compensation.contacts(touched.motion, touched.wrench, rate, criteria.payload_dynamic)
         )
         period = float(np.median(np.diff(touched.motion.time)))
         limit = compensation.force_threshold(touched.motion, rate * period / 3600.0)
@@ -261,27 +275,35 @@ def _slow(payload: Payload, time: Array) -> tuple[slice, Callable[[Array], Array
     return slice(low_pass.settle_samples, len(time) - low_pass.settle_samples), low_pass.apply
 
 
-def _level(payload: Payload, postures: Postures | None, moved: Sequence[Moved]) -> Compensation | None:
+def _level(
+    payload: Payload, postures: Postures | None, moved: Sequence[Moved], criteria: Criteria
+) -> Compensation | None:
     """What is found where the base is taken to be level: by TLS, as the second method of [Payload] V, where noise is
     known. None without postures or excitation."""
     if postures is None or not moved:
         return None
     gravity, sign = np.array(payload.file.gravity), postures.chosen.sign
-    other = replace(postures, chosen=static_stage(postures.holds, gravity, sign, inclined=False))
+    chosen = static_stage(postures.holds, gravity, sign, inclined=False, criteria=criteria.payload_static)
+    other = replace(postures, chosen=chosen)
     known = payload.file.settings.cutoff_hz is None and all(each.noise_known for each in moved)
     rows = rows_of(payload, moved, gravity, sign)
-    found = batch(rows, prior_of(payload, other), "tls" if known else "ls")
+    found = batch(rows, prior_of(payload, other, criteria), "tls" if known else "ls")
     return Compensation(found.value, np.zeros((16, 16)), gravity, sign, rows.std)
 
 
 def _compensation(
-    payload: Payload, postures: Postures | None, excitation: Excitation | None, gravity: Array, sign: int
+    payload: Payload,
+    postures: Postures | None,
+    excitation: Excitation | None,
+    gravity: Array,
+    sign: int,
+    criteria: Criteria,
 ) -> Compensation:
     if excitation is not None:
         x, covariance = excitation.chosen.value, excitation.chosen.covariance
     else:
         assert postures is not None
-        prior = static_prior(postures.chosen)
+        prior = static_prior(postures.chosen, criteria=criteria.payload_dynamic)
         known = np.array([0, 1, 2, 3, *range(10, 16)])
         x, covariance = prior.value, np.zeros((16, 16))
         covariance[np.ix_(known, known)] = prior.covariance[np.ix_(known, known)]
@@ -293,7 +315,7 @@ def _touch(span: tuple[float, float], time: Array, on_payload: Array) -> Touch:
     return Touch(span[0], span[1], inside[int(np.argmax(np.linalg.norm(inside, axis=1)))])
 
 
-def _imu(payload: Payload, postures: Postures, gravity: Array) -> ImuFrame | None:
+def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteria) -> ImuFrame | None:
     if postures.acceleration is None:
         return None
     frame = find_axes(postures.acceleration, postures.holds.rotation, gravity)
@@ -310,4 +332,4 @@ def _imu(payload: Payload, postures: Postures, gravity: Array) -> ImuFrame | Non
         moved = (moving(payload, recording, gravity, replace(frame, lag_s=lag)) for recording in carrying)
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
-    return find_lag(frame, rows) if carrying else frame
+    return find_lag(frame, rows, criteria.payload_static) if carrying else frame

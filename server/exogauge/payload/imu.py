@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-Array = NDArray[np.float64]
+from exogauge.criteria.payload_static import USUAL, Standing
 
-FARTHEST_S = 0.03  # stamps that are worse are another clock
-BESIDE_S = 0.004  # from where the curvature of the cost is taken
-REPEATED = 20.0  # rows that say the same after a low-pass of a tenth of half the rate
+Array = NDArray[np.float64]
 
 
 @final
@@ -52,7 +50,7 @@ def find_axes(acceleration: Array, rotation: Array, gravity: Array) -> ImuFrame:
     return ImuFrame(turn, bias, gain, rms)
 
 
-def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]]) -> ImuFrame:
+def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]], criteria: Standing = USUAL) -> ImuFrame:
     """The lag at which wrenches are explained best. rows: [A b] (T, 6, n+1) of each log, for the lag [s] taken off."""
 
     def left(lag: float) -> tuple[float, int]:
@@ -64,11 +62,12 @@ def find_lag(frame: ImuFrame, rows: Callable[[float], list[Array]]) -> ImuFrame:
             square, count = square + float(np.sum((A / scale @ x - b) ** 2)), count + len(b)
         return square, count
 
-    best = minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-FARTHEST_S, FARTHEST_S), method="bounded",
+    latest, beside = criteria.latest_imu_s, criteria.beside_imu_s
+    best = minimize_scalar(lambda lag: np.divide(*left(lag)), bounds=(-latest, latest), method="bounded",
                            options={"xatol": 1e-4})  # fmt: skip
     lag = float(best.x)
-    around = np.array([lag - BESIDE_S, lag, lag + BESIDE_S])
+    around = np.array([lag - beside, lag, lag + beside])
     square, count = np.array([left(each) for each in around]).T
     curve = np.polyfit(around - lag, square, 2)[0]
-    spread = float(np.sqrt(square[1] / (count[1] / REPEATED) / curve)) if curve > 0 else FARTHEST_S
+    spread = float(np.sqrt(square[1] / (count[1] / criteria.repeated) / curve)) if curve > 0 else latest
     return replace(frame, lag_s=lag, lag_std_s=spread)

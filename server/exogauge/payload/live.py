@@ -14,18 +14,15 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.payload.contact import ZERO_S, Compensation, false_alarm_limit, zero_helps, zero_of
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps, zero_of
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
-from exogauge.payload.live_track import LONGEST_GAP, Pose, Track, Tracked
+from exogauge.payload.live_track import Pose, Track, Tracked
 from exogauge.payload.sensor_motion import SensorMotion
 
 Array = NDArray[np.float64]
 Zero = Literal["none", "taking", "held", "beyond", "refused"]
-
-ESTIMATES_HZ = 10.0
-BEFORE_S, AFTER_S = 0.1, 0.2  # left out of the fit on either side of an alarm: a contact begins below the threshold
-LATELY_S = 0.5  # without a sample that was used: frozen
 
 
 @final
@@ -41,6 +38,7 @@ class Start:
     prior: Prior
     believed: Array
     false_alarms_per_hour: float = 1.0
+    criteria: Criteria = USUAL
 
 
 @final
@@ -77,20 +75,21 @@ class Live:
     def __init__(self, start: Start, rate_hz: float = 250.0, *, still: Literal["settled", "as_moving"] = "settled"
                  ) -> None:  # fmt: skip
         self.start, self.rate_hz = start, rate_hz
-        self.track = Track(start.pose, rate_hz, start.gravity, still=still)
-        self.fit = LiveFit(start.prior, start.believed)
+        says = self._says = start.criteria.payload_live
+        self.track = Track(start.pose, rate_hz, start.gravity, still=still, criteria=says)
+        self.fit = LiveFit(start.prior, start.believed, start.criteria)
         self.limit = false_alarm_limit(start.false_alarms_per_hour / 3600.0 / rate_hz)
         self.given = 0  # samples that came out
         self.left_out = 0
-        self._every = max(round(rate_hz / ESTIMATES_HZ), 1)
-        self._before, self._after = round(BEFORE_S * rate_hz), round(AFTER_S * rate_hz)
+        self._every = max(round(rate_hz / says.estimates_hz), 1)
+        self._before, self._after = round(says.before_s * rate_hz), round(says.after_s * rate_hz)
         self._barred = 0  # samples that are still beside an alarm
         self._released = 0  # samples that wait no longer
-        self._last_used = -round(LATELY_S * rate_hz) - 1
+        self._last_used = -round(says.lately_s * rate_hz) - 1
         self._wrench = np.zeros((0, 6))
         self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
         self._last_time = np.nan
-        self._zero = SecondZero(start.gravity, round(ZERO_S * rate_hz))
+        self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
 
     def zero(self) -> None:
@@ -101,7 +100,7 @@ class Live:
         """time: (n,) [s], increasing, also over calls. values: (n, K) joint angles [rad], or R_BS row by row and the
         position [m]. wrench: (n, 6) as read, in {S}."""
         before = np.concatenate([[self._last_time], time[:-1]])
-        gaps = np.flatnonzero(time - before > (LONGEST_GAP + 0.5) / self.rate_hz)
+        gaps = np.flatnonzero(time - before > (self._says.longest_gap + 0.5) / self.rate_hz)
         if len(time):
             self._last_time = time[-1]
         edges = [0, *gaps.tolist(), len(time)]
@@ -133,7 +132,7 @@ class Live:
         self._learn(motion, wrench, alarm, settled & tracked.noise_known)  # who waits for the wrench has it
         before, self.given = self.given, self.given + n
         if self.given // self._every > before // self._every:
-            estimate = self.fit.estimate(self._released - self._last_used <= LATELY_S * self.rate_hz)
+            estimate = self.fit.estimate(self._released - self._last_used <= self._says.lately_s * self.rate_hz)
             self._compensation = self._compensated(estimate)
             force = touched.spread[-1, :3, :3]
             threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
@@ -149,7 +148,7 @@ class Live:
             barred[k : k + self._after + 1] = True
             self._barred = int(k) + self._after + 1
         self._barred = max(self._barred - len(alarm), 0)
-        held = self._held.then(Held(rows.z, rows.noise, barred, trusted & exciting(rows)))
+        held = self._held.then(Held(rows.z, rows.noise, barred, trusted & exciting(rows, self._says)))
         for k in alarms:
             at = len(held.barred) - len(alarm) + k
             held.barred[max(at - self._before, 0) : at] = True
@@ -191,8 +190,8 @@ class Held:
 class SecondZero:
     """[Payload] (44), as `contact.second_zero`, begun when asked. Refused where an alarm falls into its half second."""
 
-    def __init__(self, gravity: Array, samples: int) -> None:
-        self._gravity, self._samples = gravity, samples
+    def __init__(self, gravity: Array, samples: int, criteria: Criteria = USUAL) -> None:
+        self._gravity, self._samples, self._criteria = gravity, samples, criteria.payload_dynamic
         self._state: Zero = "none"
         self._external, self._rotation = np.zeros((0, 6)), np.zeros((0, 3, 3))
         self._mean, self._then = np.zeros(6), np.zeros(3)
@@ -215,5 +214,5 @@ class SecondZero:
             return external, self._state
         if self._state in ("none", "refused"):
             return external, self._state
-        helps = zero_helps(motion.rotation, self._then, self._gravity)
+        helps = zero_helps(motion.rotation, self._then, self._gravity, self._criteria)
         return np.where(helps[:, None], external - self._mean, external), "held" if helps[-1] else "beyond"

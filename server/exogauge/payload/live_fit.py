@@ -8,16 +8,14 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.payload.dynamics import DECIDED, Prior, Rows, prior_information
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.criteria.payload_live import USUAL as AS_USUAL
+from exogauge.criteria.payload_live import Streaming
+from exogauge.payload.dynamics import Prior, Rows, prior_information
 from exogauge.payload.total_least_squares import Recursion
 
 Array = NDArray[np.float64]
 State = Literal["static", "converging", "converged", "frozen"]
-
-BLOCK = 25  # samples whose scores are summed: longer than the smoother remembers, so that sums are independent
-BLOCKS = 100  # that are judged by the newest estimate; older ones keep what they were judged by
-EXCITED = 9.0  # of the noise's share in the columns of the inertia: below, they are noise
-STEADY, STAYS = 10, 2.0  # estimates over which a number must stay within so many standard deviations
 
 
 @final
@@ -48,13 +46,15 @@ class LiveFit:
     systematic in them (gravity's direction, a drift) would be taken for certain.
     """
 
-    def __init__(self, prior: Prior, believed: Array) -> None:
+    def __init__(self, prior: Prior, believed: Array, criteria: Criteria = USUAL) -> None:
         """believed: (16,) std of x before anything was measured."""
-        self.prior, self._believed = prior, believed
+        self.prior, self._believed, self._says = prior, believed, criteria.payload_live
+        self._surer = criteria.payload_dynamic.decided
         self._known = prior_information(prior)
         self.recursion = Recursion(16, prior.rows, start=prior.value)
         self.used = 0
-        self._sums, self._noise = np.zeros((BLOCKS, 17, 17)), np.zeros((BLOCKS, 17, 17))
+        kept = (self._says.blocks, 17, 17)
+        self._sums, self._noise = np.zeros(kept), np.zeros(kept)
         self._meat, self._blocks, self._filled = np.zeros((16, 16)), 0, 0
         self._recent = list[Array]()
 
@@ -66,20 +66,20 @@ class LiveFit:
         self.used += len(rows.z)
         first = 0
         while first < len(rows.z):
-            last = min(first + BLOCK - self._filled, len(rows.z))
-            here = self._blocks % BLOCKS
+            last = min(first + self._says.block - self._filled, len(rows.z))
+            here = self._blocks % self._says.blocks
             z = rows.z[first:last].reshape(-1, 17)
             self._sums[here] += z.T @ z
             self._noise[here] += rows.noise[first:last].sum(axis=0)
             self._filled += last - first
             first = last
-            if self._filled == BLOCK:
+            if self._filled == self._says.block:
                 self._next_block()
 
     def _next_block(self) -> None:
         self._blocks, self._filled = self._blocks + 1, 0
-        here = self._blocks % BLOCKS
-        if self._blocks >= BLOCKS:
+        here = self._blocks % self._says.blocks
+        if self._blocks >= self._says.blocks:
             old = self._scores(slice(here, here + 1))
             self._meat += old.T @ old
         self._sums[here], self._noise[here] = 0.0, 0.0
@@ -99,9 +99,11 @@ class LiveFit:
         x = self._value
         covariance = self._covariance()
         std = np.sqrt(np.diag(covariance))
-        self._recent = [*self._recent[-STEADY + 1 :], x]
-        steady = len(self._recent) == STEADY and bool(np.all(np.abs(self._recent[0] - x)[:10] < STAYS * std[:10]))
-        decided = std < DECIDED * self._believed
+        wanted = self._says.steady
+        self._recent = [*self._recent[-wanted + 1 :], x]
+        moved = np.abs(self._recent[0] - x)[:10]
+        steady = len(self._recent) == wanted and bool(np.all(moved < self._says.stays * std[:10]))
+        decided = std < self._surer * self._believed
         state: State = "converging"
         if self.used == 0 and not decided[4:10].all():
             state = "static"
@@ -117,9 +119,9 @@ class LiveFit:
             return self.prior.covariance
         R, P = self.recursion.R, self.recursion.P
         data = R[:, :16].T @ R[:, :16] - self._known - self.recursion.mu * P[:16, :16]
-        here = min(self._blocks + (self._filled > 0), BLOCKS)
+        here = min(self._blocks + (self._filled > 0), self._says.blocks)
         scores = self._scores(slice(0, here))
-        count = self._blocks + self._filled / BLOCK
+        count = self._blocks + self._filled / self._says.block
         meat = self._meat + scores.T @ scores
         # So few sums leave directions without any: as many blocks as numbers count as if residuals were white.
         meat = (count * meat + 16.0 * data) / (count + 16.0)
@@ -128,8 +130,8 @@ class LiveFit:
         return covariance if np.all(np.diag(covariance) > 0.0) else self.prior.covariance
 
     def _mu(self, v: Array) -> tuple[float | None, float | None]:
-        full = [k for k in range(min(self._blocks + 1, BLOCKS)) if k != self._blocks % BLOCKS]
-        if len(full) < STEADY:
+        full = [k for k in range(min(self._blocks + 1, self._says.blocks)) if k != self._blocks % self._says.blocks]
+        if len(full) < self._says.steady:
             return None, None
         R, P, known = self.recursion.R, self.recursion.P, self.prior.rows
         square = float(np.sum((R @ v) ** 2) - np.sum((known @ v) ** 2))
@@ -138,8 +140,8 @@ class LiveFit:
         return mu, mu * float(squares.std() / squares.mean() / np.sqrt(self._blocks))
 
 
-def exciting(rows: Rows) -> NDArray[np.bool_]:
+def exciting(rows: Rows, criteria: Streaming = AS_USUAL) -> NDArray[np.bool_]:
     """(T,) samples in which the columns of the inertia are more than noise."""
     signal = np.sum(rows.z[:, :, 4:10] ** 2, axis=(1, 2))
     noise = np.trace(rows.noise[:, 4:10, 4:10], axis1=1, axis2=2)
-    return np.asarray(signal > EXCITED * noise)
+    return np.asarray(signal > criteria.excited * noise)

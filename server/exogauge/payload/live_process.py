@@ -33,7 +33,6 @@ from exogauge.payload.live_lines import Stream
 from exogauge.payload.live_messages import error_message
 from exogauge.payload.live_record import Record, write_log
 from exogauge.payload.live_start import open_start
-from exogauge.payload.live_track import LONGEST_GAP
 
 Array = NDArray[np.float64]
 
@@ -191,7 +190,7 @@ class Taker:
             "limits": {
                 "samples_at_once": AT_ONCE,
                 "samples_per_s": ALLOWED * self.rate_hz,
-                "gap_s": LONGEST_GAP / self.rate_hz,
+                "gap_s": live.start.criteria.payload_live.longest_gap / self.rate_hz,
             },
         }
 

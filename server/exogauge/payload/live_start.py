@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.criteria.payload_live import Streaming
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import Prior, static_prior
@@ -23,8 +25,6 @@ from exogauge.payload.stages import prior_of, stated_sign
 
 Array = NDArray[np.float64]
 
-DENSITY = 10.0  # rad²/s⁵ or m²/s⁵ where no log tells: what robots' motions have, 1 to 10
-JUDGED_S = 20.0  # of a log, by which the density is chosen
 RELEASED = slice(10, 16)
 
 
@@ -34,31 +34,32 @@ def open_start(path: Path) -> tuple[PayloadFile, Start]:
     return payload.file, start_of(payload)
 
 
-def start_of(payload: Payload) -> Start:
+def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
     """gravity, sign and prior by the recipe for logs; level, as stated and next to nothing without any."""
     pose, settings = payload.file.pose, payload.file.settings
     if payload.tree is None and pose.position is None:
         advice = "Send joint angles with a URDF, or name `pose.position`; an IMU is for logs."
         detail = "live, without joint angles or a position nothing says how the sensor accelerates"
         raise BadStudy(Fault(detail, "no_acceleration", advice, payload.name, None, "pose"))
-    gravity, prior = np.array(payload.file.gravity), static_prior(None)
+    gravity, prior = np.array(payload.file.gravity), static_prior(None, criteria=criteria.payload_dynamic)
     believed = np.sqrt(np.diag(prior.covariance))
     if payload.recordings:
-        found = evaluate(replace(payload, recordings=tuple(_identifying(payload))))
+        found = evaluate(replace(payload, recordings=tuple(_identifying(payload))), criteria=criteria)
         sign, stages = found.sign, found.rigid or found.stages  # what was named missing is not taken out live
         gravity = stages.gravity
         if stages.postures is not None:
-            prior = prior_of(payload, stages.postures)
+            prior = prior_of(payload, stages.postures, criteria)
             believed[4:10] = np.sqrt(np.diag(prior.covariance)[4:10])
         if stages.excitation is not None:
             prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
     else:
         sign = stated_sign(payload)
-    std, density = _channels(payload)
+    std, density = _channels(payload, criteria.payload_live)
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
-        Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour
-    )
+        Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour,
+        criteria,
+    )  # fmt: skip
 
 
 def _identifying(payload: Payload) -> list[Recording]:
@@ -74,25 +75,25 @@ def _after(value: Array, covariance: Array, before: Prior, zero: str) -> Prior:
     return Prior(value, covariance)
 
 
-def _channels(payload: Payload) -> tuple[Array, Array]:
+def _channels(payload: Payload, criteria: Streaming) -> tuple[Array, Array]:
     """(K,) std and jerk density of the channels of a pose."""
     file = payload.file
     logs = [each for each in (*payload.of("excitation"), *payload.of("postures")) if not each.each_row]
     angles = len(file.pose.joints or ()) or 9
     stated = file.settings.jerk_density
-    turned = _densities([each.pose for each in logs], angles, file.pose.noise_rad)
+    turned = _densities([each.pose for each in logs], angles, file.pose.noise_rad, criteria)
     if payload.tree is not None:
         return np.full(angles, file.pose.noise_rad), turned if stated is None else np.full(angles, stated)
-    moved = _densities([each.position for each in logs if each.position is not None], 3, file.pose.noise_m)
+    moved = _densities([each.position for each in logs if each.position is not None], 3, file.pose.noise_m, criteria)
     std = np.repeat([file.pose.noise_rad, file.pose.noise_m], [9, 3])
     return std, np.concatenate([np.full(9, turned.max()), np.full(3, stated or moved.max())])
 
 
-def _densities(streams: Sequence[Stream], channels: int, std: float) -> Array:
+def _densities(streams: Sequence[Stream], channels: int, std: float, criteria: Streaming) -> Array:
     """(K,) of each channel, in the first log that moves it; the largest of all where none does."""
     found = np.zeros(channels)
     for each in streams:
-        inside = each.time <= each.time[0] + JUDGED_S
+        inside = each.time <= each.time[0] + criteria.judged_s
         time, values = each.time[inside], each.values[inside]
         period = float(np.median(np.diff(time)))
         step = np.concatenate([[1.0], np.diff(time)]) / period
@@ -100,4 +101,4 @@ def _densities(streams: Sequence[Stream], channels: int, std: float) -> Array:
             z = np.ascontiguousarray(values[:, k] - values[0, k]) / std
             if np.ptp(z) >= STILL:
                 found[k] = likeliest(z, step) * std**2 / period**5
-    return np.where(found > 0.0, found, found.max() or DENSITY)
+    return np.where(found > 0.0, found, found.max() or criteria.density)

@@ -8,7 +8,7 @@ from typing import IO, Any, final
 
 import numpy as np
 
-from exogauge.payload.contact import BRIDGED_S
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 
 EVERY = 10  # estimates for one line
 
@@ -32,13 +32,13 @@ class Contact:
         return f"contact {self.start:.3f} to {self.last:.3f} s, force on the payload up to ({force}) N"
 
 
-def lines(messages: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def lines(messages: Iterable[Mapping[str, Any]], criteria: Moving = USUAL) -> Iterator[str]:
     contact: Contact | None = None
     told, state, counts = 0, "", dict[str, int]()
     for each in messages:
         if each["type"] == "wrench":
             for time, wrench, alarm in zip(each["t"], each["wrench"], each["alarm"], strict=True):
-                if contact is not None and time - contact.last > BRIDGED_S:
+                if contact is not None and time - contact.last > criteria.bridged_s:
                     yield contact.line
                     contact = None
                 if alarm and contact is None:

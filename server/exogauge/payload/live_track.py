@@ -12,14 +12,12 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_live import USUAL, Streaming
 from exogauge.loops.jerk_filter import flush, slide
 from exogauge.payload.sensor_motion import Chain, SensorMotion, pose_motion
 from exogauge.payload.smoothing import LAG_S, MEMORY, error_root, memory
 
 Array = NDArray[np.float64]
-
-STILL_SAMPLES = 100.0  # memory of the filter of what stands still: α errs by a hundredth of what it does in motion
-LONGEST_GAP = 25  # samples that are stepped over; beyond, the filter begins anew
 
 
 @final
@@ -58,14 +56,15 @@ class Track:
     """Smoothed motion of samples that come one after the other."""
 
     def __init__(
-        self, pose: Pose, rate_hz: float, gravity: Array, *, still: Literal["settled", "as_moving"] = "settled"
-    ) -> None:
+        self, pose: Pose, rate_hz: float, gravity: Array, *, still: Literal["settled", "as_moving"] = "settled",
+        criteria: Streaming = USUAL,
+    ) -> None:  # fmt: skip
         """gravity: (3,) [m/s²] in {B}. still: how what stands still is filtered."""
         self.pose, self.gravity, self.period = pose, gravity, 1.0 / rate_hz
         self.lag = max(round(LAG_S / self.period), 1)
         self._group = pose.groups
         moving = pose.density * self.period**5 / pose.std**2
-        rest = np.minimum(moving, (MEMORY / STILL_SAMPLES) ** 6) if still == "settled" else moving
+        rest = np.minimum(moving, (MEMORY / criteria.still_samples) ** 6) if still == "settled" else moving
         self._ratio = np.column_stack([rest, moving])
         units = self.period ** -np.arange(3.0)
         self._scale = pose.std[:, None] * units
@@ -89,7 +88,7 @@ class Track:
 
     def push(self, time: Array, values: Array) -> Tracked:
         """The samples that are now a lag back. time: (n,) [s], each later
-        than the one before by no more than `LONGEST_GAP` periods; values: (n, K)."""
+        than the one before by no more than `longest_gap` periods; values: (n, K)."""
         if not self._place[1]:
             self._zero, self._last, self._since = values[0].copy(), time[0] - self.period, 0
             self._quiet[:] = 0

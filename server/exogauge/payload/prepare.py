@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
@@ -39,7 +40,7 @@ def std_of(payload: Payload) -> Array:
     return np.repeat([noise.force_n, noise.moment_nm], 3)
 
 
-def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
+def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array | None]:
     """Every posture of every log, and the IMU's mean in each, (K, 3), if there is one. Raises BadStudy."""
     rotation, wrench, acceleration, counts, spans = [], [], [], list[int](), list[tuple[float, float]]()
     differ = list[Array]()
@@ -53,7 +54,7 @@ def holds_of(payload: Payload) -> tuple[Holds, Array | None]:
             spans += [(float(k + 1), float(k + 1)) for k in range(len(F.values))]
             acceleration += list(recording.acceleration.values) if recording.acceleration else []
             continue
-        for a, b in find_holds(pose.time, pose.values, payload.file.pose.noise_rad):
+        for a, b in find_holds(pose.time, pose.values, payload.file.pose.noise_rad, criteria):
             inside, mean = F.cut(a, b), pose.cut(a, b).values.mean(axis=0)
             if len(inside.time) < 2:
                 continue

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.payload.contact import second_zero
 from exogauge.payload.sensor_motion import SensorMotion
 
@@ -39,9 +40,9 @@ class Remainder:
     helps: float
 
 
-def remainder(left: Array, motion: SensorMotion, gravity: Array) -> Remainder:
+def remainder(left: Array, motion: SensorMotion, gravity: Array, criteria: Moving = USUAL) -> Remainder:
     """left: (T, 6) of a log without contact, below the cut-off if there is one. gravity: (3,) [m/s²] in {B}."""
-    zeroed, helps = second_zero(motion, left, gravity)
+    zeroed, helps = second_zero(motion, left, gravity, criteria)
     return Remainder(figures(left), figures(zeroed[helps]), float(helps.mean()))
 
 

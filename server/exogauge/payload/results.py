@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge import __version__
+from exogauge.criteria.payload_dynamic import Moving
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
 from exogauge.payload.evaluate import Evaluation, Stages
@@ -51,7 +52,7 @@ def results(evaluation: Evaluation) -> PayloadResults:
         version=1, exogauge=__version__, name=file.name,
         frame=f"axes and origin of the sensor{f' ({file.sensor.frame})' if file.sensor.frame else ''}",
         sees="payload_on_sensor" if evaluation.sign < 0 else "sensor_on_payload",
-        static=_static(stages), dynamic=_dynamic(stages, evaluation.level),
+        static=_static(stages), dynamic=_dynamic(stages, evaluation.level, evaluation.criteria.payload_dynamic),
         tests={log: {way: _remainder(each) for way, each in ways.items()} for log, ways in evaluation.tests.items()},
         contacts={
             log: [ContactResults(start_s=t.start, end_s=t.end, force_n=tuple(t.force)) for t in touches]
@@ -158,7 +159,7 @@ def _static(stages: Stages) -> StaticResults | None:
     )  # fmt: skip
 
 
-def _dynamic(stages: Stages, level: Compensation | None = None) -> DynamicResults | None:
+def _dynamic(stages: Stages, level: Compensation | None, deciding: Moving) -> DynamicResults | None:
     if stages.excitation is None:
         return None
     excitation, found = stages.excitation, stages.excitation.chosen
@@ -178,7 +179,7 @@ def _dynamic(stages: Stages, level: Compensation | None = None) -> DynamicResult
         values=[_value(*each) for each in zip(names, units, found.value, found.std, map(bool, surer), strict=True)],
         covariance=found.covariance.tolist(),
         by_method={m: named(s.value) for m, s in methods.items()}, recursion=named(excitation.recursion),
-        least_squares_would_do=enough(methods["ls"], methods["gtls"]) if known else None,
+        least_squares_would_do=enough(methods["ls"], methods["gtls"], deciding) if known else None,
         mass_from_motion_alone=_value("m", "kg", *excitation.mass_alone),
         level=None if level is None else named(level.x),
         possible=named(found.physical) if found.cost > 0 else None, cost_of_possible=found.cost,
@@ -198,7 +199,9 @@ def _missing(evaluation: Evaluation) -> MissingResults:
         )  # fmt: skip
 
     decision = missing.decision
-    moved, still = (None, None) if rigid is None else (_dynamic(rigid), _static(rigid))
+    moved, still = (
+        (None, None) if rigid is None else (_dynamic(rigid, None, evaluation.criteria.payload_dynamic), _static(rigid))
+    )
     return MissingResults(
         verdict=decision.verdict, reason=None if decision.reason is None else decision.reason.why,
         found=[told(each) for each in missing.found], suspected=[told(each) for each in missing.suspected],

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import (
@@ -38,7 +38,6 @@ from exogauge.studies.intake.robot_file import SIGN
 Array = NDArray[np.float64]
 
 METHODS: tuple[Method, ...] = ("ls", "tls", "gtls")
-RELEASED = 1000.0  # N, N·m: std of a zero that is not that of the postures
 
 
 @final
@@ -72,14 +71,17 @@ class Excitation:
     left_out: tuple[tuple[float, float], ...]
 
 
-def postures_stage(payload: Payload, holds: Holds, acceleration: Array | None, warnings: list[str]) -> Postures:
+def postures_stage(
+    payload: Payload, holds: Holds, acceleration: Array | None, warnings: list[str], criteria: Criteria = USUAL
+) -> Postures:
     """holds: every posture of every log. acceleration: (K, 3) of the IMU in each, if there is one. Raises BadStudy."""
-    gravity, settings, limits = np.array(payload.file.gravity), payload.file.settings, Criteria().payload
+    gravity, settings, limits = np.array(payload.file.gravity), payload.file.settings, criteria.payload
+    still = criteria.payload_static
     if np.all(holds.wrench[:, :3].std(axis=0) < limits.no_weight * holds.std[:3]):
         advice = "Is the payload on the sensor, and are these the columns of a sensor that is read?"
         detail = f"the force is the same in all {len(holds)} postures: nothing hangs on the sensor"
         raise BadStudy(Fault(detail, "no_weight", advice, payload.of("postures")[0].wrench.file))
-    misread = misread_rotation(holds, gravity)
+    misread = misread_rotation(holds, gravity, still)
     if misread is not None:
         detail, advice = {
             "transposed": ("the postures fit the transpose of this pose", "Give R_base_sensor: its columns are the "
@@ -90,7 +92,7 @@ def postures_stage(payload: Payload, holds: Holds, acceleration: Array | None, w
                             "payload, that it does not shift, and the order and axes of pose and wrench."),
         }[misread]  # fmt: skip
         raise BadStudy(Fault(detail, f"pose_{misread}", advice, payload.of("postures")[0].pose.file))
-    sign = told_sign(holds, gravity)
+    sign = told_sign(holds, gravity, still)
     stated = payload.file.sensor.sees
     if stated is not None and _sign(stated) != sign:
         other = next(name for name in ("payload_on_sensor", "sensor_on_payload") if name != stated)
@@ -100,13 +102,15 @@ def postures_stage(payload: Payload, holds: Holds, acceleration: Array | None, w
     errors: list[LeftOut | None] = []
     for inclined in (False, True):
         try:
-            errors.append(leave_one_out(holds, gravity, sign, inclined=inclined))
+            errors.append(leave_one_out(holds, gravity, sign, inclined=inclined, criteria=still))
         except NotIdentifiable:
             errors.append(None)
     level, tilted = errors
     better = level is None or tilted is None or tilted.force < level.force
     fit = {"fit": True, "ignore": False, "auto": better and tilted is not None}[settings.inclination]
-    by_method = {method: static_stage(holds, gravity, sign, inclined=fit, method=method) for method in METHODS}
+    by_method = {
+        method: static_stage(holds, gravity, sign, inclined=fit, method=method, criteria=still) for method in METHODS
+    }
     chosen = by_method["ls"]
     if float(np.abs(chosen.tilt).max()) > np.radians(limits.steep_deg):
         degrees = np.degrees(chosen.tilt)
@@ -119,14 +123,17 @@ def postures_stage(payload: Payload, holds: Holds, acceleration: Array | None, w
             f"The centre of mass comes out {np.linalg.norm(chosen.centre):.3g} m from the sensor: check "
             "`sensor.moment_unit`."
         )
-    return Postures(holds, level, tilted, chosen, by_method, further_posture(holds, chosen), acceleration)
+    further = further_posture(holds, chosen, still)
+    return Postures(holds, level, tilted, chosen, by_method, further, acceleration)
 
 
 def excitation_stage(
-    payload: Payload, postures: Postures | None, moved: Sequence[Moved], gravity: Array, sign: int, warnings: list[str]
-) -> Excitation:
+    payload: Payload, postures: Postures | None, moved: Sequence[Moved], gravity: Array, sign: int,
+    warnings: list[str], criteria: Criteria = USUAL,
+) -> Excitation:  # fmt: skip
     """moved: the logs of this role. Raises NotIdentifiable where nothing was excited."""
-    settings, prior, limits = payload.file.settings, prior_of(payload, postures), Criteria().payload
+    settings, prior, limits = payload.file.settings, prior_of(payload, postures, criteria), criteria.payload
+    deciding = criteria.payload_dynamic
     known = all(each.noise_known for each in moved) and settings.cutoff_hz is None
     method: Method = settings.method if known else "ls"
     if settings.method != method:
@@ -136,16 +143,18 @@ def excitation_stage(
         )
 
     rows = rows_of(payload, moved, gravity, sign)
-    solution = dynamic_stage(rows, prior, method)
+    solution = dynamic_stage(rows, prior, method, criteria=deciding)
     pushed: list[tuple[float, float]] = []
     if settings.cutoff_hz is None and known:
-        keep, pushed = _without_contact(payload, moved, solution, gravity, sign)
+        keep, pushed = _without_contact(payload, moved, solution, gravity, sign, criteria)
         if pushed:
             rows = rows_of(payload, moved, gravity, sign, keep)
-            solution = dynamic_stage(rows, prior, method)
+            solution = dynamic_stage(rows, prior, method, criteria=deciding)
     require_excitation(solution)
     by_method = {method: solution}
-    by_method |= {each: dynamic_stage(rows, prior, each) for each in METHODS if known and each != method}
+    by_method |= {
+        each: dynamic_stage(rows, prior, each, criteria=deciding) for each in METHODS if known and each != method
+    }
     if solution.cost > limits.impossible:
         warnings.append(
             "No body has this mass, centre and inertia, and not by chance: check `sensor.force_unit` and "
@@ -162,7 +171,7 @@ def excitation_stage(
     free[0, 0] = max(prior.value[0], 1.0) ** 2
     lean = prior.lean.copy()
     lean[0] = 0.0
-    alone = dynamic_stage(rows, Prior(prior.value, free, lean), method)
+    alone = dynamic_stage(rows, Prior(prior.value, free, lean), method, criteria=deciding)
     track, _ = recursive(rows, prior, method)
     return Excitation(
         by_method, solution, track[-1], (float(alone.value[0]), float(alone.std[0])), known,
@@ -170,13 +179,13 @@ def excitation_stage(
     )  # fmt: skip
 
 
-def prior_of(payload: Payload, postures: Postures | None) -> Prior:
+def prior_of(payload: Payload, postures: Postures | None, criteria: Criteria = USUAL) -> Prior:
     """From the postures, with what the settings release: a zero that drifted since, moments that motion decides."""
-    prior = static_prior(postures.chosen if postures else None)
+    prior = static_prior(postures.chosen if postures else None, criteria=criteria.payload_dynamic)
     settings, covariance, lean = payload.file.settings, prior.covariance.copy(), prior.lean.copy()
     released = []
     if settings.zero == "drifted":
-        released += [(k, RELEASED) for k in range(10, 16)]
+        released += [(k, criteria.payload_dynamic.released) for k in range(10, 16)]
     if settings.moments == "from_motion":
         released += [(k, max(float(prior.value[0]), 1.0)) for k in range(1, 4)]
     for k, std in released:
@@ -186,22 +195,23 @@ def prior_of(payload: Payload, postures: Postures | None) -> Prior:
 
 
 def _without_contact(
-    payload: Payload, moved: Sequence[Moved], solution: DynamicSolution, gravity: Array, sign: int
+    payload: Payload, moved: Sequence[Moved], solution: DynamicSolution, gravity: Array, sign: int, criteria: Criteria
 ) -> tuple[list[NDArray[np.bool_]], list[tuple[float, float]]]:
     """Which samples nothing touched, and the contacts; all samples where so many stand out that the model is wrong."""
     compensation = Compensation(solution.value, solution.covariance, gravity, sign, std_of(payload))
-    keep, found, margin = [], list[tuple[float, float]](), Criteria().payload.margin_s
+    keep, found, margin = [], list[tuple[float, float]](), criteria.payload.margin_s
+    rate = payload.file.settings.false_alarms_per_hour
     for each in moved:
         touched = [
             (a - margin, b + margin)
-            for a, b in compensation.contacts(each.motion, each.wrench, payload.file.settings.false_alarms_per_hour)
+            for a, b in compensation.contacts(each.motion, each.wrench, rate, criteria.payload_dynamic)
             if b - a > margin / 4
         ]
         time = each.motion.time
         free = ~np.any([(time >= a) & (time <= b) for a, b in touched], axis=0) if touched else np.ones(len(time), bool)
         keep.append(np.asarray(free, dtype=bool))
         found += touched
-    if np.mean(np.concatenate(keep)) < 1.0 - Criteria().payload.touched:
+    if np.mean(np.concatenate(keep)) < 1.0 - criteria.payload.touched:
         return [np.ones(len(each.wrench), dtype=bool) for each in moved], []
     return keep, found
 

@@ -13,17 +13,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.errors import NotIdentifiable
 from exogauge.payload.total_least_squares import only_output, solve, triangle
 
 Array = NDArray[np.float64]
 Method = Literal["ls", "tls", "gtls"]
 Misread = Literal["transposed", "world_axes", "sensor_axes", "unexplained"]
-
-RANK = 1e-3  # of the largest scaled singular value; three postures 1° apart have 6e-3, noise of a pose 1e-5
-CLEARLY = 3.0  # how much better another reading of the data must be, to be named
-UNEXPLAINED = 0.02  # of the largest force, left over: what a sensor's own errors do not reach
-UNEXPLAINED_CLEARLY = 0.2  # the same, where no weight on a fixed sensor explains it: a lean of 20° leaves that level
 
 
 @final
@@ -147,22 +143,23 @@ def torque_zero(iota: Array, centre: Array, force_zero: Array) -> Array:
     return np.asarray(iota + np.cross(centre, force_zero))
 
 
-def told_sign(holds: Holds, gravity: Array) -> int:
+def told_sign(holds: Holds, gravity: Array, criteria: Standing = USUAL) -> int:
     """s, from the side to which κ points; right while the base is inclined by less than 90°."""
-    _require_rank(holds, inclined=True)
+    _require_rank(holds, True, criteria)
     kappa = np.linalg.lstsq(force_columns(holds.rotation), holds.wrench[:, :3].ravel())[0][:3]
     return -1 if kappa @ gravity > 0 else 1
 
 
 def static_stage(
-    holds: Holds, gravity: Array, sign: int, *, inclined: bool = True, method: Method = "ls"
-) -> StaticSolution:
+    holds: Holds, gravity: Array, sign: int, *, inclined: bool = True, method: Method = "ls",
+    criteria: Standing = USUAL,
+) -> StaticSolution:  # fmt: skip
     """gravity: (3,) [m/s²] in {B} as stated; its direction is fitted where `inclined`.
 
     Implements [Payload] (11)-(20), (24), (26). U, V are told against the stated direction.
     Raises NotIdentifiable where the postures do not decide everything.
     """
-    _require_rank(holds, inclined)
+    _require_rank(holds, inclined, criteria)
     K, g = len(holds), float(np.linalg.norm(gravity))
     f, tau = holds.wrench[:, :3], holds.wrench[:, 3:]
     A = force_columns(holds.rotation)
@@ -212,16 +209,18 @@ class LeftOut:
     moment: float
 
 
-def leave_one_out(holds: Holds, gravity: Array, sign: int, *, inclined: bool) -> LeftOut:
+def leave_one_out(holds: Holds, gravity: Array, sign: int, *, inclined: bool, criteria: Standing = USUAL) -> LeftOut:
     """Each posture predicted from the others. Raises NotIdentifiable where one of them cannot be missed."""
-    errors = np.array([
-        holds.wrench[k] - static_stage(holds.but(k), gravity, sign, inclined=inclined).predict(holds.rotation[[k]])[0]
-        for k in range(len(holds))
-    ])  # fmt: skip
+
+    def predicted(k: int) -> Array:
+        others = static_stage(holds.but(k), gravity, sign, inclined=inclined, criteria=criteria)
+        return np.asarray(others.predict(holds.rotation[[k]])[0])
+
+    errors = np.array([holds.wrench[k] - predicted(k) for k in range(len(holds))])
     return LeftOut(float(np.sqrt(np.mean(errors[:, :3] ** 2))), float(np.sqrt(np.mean(errors[:, 3:] ** 2))))
 
 
-def further_posture(holds: Holds, solution: StaticSolution) -> tuple[Array, Array]:
+def further_posture(holds: Holds, solution: StaticSolution, criteria: Standing = USUAL) -> tuple[Array, Array]:
     """(3,) direction of gravity in {S} of the posture that would tell most, and (12,) the std with it.
 
     Chosen from 8 x 5 x 8 Euler angles, by the determinant of the information.
@@ -242,20 +241,20 @@ def further_posture(holds: Holds, solution: StaticSolution) -> tuple[Array, Arra
     rotation = np.concatenate([holds.rotation, candidates[[k]]])
     exact = Holds(rotation, solution.predict(rotation), noise)
     now, then = (
-        static_stage(each, solution.gravity, solution.sign, inclined=solution.inclined).std
+        static_stage(each, solution.gravity, solution.sign, inclined=solution.inclined, criteria=criteria).std
         for each in (exact.but(len(holds)), exact)
     )
     direction = candidates[k].T @ solution.gravity / np.linalg.norm(solution.gravity)
     return direction, solution.std * then / np.where(now > 0, now, 1.0)
 
 
-def misread_rotation(holds: Holds, gravity: Array) -> Misread | None:
+def misread_rotation(holds: Holds, gravity: Array, criteria: Standing = USUAL) -> Misread | None:
     """What the postures fit clearly better than what is stated: R_SB for R_BS, wrenches that are in the base's axes,
     wrenches that are in the sensor's already. `unexplained` where none of these does, and what is stated neither.
 
     Forces fit the first two alike, with κ and the zero exchanged: the one whose κ points along gravity is told.
     """
-    if _rank(holds.rotation) < 6:
+    if _rank(holds.rotation, criteria.rank) < 6:
         return None
 
     def fitted(rotation: Array, force: Array) -> tuple[float, float]:
@@ -267,17 +266,17 @@ def misread_rotation(holds: Holds, gravity: Array) -> Misread | None:
     f, R = holds.wrench[:, :3], holds.rotation
     as_stated = fitted(R, f)[0]
     weight = float(np.abs(f - f.mean(axis=0)).max())
-    if as_stated < max(CLEARLY * float(holds.std[:3].max()), UNEXPLAINED * weight):
+    if as_stated < max(criteria.clearly * float(holds.std[:3].max()), criteria.unexplained * weight):
         return None
     others: dict[Misread, tuple[float, float]] = {
         "transposed": fitted(np.swapaxes(R, 1, 2), f),
         "world_axes": fitted(R, np.einsum("kji,kj->ki", R, f)),
         "sensor_axes": fitted(R, np.einsum("kij,kj->ki", R, f)),
     }
-    fitting = [name for name, (left, _) in others.items() if CLEARLY * left < as_stated]
+    fitting = [name for name, (left, _) in others.items() if criteria.clearly * left < as_stated]
     if fitting:
         return max(fitting, key=lambda name: others[name][1])
-    return "unexplained" if as_stated > UNEXPLAINED_CLEARLY * weight else None
+    return "unexplained" if as_stated > criteria.unexplained_clearly * weight else None
 
 
 def _fit(A: Array, b: Array, std: float, method: Method, noise: Array) -> tuple[Array, Array, Array]:
@@ -316,18 +315,20 @@ def upright(gravity: Array) -> Array:
     )
 
 
-def _rank(rotation: Array) -> int:
+def _rank(rotation: Array, least: float) -> int:
     A = force_columns(rotation)
     value = np.linalg.svd(A / np.linalg.norm(A, axis=0), compute_uv=False)
-    return int((value > RANK * value[0]).sum())
+    return int((value > least * value[0]).sum())
 
 
-def _require_rank(holds: Holds, inclined: bool) -> None:
+def _require_rank(holds: Holds, inclined: bool, criteria: Standing) -> None:
     """1, 2, 3 postures that differ in gravity and about it leave 3, 5, 6 of the six numbers of either part."""
-    rank, wanted = _rank(holds.rotation), 6
+    rank, wanted = _rank(holds.rotation, criteria.rank), 6
     B = moment_columns(holds.wrench[:, :3])
     weights = np.linalg.svd(holds.wrench[:, :3] - holds.wrench[:, :3].mean(axis=0), compute_uv=False)
-    moment_rank = 3 + min(3, int((weights > RANK * max(float(np.abs(B).max()), 1e-9)).sum()) + 1) * (len(holds) > 1)
+    moment_rank = 3 + min(3, int((weights > criteria.rank * max(float(np.abs(B).max()), 1e-9)).sum()) + 1) * (
+        len(holds) > 1
+    )
     if (rank < wanted and inclined) or moment_rank < 6:
         raise NotIdentifiable(
             f"{len(holds)} postures decide {rank} of 6 numbers of the force and {moment_rank} of 6 of the moment; hold "

@@ -11,10 +11,10 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile, PlanEntry
 from exogauge.payload.dynamics import (
-    DECIDED,
     NAMES,
     ZERO_NAMES,
     DynamicSolution,
@@ -212,7 +212,8 @@ def plan_excitation(asked: Asked, progress: Progress) -> Plan:
     solution = rehearse(asked, time, motion, prior)
     certain = [
         Certainty(
-            name=name, unit=unit, std=float(std), before=float(before), decided=bool(sure or before < DECIDED * most)
+            name=name, unit=unit, std=float(std), before=float(before),
+            decided=bool(sure or before < USUAL.decided * most),
         )
         for name, unit, std, before, sure, most in zip(
             (*NAMES, *ZERO_NAMES), (*UNITS, *("N",) * 3, *("N·m",) * 3), solution.std, solution.prior_std,

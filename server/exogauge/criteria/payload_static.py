@@ -1,0 +1,62 @@
+"""Payload, at rest: which samples are a posture, and what postures are asked to decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.criterion import criterion, derived, judgement
+
+RULES = "docs/payload.md"
+
+
+@final
+@dataclass(frozen=True)
+class Standing:
+    """Holds, their rank, and other readings of the same data."""
+
+    window_s: float = criterion(0.2, "s", "over which a movement is told from noise", judgement(RULES))
+    slowest: float = criterion(
+        2e-3,
+        "rad/s",
+        "slower than that is standing: at 40 kg·m a centripetal force below a fifth of a millinewton",
+        derived("m r ω²: 40 kg·m (2e-3 rad/s)² = 1.6e-4 N"),
+    )
+    noises: float = criterion(
+        5.0, "std", "that noise alone does not reach in a million samples", derived("normal distribution, 6e-7")
+    )
+    shortest_hold_s: float = criterion(0.3, "s", "that a posture is held at least", judgement(RULES))
+    swinging_s: float = criterion(0.1, "s", "cut off at both ends of a hold: what still swings there", judgement(RULES))
+    rank: float = criterion(
+        1e-3,
+        "1",
+        "of the largest scaled singular value, above which a direction counts as seen",
+        derived("three postures 1° apart have 6e-3, noise of a pose 1e-5"),
+    )
+    clearly: float = criterion(
+        3.0, "1", "times by which another reading of the data must be better, to be named", judgement(RULES)
+    )
+    unexplained: float = criterion(
+        0.02, "1", "of the largest force, left over: what a sensor's own errors do not reach", judgement(RULES)
+    )
+    unexplained_clearly: float = criterion(
+        0.2,
+        "1",
+        "the same, where no weight on a fixed sensor explains it",
+        judgement("a lean of 20° that is taken as level leaves that much"),
+    )
+    latest_imu_s: float = criterion(
+        0.03, "s", "by which an IMU's stamps may be late: those that are worse are another clock", judgement(RULES)
+    )
+    beside_imu_s: float = criterion(
+        0.004, "s", "beside the best lag, from where the curvature of the cost is taken", judgement(RULES)
+    )
+    repeated: float = criterion(
+        20.0,
+        "rows",
+        "that say the same after a low-pass of a tenth of half the rate",
+        derived("2 / 0.1 = 20"),
+    )
+
+
+USUAL = Standing()
