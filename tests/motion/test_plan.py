@@ -299,9 +299,7 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not CAPTURES.is_dir(), reason="../shared/data/cmu_mocap_bend_twist is not there")
-def test_a_captured_bend_becomes_a_motion_that_keeps_its_bounds(
-    folder: Path, robot: MotionRobot, tmp_path: Path
-) -> None:
+def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_path: Path) -> None:
     amc = tmp_path / "02_06.amc"
     with gzip.open(CAPTURES / "02_06.amc.gz") as packed:
         amc.write_bytes(packed.read())
