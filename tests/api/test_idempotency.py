@@ -99,7 +99,7 @@ def test_an_answer_that_asks_to_try_again_is_not_kept(
 def test_a_key_that_a_killed_server_left_in_flight_is_free_again(
     client: TestClient, robot_files: dict[str, bytes], as_form: Form
 ) -> None:
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     with storage.transaction() as store:
         assert store.keys.reserve("k1") is None
     assert post(client, as_form(robot_files), "k1").status_code == 201

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import time
 
+import pytest
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge.errors import NotFound
 from exogauge.jobs import requests
 from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.storage.tables import Artifact, AuditEntry, Job, Result
 
 
 def test_a_job_runs_with_progress_and_keeps_what_it_made(staffed):
@@ -102,3 +108,20 @@ def test_a_job_that_crashes_every_time_stops(staffed):
     assert done.state == "failed"
     assert f"{MAX_ATTEMPTS} times" in done.reason
     assert staffed.words("poison") == ["start"] * MAX_ATTEMPTS
+
+
+def test_a_worker_works_in_the_lab_of_the_job_and_not_in_one_of_its_own(staffed):
+    """The worker was started for the lab `local`; what it reads and writes for another lab's job is that lab's."""
+    other = staffed.elsewhere("far")
+    job = other.submit("of another lab")
+    done = other.ended(job)
+    assert (done.state, done.lab_id) == ("succeeded", "far")
+    assert other.artifacts(job) == ["results.json", "series/a.csv"]
+    with pytest.raises(NotFound):
+        staffed.job(job)
+    with Session(staffed.storage.engine) as session:
+        for table, key in ((Job, Job.id), (Result, Result.job_id), (Artifact, Artifact.job_id)):
+            assert set(session.scalars(sa.select(table.lab_id).where(key == job.id))) == {"far"}, table
+        said = sa.select(AuditEntry.action, AuditEntry.lab_id).where(AuditEntry.subject_id == job.id)
+        assert set(session.execute(said).all()) == {("submit", "far"), ("succeed", "far")}
+    other.queue.close()

@@ -67,9 +67,9 @@ def test_the_migrated_schema_keeps_what_the_engine_relies_on(empty_database_url:
     """An equal live request is refused by the database itself; after a failure it is welcome again."""
     migrate.upgrade(empty_database_url)
     engine = make_engine(empty_database_url)
-    job = {"kind": "evaluate", "study_id": "s", "request_hash": "h"}
+    job = {"lab_id": "l", "kind": "evaluate", "study_id": "s", "request_hash": "h"}
     with engine.begin() as connection:
-        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
+        connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
         connection.execute(sa.insert(Job).values(id="a", state="queued", **job))
     with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
         connection.execute(sa.insert(Job).values(id="b", state="succeeded", **job))
@@ -101,10 +101,12 @@ def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_d
 def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
     migrate.upgrade(empty_database_url)
     engine = make_engine(empty_database_url)
-    job = {"kind": "k", "state": "failed"}
+    job = {"lab_id": "l", "kind": "k", "state": "failed"}
     with engine.begin() as connection:
-        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
-        connection.execute(sa.insert(Payload).values(id="p", name="p", version=1, content_hash="c", summary={}))
+        connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
+        connection.execute(
+            sa.insert(Payload).values(id="p", lab_id="l", name="p", version=1, content_hash="c", summary={})
+        )
         connection.execute(sa.insert(Job).values(id="of study", study_id="s", request_hash="a", **job))
         connection.execute(sa.insert(Job).values(id="of payload", payload_id="p", request_hash="b", **job))
     engine.dispose()
@@ -116,7 +118,9 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
     with engine.connect() as connection:
         assert connection.scalars(sa.select(Job.id)).all() == ["of study"]
     with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
-        connection.execute(sa.insert(Job).values(id="c", study_id="s", request_hash="c", kind="k", state="odd"))
+        connection.execute(
+            sa.insert(Job).values(id="c", lab_id="l", study_id="s", request_hash="c", kind="k", state="odd")
+        )
     engine.dispose()
 
 

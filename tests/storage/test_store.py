@@ -12,7 +12,7 @@ import sqlalchemy as sa
 from exogauge.errors import NotFound
 from exogauge.storage import keys
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.store import Storage, Store
+from exogauge.storage.store import Installation, Storage, Store
 from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
 
 FILES = (PinnedFile("robot.urdf", "1" * 64, 10), PinnedFile("robot.yaml", "2" * 64, 20))
@@ -174,8 +174,7 @@ def test_a_worker_counts_while_its_beat_is_recent(storage: Storage) -> None:
         for name, age_s in (("fresh", 1), ("stale", 60)):
             beat = now - timedelta(seconds=age_s)
             store.session.add(WorkerLease(worker_id=name, beat_at=beat, started_at=beat, host="h", pid=1))
-    with storage.reading() as store:
-        assert store.workers_alive() == 1
+    assert Installation(storage.engine, storage.blobs).workers_alive() == 1
 
 
 def test_a_key_of_a_dead_process_can_be_used_again(storage: Storage) -> None:

@@ -16,8 +16,10 @@ from typing import Any, final
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from exogauge.api.dependencies import storage_of
 from exogauge.api.problems import of_error, of_http, problem_response
 from exogauge.errors import Unavailable
 from exogauge.storage.keys import UsedKey
@@ -45,7 +47,7 @@ class Idempotency:
             detail = f"the Idempotency-Key must have 1 to {LONGEST_KEY} printable characters"
             await problem_response(422, "bad-idempotency-key", "Unusable key", detail)(scope, receive, send)
             return
-        storage: Storage = scope["app"].state.storage
+        storage = storage_of(HTTPConnection(scope))
         body = HashedBody(scope, receive)
         if key in self.serving:
             await replay(UsedKey(None, None), body, scope, send)

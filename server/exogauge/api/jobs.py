@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
-from exogauge.api.dependencies import NO_NUL, Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import NO_NUL, Cursor, Id, InstallationDep, Limit, ReaderDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.shapes import Answer, ListOf, State
 from exogauge.errors import BadInput, Fault
@@ -25,11 +25,11 @@ router = APIRouter(tags=["jobs"])
 CREATING = threading.Lock()
 
 
-def get_queue(request: Request, storage: StorageDep) -> JobQueue:
+def get_queue(request: Request, installation: InstallationDep) -> JobQueue:
     """The queue of this process, made when it is first needed."""
     with CREATING:
         if not hasattr(request.app.state, "job_queue"):
-            request.app.state.job_queue = JobQueue(storage.engine)
+            request.app.state.job_queue = JobQueue(installation.engine)
     queue: JobQueue = request.app.state.job_queue
     return queue
 

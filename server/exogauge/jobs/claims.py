@@ -119,8 +119,8 @@ def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
     return change(session, held_by(job_id, worker), ended) == 1
 
 
-def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: Sequence[PinnedFile]) -> bool:
-    """End the job with these files, already in the blob store: all rows appear, once, or none does."""
+def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[PinnedFile]) -> bool:
+    """End the job with these files, already in the blob store: all rows appear in its lab, once, or none does."""
     wanted = recipe_for(job.kind).result
     main = next((file for file in files if file.path == wanted), None)
     if main is None:
@@ -128,12 +128,12 @@ def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: S
     ended = {"state": "succeeded", "progress": 1.0, "message": "", "stage": None, "finished_at": database_now(session)}
     if not change(session, held_by(job.id, worker), ended):
         return False
-    ours = {"lab_id": lab_id, "job_id": job.id}
+    ours = {"lab_id": job.lab_id, "job_id": job.id}
     session.add(Result(study_id=job.study_id, payload_id=job.payload_id, sha256=main.sha256, size=main.size, **ours))
     for file in files:
         kind = media_type(file.path)
         session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))
-    Lab(session, lab_id).audit("succeed", "job", job.id, after=main.sha256)
+    Lab(session, job.lab_id).audit("succeed", "job", job.id, after=main.sha256)
     return True
 
 

@@ -106,9 +106,10 @@ class JobRecord:
 
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
-    log: the last lines of what the worker said."""
+    log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs."""
 
     id: str
+    lab_id: str
     created_at: datetime
     kind: str
     study_id: str | None

@@ -41,7 +41,7 @@ class Owned:
     """Columns of every row that belongs to a lab."""
 
     id: Mapped[str] = mapped_column(UUID, primary_key=True, default=new_id)
-    lab_id: Mapped[str] = mapped_column(sa.String(64), default="local")
+    lab_id: Mapped[str] = mapped_column(sa.String(64))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
