@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from exogauge.storage import migrate
 from exogauge.storage.database import make_engine
-from exogauge.storage.tables import Base, Job, Payload, Study
+from exogauge.storage.tables import Artifact, Base, Job, Payload, Result, Study, StudyFile
 
 
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
@@ -124,6 +124,57 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
     engine.dispose()
 
 
+def test_what_a_worker_wrote_under_another_lab_goes_back_to_its_job_s(empty_database_url: str) -> None:
+    """A worker started for another lab than the server's wrote results and files under its own."""
+    migrate.upgrade(empty_database_url, "0006")
+    rows = {
+        "studies": {"id": "s", "lab_id": "north", "name": "s", "content_hash": "c", "summary": "{}"},
+        "study_files": {"id": "f", "lab_id": "north", "study_id": "s", "path": "study.yaml", "sha256": "h", "size": 1},
+        "jobs": {
+            "id": "j", "lab_id": "north", "kind": "evaluate", "study_id": "s", "request_hash": "h", "settings": "{}",
+            "code_version": "", "state": "succeeded", "progress": 1, "message": "", "attempts": 1,
+            "cancel_requested": "0", "log": "", "revision": 3,
+        },
+        "results": {"id": "r", "lab_id": "local", "job_id": "j", "study_id": "s", "sha256": "h", "size": 1},
+        "artifacts": {
+            "id": "a", "lab_id": "local", "job_id": "j", "name": "a.csv", "sha256": "h", "size": 1, "media_type": "m",
+        },
+    }  # fmt: skip
+    for table, row in rows.items():
+        values = {**row, "created_at": "2026-01-01"}
+        said = ", ".join(str(value) if isinstance(value, int) else f"'{value}'" for value in values.values())
+        execute(empty_database_url, f"INSERT INTO {table} ({', '.join(values)}) VALUES ({said})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        kept = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Study, StudyFile, Job)]
+        moved = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Result, Artifact)]
+    assert kept == [[("s", "north")], [("f", "north")], [("j", "north")]]
+    assert moved == [[("r", "north")], [("a", "north")]]
+    with engine.begin() as connection:
+        connection.execute(sa.delete(Study))
+        assert connection.execute(sa.select(Artifact.id)).all() == []  # still goes with its owner
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0006")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+
+
+def test_a_reference_between_labs_that_no_worker_made_stops_the_upgrade_and_changes_nothing(
+    empty_database_url: str,
+) -> None:
+    migrate.upgrade(empty_database_url, "0006")
+    execute(empty_database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+            "VALUES ('s', 'north', '2026-01-01', 's', 'c', '{}')")  # fmt: skip
+    execute(empty_database_url, "INSERT INTO study_files (id, lab_id, created_at, study_id, path, sha256, size) "
+            "VALUES ('f', 'south', '2026-01-01', 's', 'study.yaml', 'h', 1)")  # fmt: skip
+    with pytest.raises((AssertionError, sa.exc.IntegrityError)):
+        migrate.upgrade(empty_database_url)
+    assert migrate.current(empty_database_url) == "0006"
+    assert ["lab_id", "study_id"] not in keys_of(empty_database_url, "study_files")
+
+
 def tables(url: str) -> set[str]:
     engine = make_engine(url)
     names = set(sa.inspect(engine).get_table_names())
@@ -136,3 +187,11 @@ def execute(url: str, statement: str) -> None:
     with engine.begin() as connection:
         connection.exec_driver_sql(statement)
     engine.dispose()
+
+
+def keys_of(url: str, table: str) -> list[list[str]]:
+    """The columns of each foreign key of a table, as the database has them."""
+    engine = make_engine(url)
+    found = [key["constrained_columns"] for key in sa.inspect(engine).get_foreign_keys(table)]
+    engine.dispose()
+    return found
