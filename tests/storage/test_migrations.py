@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from exogauge.storage import migrate
 from exogauge.storage.database import make_engine
-from exogauge.storage.tables import Artifact, Base, Job, Payload, Result, Study, StudyFile
+from exogauge.storage.tables import Artifact, Base, IdempotencyKey, Job, Payload, Result, Study, StudyFile
 
 
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
@@ -173,6 +173,23 @@ def test_a_reference_between_labs_that_no_worker_made_stops_the_upgrade_and_chan
         migrate.upgrade(empty_database_url)
     assert migrate.current(empty_database_url) == "0006"
     assert ["lab_id", "study_id"] not in keys_of(empty_database_url, "study_files")
+
+
+def test_an_answer_is_still_kept_for_its_day_and_what_was_in_flight_is_free(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0007")
+    for key, answer in (("answered", "'{}'"), ("in flight", "NULL")):
+        columns = "id, lab_id, created_at, key, owner, request_hash, answer"
+        values = f"'{key}', 'north', '2026-01-01 12:00:00', '{key}', '{'host/' * 20}', 'h', {answer}"
+        execute(empty_database_url, f"INSERT INTO idempotency_keys ({columns}) VALUES ({values})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        kept = connection.execute(sa.select(IdempotencyKey.key, IdempotencyKey.expires_at)).all()
+    engine.dispose()
+    assert kept == [("answered", datetime(2026, 1, 2, 12, tzinfo=UTC))]
+    migrate.downgrade(empty_database_url, "0007")
+    migrate.upgrade(empty_database_url)
 
 
 def tables(url: str) -> set[str]:

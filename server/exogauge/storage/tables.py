@@ -346,12 +346,14 @@ class RobotMapping(Owned, Base):
 
 @final
 class IdempotencyKey(Owned, Base):
-    """A POST that was made with a key. answer: None while it is in flight; owner: the process that serves it."""
+    """A POST that was made with a key. answer: None while it is in flight; owner: the one request that serves it.
+    expires_at: on the database's clock; of one in flight, until when it is held, and of an answer, is kept."""
 
     __tablename__ = "idempotency_keys"
-    __table_args__ = (sa.UniqueConstraint("lab_id", "key"),)
+    __table_args__ = (sa.UniqueConstraint("lab_id", "key"), sa.Index(None, "lab_id", "expires_at"))
     key: Mapped[str] = mapped_column(sa.String(255))
-    owner: Mapped[str] = mapped_column(sa.String(300))
+    owner: Mapped[str] = mapped_column(UUID)
+    expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
     request_hash: Mapped[str | None] = mapped_column(SHA256)
     answer: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
 
