@@ -192,6 +192,28 @@ def test_an_answer_is_still_kept_for_its_day_and_what_was_in_flight_is_free(empt
     migrate.upgrade(empty_database_url)
 
 
+def test_a_job_that_nobody_has_begun_names_only_the_code_it_was_asked_of(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0008")
+    execute(empty_database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+            "VALUES ('s', 'north', '2026-01-01', 's', 'c', '{}')")  # fmt: skip
+    columns = "id, lab_id, created_at, kind, study_id, request_hash, settings, code_version, state, progress, message, "
+    columns += "attempts, cancel_requested, log, revision, started_at"
+    for key, state, started in (("j", "succeeded", "'2026-01-01'"), ("k", "queued", "NULL")):
+        values = (
+            f"'{key}', 'north', '2026-01-01', 'evaluate', 's', '{key}', '{{}}', '0.1', '{state}', 0, '', 1, '0', '', 0"
+        )
+        execute(empty_database_url, f"INSERT INTO jobs ({columns}) VALUES ({values}, {started})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        found = connection.execute(sa.select(Job.id, Job.requested_code_version, Job.code_version).order_by(Job.id))
+        assert found.all() == [("j", "0.1", "0.1"), ("k", "0.1", None)]
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0008")
+    migrate.upgrade(empty_database_url)
+
+
 def tables(url: str) -> set[str]:
     engine = make_engine(url)
     names = set(sa.inspect(engine).get_table_names())

@@ -77,8 +77,10 @@ class JobOut(Answer):
     """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; stage: where in
     an evaluation or identification that belongs; steps: what it did before, with times. place: where in the queue it
     is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
-    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. revision:
-    grows with every change and is the id of its events."""
+    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. code_version:
+    the code that computes or computed it, null while no worker has taken it; requested_code_version: the code that took
+    the request, which a worker of another version does not share. revision: grows with every change and is the id of
+    its events."""
 
     id: str
     study_id: str | None
@@ -97,7 +99,8 @@ class JobOut(Answer):
     defect: bool = False
     attempts: int
     cancel_requested: bool
-    code_version: str
+    code_version: str | None
+    requested_code_version: str
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None

@@ -10,6 +10,7 @@ database, and not in the memories of two processes. An ended job never changes; 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
@@ -17,6 +18,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
 from exogauge.errors import ExogaugeError
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.recipes import recipe_for
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
@@ -59,13 +61,15 @@ def change(session: Session, guard: sa.ColumnElement[bool], values: Mapping[str,
 
 
 def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
-    """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt."""
+    """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt, by the
+    code of this process."""
     free = (Job.state == "queued") | ((Job.state == "running") & (held_by_nobody() | (Job.worker == worker)))
     alive = sa.exists().where(WorkerLease.worker_id == worker)
     taken = {
         "state": "running",
         "worker": worker,
         "attempts": Job.attempts + 1,
+        "code_version": code_version(),
         "progress": 0.0,
         "message": "",
         "stage": None,
@@ -120,12 +124,17 @@ def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
 
 
 def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[PinnedFile]) -> bool:
-    """End the job with these files, already in the blob store: all rows appear in its lab, once, or none does."""
+    """End the job with these files, already in the blob store: all rows appear in its lab, once, or none does.
+
+    What other code than the one asked has made stays to be seen, but an equal request is not answered with it.
+    """
     wanted = recipe_for(job.kind).result
     main = next((file for file in files if file.path == wanted), None)
     if main is None:
         raise ExogaugeError(f"the computation made no {wanted}")
     ended = {"state": "succeeded", "progress": 1.0, "message": "", "stage": None, "finished_at": database_now(session)}
+    if job.code_version != job.requested_code_version:
+        ended["request_hash"] = hashlib.sha256(f"{job.request_hash} {job.code_version} {job.id}".encode()).hexdigest()
     if not change(session, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": job.lab_id, "job_id": job.id}
@@ -139,7 +148,7 @@ def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[Pinne
 
 def release(session: Session, worker: str) -> int:
     """Put back what runs here: the worker leaves of its own will, so this was no attempt."""
-    nothing = {"worker": None, "progress": 0.0, "message": "", "stage": None, "steps": None}
+    nothing = {"worker": None, "code_version": None, "progress": 0.0, "message": "", "stage": None, "steps": None}
     back = {"state": "queued", "attempts": Job.attempts - 1, **nothing}
     return change(session, sa.and_(Job.state == "running", Job.worker == worker), back)
 

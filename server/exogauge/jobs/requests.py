@@ -47,7 +47,7 @@ def submit(
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
-        common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "code_version": code_version()}
+        common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "requested_code_version": code_version()}
         return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")

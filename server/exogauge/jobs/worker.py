@@ -8,6 +8,7 @@ import signal
 import threading
 
 from exogauge.jobs.attempt import Runner
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue, take_jobs
 from exogauge.jobs.leases import Lease, Reaper, new_worker_id
 from exogauge.jobs.supervisor import leave_with_parent
@@ -29,6 +30,7 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
     installation = open_installation(settings)
     worker_id = new_worker_id()
     folder = settings.data_dir / "work" / worker_id
+    log.info("worker %s computes by %s", worker_id, code_version())  # as it is now, whatever is installed later
     lease = Lease(installation.engine, worker_id, lease_s)
     runner = Runner(installation, worker_id, folder)
     reaper = Reaper(installation.engine, JobQueue(installation.engine), lease_s, folder.parent)

@@ -237,6 +237,8 @@ class Job(Owned, Base):
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
+    requested_code_version: of the server that took the request; code_version: of the worker that took the job, None
+    while none has.
     failure: {class, faults, defect} of the error that ended it; defect: not what was handed in is to blame.
     stage: what an evaluation is at (`exogauge.progress.Stage`).
     steps: what the present attempt has done, {message, progress, stage, at}, in order.
@@ -266,7 +268,8 @@ class Job(Owned, Base):
     payload_id: Mapped[str | None] = mapped_column(UUID, index=True)
     request_hash: Mapped[str] = mapped_column(SHA256)
     settings: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
-    code_version: Mapped[str] = mapped_column(sa.String(64), default="")
+    requested_code_version: Mapped[str] = mapped_column(sa.String(64), default="")
+    code_version: Mapped[str | None] = mapped_column(sa.String(64))
     state: Mapped[str] = mapped_column(sa.String(16), default="queued")
     progress: Mapped[float] = mapped_column(FiniteFloat, default=0.0)
     message: Mapped[str] = mapped_column(sa.Text, default="")
