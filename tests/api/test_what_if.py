@@ -226,7 +226,7 @@ def test_a_job_takes_all_samples_and_is_no_result_of_the_study(client: TestClien
         lease = Lease(installation.engine, "this test", 60.0)
         lease.take()
         runner = Runner(installation, "this test", tmp_path)
-        runner.run(job.id)
+        runner.run()
         runner._child.kill()  # a worker ends with its process
         lease.give_back()
         assert service.job(job).state == "succeeded", service.job(job).log

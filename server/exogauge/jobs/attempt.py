@@ -21,6 +21,7 @@ from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import next_jobs
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
 from exogauge.storage.records import JobRecord
@@ -29,6 +30,7 @@ from exogauge.storage.store import Installation, Storage, Store
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 
+MOST_TRIED = 64  # jobs that other workers may take in the same moment
 LOOK_EVERY_S = 0.2  # progress written and wishes to cancel read, at most this often
 LONGEST_PAUSE_S = 5.0
 LONGEST_DISK_PAUSE_S = 60.0  # before a computation begins anew, which may take minutes
@@ -80,10 +82,12 @@ class Runner:
         self._progress = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
 
-    def run(self, job_id: str) -> None:
-        """Bring a job to an end, or leave it alone when it is not free."""
+    def run(self) -> None:
+        """Bring the job whose turn it is to an end, if there is one."""
         with self._one_at_a_time:
-            while (job := until_it_works(lambda: self._claim(job_id))) is not None:
+            again: str | None = None
+            while (job := until_it_works(partial(self._claim, again))) is not None:
+                again = job.id
                 try:
                     self._attempt(job)
                 except ComputeChildDied as error:
@@ -96,9 +100,12 @@ class Runner:
                     log.info("job %s goes back into the queue", job.id)
                 return
 
-    def _claim(self, job_id: str) -> JobRecord | None:
+    def _claim(self, again: str | None) -> JobRecord | None:
+        """The next job, or the one whose computation died. None where other workers were quicker."""
         with self._installation.session() as session:
-            job = claims.claim(session, job_id, self._worker)
+            keys = next_jobs(session, MOST_TRIED) if again is None else [again]
+            taken = (claims.claim(session, key, self._worker) for key in keys)
+            job = next((each for each in taken if each is not None), None)
             if job is not None and job.cancel_requested:
                 claims.end_cancelled(session, job.id, self._worker)
                 return None

@@ -20,6 +20,7 @@ from sqlalchemy.orm import Session
 from exogauge.errors import ExogaugeError
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import free
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
@@ -43,11 +44,6 @@ MEDIA_TYPES = {
 }
 
 
-def held_by_nobody() -> sa.ColumnElement[bool]:
-    """The job's worker holds no lease: it died, or left."""
-    return Job.worker.is_(None) | Job.worker.not_in(sa.select(WorkerLease.worker_id))
-
-
 def held_by(job_id: str, worker: str) -> sa.ColumnElement[bool]:
     """The job runs at this worker."""
     return sa.and_(Job.id == job_id, Job.state == "running", Job.worker == worker)
@@ -63,7 +59,7 @@ def change(session: Session, guard: sa.ColumnElement[bool], values: Mapping[str,
 def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
     """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt, by the
     code of this process."""
-    free = (Job.state == "queued") | ((Job.state == "running") & (held_by_nobody() | (Job.worker == worker)))
+    mine = (Job.state == "running") & (Job.worker == worker)
     alive = sa.exists().where(WorkerLease.worker_id == worker)
     taken = {
         "state": "running",
@@ -76,7 +72,7 @@ def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
         "steps": None,
         "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
     }
-    if not change(session, sa.and_(Job.id == job_id, free, alive), taken):
+    if not change(session, sa.and_(Job.id == job_id, free() | mine, alive), taken):
         return None
     row = session.scalars(sa.select(Job).where(Job.id == job_id).execution_options(populate_existing=True)).one()
     return as_record(JobRecord, row)
@@ -155,8 +151,7 @@ def release(session: Session, worker: str) -> int:
 
 def unattended(session: Session) -> list[str]:
     """Jobs that need an entry in the queue: queued ones, and running ones whose worker is gone."""
-    needing = (Job.state == "queued") | ((Job.state == "running") & held_by_nobody())
-    return list(session.scalars(sa.select(Job.id).where(needing)))
+    return list(session.scalars(sa.select(Job.id).where(free())))
 
 
 def media_type(name: str) -> str:

@@ -16,6 +16,7 @@ from exogauge.jobs.claims import change
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import attended, in_turn
 from exogauge.storage.database import database_now
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab
@@ -87,19 +88,19 @@ class Place:
 
 
 def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
-    """Job id -> its place among those of all labs, of those that are queued. Two statements, however many they are."""
+    """Job id -> its place among those of all labs, as workers take them, of those that are queued. Two statements,
+    however many they are."""
     wanted = [job.id for job in jobs if job.state == "queued"]
     if not wanted:
         return {}
-    before = sa.func.row_number().over(order_by=(Job.created_at, Job.id)) - 1
-    queue = sa.select(Job.id, before.label("ahead")).where(Job.state == "queued").subquery()
+    queue = in_turn()
     ahead = session.execute(
         sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(wanted)), execution_options=OF_ALL_LABS
     ).all()
     workers, running = session.execute(
         sa.select(
             sa.select(sa.func.count()).select_from(WorkerLease).scalar_subquery(),
-            sa.select(sa.func.count()).select_from(Job).where(Job.state == "running").scalar_subquery(),
+            sa.select(sa.func.count()).select_from(Job).where(attended()).scalar_subquery(),
         ),
         execution_options=OF_ALL_LABS,
     ).one()

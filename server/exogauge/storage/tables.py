@@ -261,6 +261,7 @@ class Job(Owned, Base):
             postgresql_where=sa.text(one_of("state", LIVE_STATES)),
         ),
         sa.Index(None, "lab_id", "created_at", "id"),
+        sa.Index(None, "lab_id", "started_at"),
         sa.Index(None, "state"),
     )
     kind: Mapped[str] = mapped_column(sa.String(64))
