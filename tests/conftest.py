@@ -174,11 +174,11 @@ def settings(database_url: str, tmp_path: Path) -> Settings:
 
 @pytest.fixture
 def storage(settings: Settings) -> Iterator[Storage]:
-    """A migrated database and an empty blob store."""
-    from exogauge.storage.store import open_storage
+    """What one lab has in a migrated database and an empty blob store."""
+    from exogauge.storage.store import open_installation
 
-    opened = open_storage(settings)
-    yield opened
+    opened = open_installation(settings)
+    yield opened.of_lab(settings.lab)
     opened.close()
 
 

@@ -36,7 +36,12 @@ class Settings(BaseSettings):
     upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")
     max_bundle_files: int = Field(default=1000, ge=1, description="most files in one bundle")
     max_description_bytes: int = Field(default=MIB, ge=1024, description="largest study.yaml, robot.yaml, device.yaml")
-    lab: str = Field(default="local", min_length=1, max_length=64, description="the one lab of this installation")
+    lab: str = Field(
+        default="local",
+        min_length=1,
+        max_length=64,
+        description="the lab whose requests this server serves; workers serve all",
+    )
 
     @model_validator(mode="after")
     def _fill_places(self) -> Self:

@@ -108,7 +108,7 @@ def finished_job(study_id: str, client: TestClient, tmp_path: Path) -> str:
     """A job that has succeeded, with results, a report and a series, as a worker leaves it."""
     from exogauge.storage.tables import Artifact, Job, Result
 
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     made = {
         "results.json": (b'{"version": 1}', "application/json"),
         "report.html": (b"<h1>report</h1><script>alert(1)</script>", "text/html"),

@@ -56,7 +56,7 @@ def finished(client: TestClient, study_id: str, result: dict[str, Any], kind: st
     from exogauge.storage.tables import Artifact, Job, Result
 
     name = "what_if.json" if kind == "whatif" else "results.json"
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     sha256 = storage.blobs.put(json.dumps(result).encode())
     with storage.transaction() as store:
         now = datetime.now(UTC)
@@ -72,7 +72,7 @@ def finished(client: TestClient, study_id: str, result: dict[str, Any], kind: st
 
 @pytest.fixture
 def study(client: TestClient) -> str:
-    with client.app.state.storage.transaction() as store:  # type: ignore[attr-defined]
+    with client.app.state.installation.of_lab("local").transaction() as store:  # type: ignore[attr-defined]
         key: str = store.studies.add("s", [], {})[0].id
     return key
 

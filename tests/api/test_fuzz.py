@@ -32,7 +32,7 @@ UNSAYABLE = [checks.positive_data_acceptance, checks.negative_data_rejection]
 def schema(tmp_path: Path, unchecked: None) -> Iterator[Any]:
     """The document of an app that holds one robot, one device, one study and one ended job."""
     app = create_app(Settings(data_dir=tmp_path, workers=0, max_upload_bytes=2_000_000))
-    storage: Storage = app.state.storage
+    storage: Storage = app.state.installation.of_lab("local")
     with storage.transaction() as store:
         robot, _ = store.robots.add("r", [], {})
         store.devices.add("d", [], {}, robot_id=robot.id)

@@ -20,7 +20,7 @@ BURN = recipes.Recipe("burn", "nowhere:burn", timeout_s=60.0)
 def study(app, monkeypatch):
     """The id of a study in the store."""
     monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
-    storage = app.state.storage
+    storage = app.state.installation.of_lab("local")
     blob = storage.blobs.put(b"version: 1\n")
     with storage.transaction() as store:
         return store.studies.add("burning", [PinnedFile("study.yaml", blob, 11)], {})[0].id
@@ -72,7 +72,7 @@ def test_what_cannot_be_run_is_refused_by_name(client, study):
 @pytest.mark.parametrize("kind", ["support", "stiffness"])
 def test_what_needs_a_worn_device_is_refused_where_the_summary_shows_none(client, app, study, kind):
     logs = [{"name": "id_1", "role": "identification"}, {"name": "val_1", "role": "validation"}]
-    with app.state.storage.transaction() as store:
+    with app.state.installation.of_lab("local").transaction() as store:
         plain = store.studies.add("plain", [PinnedFile("study.yaml", "1" * 64, 1)], {"logs": logs})[0].id
         worn = [*logs, {"name": "bend", "role": "with_device"}]
         full = store.studies.add("worn", [PinnedFile("study.yaml", "2" * 64, 1)], {"logs": worn})[0].id
@@ -110,7 +110,7 @@ DIFFER = {
     ],
 )
 def test_a_failed_job_says_what_was_wrong_as_a_refused_upload_would(client, app, study, failure, status, slug):
-    storage = app.state.storage
+    storage = app.state.installation.of_lab("local")
     job = ask(client, study).json()["id"]
     Lease(storage.engine, "w", 60.0).take()
     with storage.transaction() as store:
@@ -152,7 +152,7 @@ def events(client, job, **headers):
 
 
 def test_events_tell_every_look_until_the_end_and_resume(client, study, app):
-    storage = app.state.storage
+    storage = app.state.installation.of_lab("local")
     job = ask(client, study).json()["id"]
     Lease(storage.engine, "w", 60.0).take()
     told = []
@@ -174,7 +174,7 @@ def test_events_tell_every_look_until_the_end_and_resume(client, study, app):
 
 
 def test_a_job_tells_its_steps_with_their_times_and_begins_them_anew_with_each_attempt(client, study, app):
-    storage = app.state.storage
+    storage = app.state.installation.of_lab("local")
     job = ask(client, study).json()["id"]
     lease = Lease(storage.engine, "w", 60.0)
     lease.take()
@@ -217,7 +217,7 @@ def test_a_queued_job_knows_how_many_start_before_it(client, study):
 
 def test_a_list_of_jobs_takes_as_many_statements_for_fifty_as_for_one(client, study, app):
     counted = []
-    sa.event.listen(app.state.storage.engine, "before_cursor_execute", lambda *_: counted.append(1))
+    sa.event.listen(app.state.installation.engine, "before_cursor_execute", lambda *_: counted.append(1))
 
     def statements():
         counted.clear()
@@ -238,7 +238,7 @@ def test_a_list_of_jobs_takes_as_many_statements_for_fifty_as_for_one(client, st
 
 
 def test_only_the_living_may_change_a_job_and_only_while_they_hold_it(client, study, app):
-    storage = app.state.storage
+    storage = app.state.installation.of_lab("local")
     job = ask(client, study).json()["id"]
     lease = Lease(storage.engine, "w", 60.0)
     with storage.transaction() as store:

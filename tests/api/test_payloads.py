@@ -181,7 +181,7 @@ def test_what_is_not_there_is_not_found(client: TestClient, stored: dict[str, An
 @pytest.fixture
 def identified(client: TestClient, stored: dict[str, Any], tmp_path: Path) -> str:
     """The id of a payload whose job has ended as a worker ends it; its results are the recipe's own."""
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     with storage.transaction() as store:
         store.payloads.write_to(stored["id"], tmp_path / "in")
         identify(tmp_path / "in", tmp_path / "out", lambda share, doing, stage: None, {})

@@ -51,7 +51,7 @@ def test_a_log_is_drawn_before_any_job_and_after_one_that_failed(
     facts = client.get(raw).json()
     assert (facts["samples"], facts["start"], facts["end"], facts["log"]) == (400, 0.0, 3.99, "id")
     assert [(each["name"], each["unit"]) for each in facts["channels"]] == [("q.elbow", "rad"), ("tau.elbow", "N·m")]
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     with storage.transaction() as store:
         store.session.add(Job(kind="evaluate", study_id=study, request_hash="0", state="failed", reason="no"))
         table_file = store.studies.file(study, "logs/id.csv")
@@ -131,7 +131,7 @@ def test_what_is_wrong_with_a_log_is_told_and_no_other_file_is_reached(
     client: TestClient, study_files: dict[str, bytes]
 ) -> None:
     files = study_files | {"logs/val.csv": b"t,q.elbow,tau.elbow\n0,0,0\n0.01,x,0\n"}
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     logs = [{"name": "id", "file": ["logs/id.csv"]}, {"name": "val", "file": ["logs/val.csv"]}]
     with storage.transaction() as store:
         pinned = [PinnedFile(path, store.blobs.put(data), len(data)) for path, data in files.items()]

@@ -72,7 +72,7 @@ def job(client: TestClient, tmp_path_factory: pytest.TempPathFactory) -> str:
         (folder / path).write_text(content)
     with Client("http://testserver", transport=client._transport) as service:
         study = service.upload_study(folder).id
-    return finished(client.app.state.storage, study)  # type: ignore[attr-defined]
+    return finished(client.app.state.installation.of_lab("local"), study)  # type: ignore[attr-defined]
 
 
 def finished(storage: Storage, study: str) -> str:

@@ -17,7 +17,7 @@ FILES = (("robot.yaml", "a"), ("robot.urdf", "b"), ("robot2.urdf", "c"), ("mesh.
 @pytest.fixture
 def lists(client: TestClient) -> TestClient:
     """Three robots, three devices on the first, and a study."""
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     names = ("Größe 100%", "size_100", "size 100")
     with storage.transaction() as store:
         robots = [store.robots.add(name, [], {"name": name})[0] for name in names]
@@ -61,7 +61,7 @@ def test_studies_are_sought_by_robot_and_chosen_by_state(lists: TestClient) -> N
 
 def test_studies_of_a_robot_are_those_with_its_files_however_many_were_handed_in_since(client: TestClient) -> None:
     """Forty newer studies of a robot with the same name and other files lie above the one that is sought."""
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     yaml, old, new, extra, log = (PinnedFile(path, digit * 64, 1) for path, digit in FILES)
     moved = PinnedFile("robots/robot.yaml", yaml.sha256, 1)
     about = {"name": "R0", "urdf": old.path}

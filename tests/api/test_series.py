@@ -34,7 +34,7 @@ def job(client: TestClient) -> str:
     columns.add_truth(REST, values > 500)
     sink = io.BytesIO()
     pq.write_table(columns.table({"log": "lift"}), sink)
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     sha256 = storage.blobs.put(sink.getvalue())
     with storage.transaction() as store:
         study, _ = store.studies.add("s", [], {})

@@ -36,7 +36,7 @@ def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settin
     app = create_app(settings.model_copy(update={"workers": 1}))
     with TestClient(app) as client:
         assert client.get("/healthz").json()["status"] == "degraded"
-        with app.state.storage.transaction() as store:
+        with app.state.installation.of_lab("local").transaction() as store:
             now = datetime.now(UTC)
             store.session.add(WorkerLease(worker_id="w", beat_at=now, started_at=now, host="h", pid=1))
         assert client.get("/healthz").json()["status"] == "ok"
@@ -78,16 +78,16 @@ def test_a_full_disk_shows_in_health_and_is_507_wherever_it_is_met(
 def test_a_database_that_goes_away_is_a_problem_and_comes_back(client: TestClient, settings: Settings) -> None:
     place = settings.data_dir.parent
     (place / "test.sqlite").rename(place / "gone")
-    client.app.state.storage.engine.dispose()  # type: ignore[attr-defined]
+    client.app.state.installation.engine.dispose()  # type: ignore[attr-defined]
     answer = client.get(f"{V1}/studies")
     assert (answer.status_code, answer.headers["content-type"]) == (503, "application/problem+json")
     (place / "gone").rename(place / "test.sqlite")
-    client.app.state.storage.engine.dispose()  # type: ignore[attr-defined]
+    client.app.state.installation.engine.dispose()  # type: ignore[attr-defined]
     assert client.get(f"{V1}/studies").status_code == 200
 
 
 def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
-    storage: Storage = client.app.state.storage  # type: ignore[attr-defined]
+    storage: Storage = client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     for k in range(5):
         with storage.transaction() as store:
             store.studies.add(f"study {k}", [PinnedFile("study.yaml", f"{k:064}", 1)], {})
@@ -106,7 +106,7 @@ def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_u
 
 
 def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
-    create_app(settings).state.storage.close()
+    create_app(settings).state.installation.close()
     engine = make_engine(settings.database_url)
     with engine.begin() as connection:
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")

@@ -218,10 +218,10 @@ def test_nobody_else_and_nobody_later_finds_an_upload(client: TestClient) -> Non
     for method in ("HEAD", "PATCH", "DELETE"):
         headers = {**TUS, **PIECE, "Upload-Offset": "0"}
         assert client.request(method, other, headers=headers).status_code == 404
-    storage = client.app.state.storage  # type: ignore[attr-defined]
-    object.__setattr__(storage, "lab_id", "elsewhere")
+    settings = client.app.state.settings  # type: ignore[attr-defined]
+    object.__setattr__(settings, "lab", "elsewhere")
     assert client.head(place, headers=TUS).status_code == 404
-    object.__setattr__(storage, "lab_id", "local")
+    object.__setattr__(settings, "lab", "local")
     assert client.delete(place, headers=TUS).status_code == 204
     assert client.head(place, headers=TUS).status_code == 404
 
@@ -231,7 +231,7 @@ def test_what_nobody_comes_back_for_is_removed(client: TestClient) -> None:
     from exogauge.storage.tables import utc_now
 
     place = begin(client, 3)
-    settings, storage = client.app.state.settings, client.app.state.storage  # type: ignore[attr-defined]
+    settings, storage = client.app.state.settings, client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
     send(client, place, 0, b"1")
     with storage.transaction() as store:
         store.uploads.wait_longer(place.rsplit("/", 1)[-1], utc_now() - timedelta(seconds=1))

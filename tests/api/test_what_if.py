@@ -222,11 +222,11 @@ def test_a_job_is_refused_where_its_settings_are_wrong(client: TestClient, study
 def test_a_job_takes_all_samples_and_is_no_result_of_the_study(client: TestClient, study: str, tmp_path: Path) -> None:
     with Client("http://testserver", transport=client._transport) as service:
         job = service.submit(study, "whatif", {"log": "worn", "changes": CHANGES})
-        storage = client.app.state.storage  # type: ignore[attr-defined]
-        lease = Lease(storage.engine, "this test", 60.0)
+        installation = client.app.state.installation  # type: ignore[attr-defined]
+        lease = Lease(installation.engine, "this test", 60.0)
         lease.take()
-        runner = Runner(storage, "this test", tmp_path)
-        runner.run(job.id)
+        runner = Runner(installation, "this test", tmp_path)
+        runner.run()
         runner._child.kill()  # a worker ends with its process
         lease.give_back()
         assert service.job(job).state == "succeeded", service.job(job).log

@@ -29,7 +29,7 @@ from tests.e2e.conftest import ARGUMENTS, CHROMIUM, running
 from exogauge import Client
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.store import open_storage
+from exogauge.storage.store import open_installation
 from exogauge.studies.series.file import SeriesFile
 from exogauge.studies.series.tiles import make_blocks, tiles
 
@@ -99,11 +99,12 @@ def add_long_log(data: Path) -> str:
     files |= {"study.yaml": about, "logs/long.parquet": sink.getvalue()}
     logs = [{"name": LOG, "file": ["logs/long.parquet"], "role": "identification", "motion": None, "device": None,
              "samples": SAMPLES, "rate_hz": RATE_HZ, "duration_s": SAMPLES / RATE_HZ}]  # fmt: skip
-    storage = open_storage(Settings(data_dir=data))
-    with storage.transaction() as store:
+    settings = Settings(data_dir=data)
+    installation = open_installation(settings)
+    with installation.of_lab(settings.lab).transaction() as store:
         pinned = [PinnedFile(path, store.blobs.put(content), len(content)) for path, content in files.items()]
         study, _ = store.studies.add("Long", pinned, {"robot": {"name": "Arm", "joints": ["elbow"]}, "logs": logs})
-    storage.close()
+    installation.close()
     return study.id
 
 

@@ -73,10 +73,12 @@ def starts(ledger: Path) -> int:
 def main() -> None:
     import logging
 
-    from exogauge.jobs import recipes, worker
+    from exogauge.jobs import claims, recipes, worker
     from exogauge.settings import Settings
 
     logging.basicConfig(level=logging.INFO)
+    if (other := os.environ.get("BURN_VERSION")) is not None:  # a worker of another release
+        claims.code_version = lambda: other
     recipes.RECIPES["burn"] = recipes.Recipe("burn", "burning:burn", timeout_s=float(os.environ.get("BURN_LIMIT", 60)))
     if sys.argv[1] == "work":
         worker.work(Settings(), with_parent="--with-parent" in sys.argv, lease_s=LEASE_S)

@@ -21,7 +21,7 @@ from exogauge.jobs.supervisor import Supervisor
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
-from exogauge.storage.store import Storage, open_storage
+from exogauge.storage.store import Installation, Storage, open_installation
 
 HERE = Path(__file__).parent
 PROGRAM = HERE / "burning.py"
@@ -71,6 +71,11 @@ class Workshop:
         wanted = {"ledger": str(self.ledger(name)), **settings}
         with self.storage.transaction() as store:
             return requests.submit(store, self.queue, self.study.id, "burn", wanted)[0]
+
+    def elsewhere(self, lab_id: str) -> Workshop:
+        """The same installation, as another lab sees it: with a study of its own, and without workers of its own."""
+        installation = Installation(self.storage.engine, self.storage.blobs)
+        return Workshop(self.settings, installation.of_lab(lab_id), self.folder)
 
     def cancel(self, job: JobRecord) -> None:
         with self.storage.transaction() as store:
@@ -137,14 +142,14 @@ def staffed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     else:
         url = request.getfixturevalue("throw_away")
     settings = Settings(data_dir=folder / "data", database_url=url, workers=0)
-    storage = open_storage(settings)
-    opened = Workshop(settings, storage, folder)
+    installation = open_installation(settings)
+    opened = Workshop(settings, installation.of_lab(settings.lab), folder)
     opened.start_worker(BURN_LIMIT="20")
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(recipes.RECIPES, "burn", BURN)
         yield opened
     opened.close()
-    storage.close()
+    installation.close()
 
 
 @pytest.fixture

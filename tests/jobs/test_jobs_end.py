@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import time
 
-from exogauge.jobs import requests
+import pytest
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge.errors import NotFound
+from exogauge.jobs import claims, requests
 from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.storage.tables import Artifact, AuditEntry, Job, Result
 
 
 def test_a_job_runs_with_progress_and_keeps_what_it_made(staffed):
@@ -102,3 +108,55 @@ def test_a_job_that_crashes_every_time_stops(staffed):
     assert done.state == "failed"
     assert f"{MAX_ATTEMPTS} times" in done.reason
     assert staffed.words("poison") == ["start"] * MAX_ATTEMPTS
+
+
+def test_a_worker_works_in_the_lab_of_the_job_and_not_in_one_of_its_own(staffed):
+    """The worker was started for the lab `local`; what it reads and writes for another lab's job is that lab's."""
+    other = staffed.elsewhere("far")
+    job = other.submit("of another lab")
+    done = other.ended(job)
+    assert (done.state, done.lab_id) == ("succeeded", "far")
+    assert other.artifacts(job) == ["results.json", "series/a.csv"]
+    with pytest.raises(NotFound):
+        staffed.job(job)
+    with Session(staffed.storage.engine) as session:
+        for table, key in ((Job, Job.id), (Result, Result.job_id), (Artifact, Artifact.job_id)):
+            assert set(session.scalars(sa.select(table.lab_id).where(key == job.id))) == {"far"}, table
+        said = sa.select(AuditEntry.action, AuditEntry.lab_id).where(AuditEntry.subject_id == job.id)
+        assert set(session.execute(said).all()) == {("submit", "far"), ("succeed", "far")}
+    other.queue.close()
+
+
+def test_a_lab_with_one_job_does_not_wait_for_all_of_a_lab_with_many(staffed):
+    """And the place that each is told is the order in which they start."""
+    other = staffed.elsewhere("small")
+    busy = staffed.submit("holds the worker", seconds=60.0)
+    staffed.until(busy, lambda now: now.state == "running")
+    many = [staffed.submit(f"one of many {k}") for k in range(5)]
+    few = [other.submit(f"one of few {k}") for k in range(2)]
+    with Session(staffed.storage.engine) as session:
+        places = requests.places(session, [*many, *few])
+    told = sorted([*many, *few], key=lambda job: places[job.id].ahead)
+    assert [places[job.id].ahead for job in told] == list(range(7))
+    assert [job.id for job in told] == [each.id for each in (few[0], many[0], few[1], *many[1:])]
+    staffed.cancel(busy)
+    begun = {job.id: (other if job.lab_id == "small" else staffed).ended(job).started_at for job in told}
+    assert sorted(begun, key=lambda key: begun[key]) == [job.id for job in told]
+    other.queue.close()
+
+
+def test_a_job_that_went_back_into_the_queue_is_where_its_age_puts_it(staffed):
+    first = staffed.submit("goes back", seconds=60.0)
+    running = staffed.until(first, lambda now: now.state == "running")
+    second = staffed.submit("came later", seconds=60.0)
+    with staffed.storage.transaction() as store:
+        assert claims.release(store.session, running.worker) == 1
+    with staffed.storage.reading() as store:
+        places = requests.places(store.session, [staffed.job(first), staffed.job(second)])
+    assert {job.id: places[job.id].ahead for job in (first, second) if job.id in places} in (
+        {first.id: 0, second.id: 1},
+        {second.id: 0},  # taken again already
+    )
+    for job in (first, second):
+        staffed.cancel(job)
+        staffed.ended(job)

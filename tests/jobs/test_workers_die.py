@@ -8,6 +8,7 @@ import signal
 import pytest
 
 from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.jobs.code_version import code_version
 
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
@@ -74,3 +75,26 @@ def test_a_job_that_takes_too_long_is_stopped(workshop):
     done = workshop.ended(workshop.submit("slow", seconds=60.0))
     assert done.state == "failed"
     assert "limit" in done.reason
+
+
+@pytest.mark.slow
+def test_a_job_names_the_code_that_computed_it_and_no_equal_request_is_answered_by_other_code(workshop):
+    old = workshop.start_worker(BURN_VERSION="0.0.9+old")
+    job = workshop.submit("by old code", seconds=2.0)
+    assert (job.code_version, job.requested_code_version) == (None, code_version())
+    running = workshop.until(job, lambda now: now.progress > 0.0)
+    assert running.code_version == "0.0.9+old"
+    assert workshop.submit("by old code", seconds=2.0).id == job.id
+    done = workshop.ended(job)
+    assert (done.state, done.code_version, done.requested_code_version) == ("succeeded", "0.0.9+old", code_version())
+    again = workshop.submit("by old code", seconds=2.0)
+    assert again.id != job.id
+    workshop.until(again, lambda now: now.progress > 0.0)
+    old.terminate()
+    old.wait(timeout=30)
+    assert workshop.job(again).code_version is None  # back in the queue
+    workshop.start_worker()
+    done = workshop.ended(again)
+    assert (done.state, done.code_version) == ("succeeded", code_version())
+    assert workshop.submit("by old code", seconds=2.0).id == again.id
+    assert workshop.job(job).state == "succeeded"

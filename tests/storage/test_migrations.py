@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from exogauge.storage import migrate
 from exogauge.storage.database import make_engine
-from exogauge.storage.tables import Base, Job, Payload, Study
+from exogauge.storage.tables import Artifact, Base, IdempotencyKey, Job, Payload, Result, Study, StudyFile
 
 
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
@@ -67,9 +67,9 @@ def test_the_migrated_schema_keeps_what_the_engine_relies_on(empty_database_url:
     """An equal live request is refused by the database itself; after a failure it is welcome again."""
     migrate.upgrade(empty_database_url)
     engine = make_engine(empty_database_url)
-    job = {"kind": "evaluate", "study_id": "s", "request_hash": "h"}
+    job = {"lab_id": "l", "kind": "evaluate", "study_id": "s", "request_hash": "h"}
     with engine.begin() as connection:
-        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
+        connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
         connection.execute(sa.insert(Job).values(id="a", state="queued", **job))
     with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
         connection.execute(sa.insert(Job).values(id="b", state="succeeded", **job))
@@ -101,10 +101,12 @@ def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_d
 def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
     migrate.upgrade(empty_database_url)
     engine = make_engine(empty_database_url)
-    job = {"kind": "k", "state": "failed"}
+    job = {"lab_id": "l", "kind": "k", "state": "failed"}
     with engine.begin() as connection:
-        connection.execute(sa.insert(Study).values(id="s", name="s", content_hash="c", summary={}))
-        connection.execute(sa.insert(Payload).values(id="p", name="p", version=1, content_hash="c", summary={}))
+        connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
+        connection.execute(
+            sa.insert(Payload).values(id="p", lab_id="l", name="p", version=1, content_hash="c", summary={})
+        )
         connection.execute(sa.insert(Job).values(id="of study", study_id="s", request_hash="a", **job))
         connection.execute(sa.insert(Job).values(id="of payload", payload_id="p", request_hash="b", **job))
     engine.dispose()
@@ -116,8 +118,100 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
     with engine.connect() as connection:
         assert connection.scalars(sa.select(Job.id)).all() == ["of study"]
     with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
-        connection.execute(sa.insert(Job).values(id="c", study_id="s", request_hash="c", kind="k", state="odd"))
+        connection.execute(
+            sa.insert(Job).values(id="c", lab_id="l", study_id="s", request_hash="c", kind="k", state="odd")
+        )
     engine.dispose()
+
+
+def test_what_a_worker_wrote_under_another_lab_goes_back_to_its_job_s(empty_database_url: str) -> None:
+    """A worker started for another lab than the server's wrote results and files under its own."""
+    migrate.upgrade(empty_database_url, "0006")
+    rows = {
+        "studies": {"id": "s", "lab_id": "north", "name": "s", "content_hash": "c", "summary": "{}"},
+        "study_files": {"id": "f", "lab_id": "north", "study_id": "s", "path": "study.yaml", "sha256": "h", "size": 1},
+        "jobs": {
+            "id": "j", "lab_id": "north", "kind": "evaluate", "study_id": "s", "request_hash": "h", "settings": "{}",
+            "code_version": "", "state": "succeeded", "progress": 1, "message": "", "attempts": 1,
+            "cancel_requested": "0", "log": "", "revision": 3,
+        },
+        "results": {"id": "r", "lab_id": "local", "job_id": "j", "study_id": "s", "sha256": "h", "size": 1},
+        "artifacts": {
+            "id": "a", "lab_id": "local", "job_id": "j", "name": "a.csv", "sha256": "h", "size": 1, "media_type": "m",
+        },
+    }  # fmt: skip
+    for table, row in rows.items():
+        values = {**row, "created_at": "2026-01-01"}
+        said = ", ".join(str(value) if isinstance(value, int) else f"'{value}'" for value in values.values())
+        execute(empty_database_url, f"INSERT INTO {table} ({', '.join(values)}) VALUES ({said})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        kept = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Study, StudyFile, Job)]
+        moved = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Result, Artifact)]
+    assert kept == [[("s", "north")], [("f", "north")], [("j", "north")]]
+    assert moved == [[("r", "north")], [("a", "north")]]
+    with engine.begin() as connection:
+        connection.execute(sa.delete(Study))
+        assert connection.execute(sa.select(Artifact.id)).all() == []  # still goes with its owner
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0006")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+
+
+def test_a_reference_between_labs_that_no_worker_made_stops_the_upgrade_and_changes_nothing(
+    empty_database_url: str,
+) -> None:
+    migrate.upgrade(empty_database_url, "0006")
+    execute(empty_database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+            "VALUES ('s', 'north', '2026-01-01', 's', 'c', '{}')")  # fmt: skip
+    execute(empty_database_url, "INSERT INTO study_files (id, lab_id, created_at, study_id, path, sha256, size) "
+            "VALUES ('f', 'south', '2026-01-01', 's', 'study.yaml', 'h', 1)")  # fmt: skip
+    with pytest.raises((AssertionError, sa.exc.IntegrityError)):
+        migrate.upgrade(empty_database_url)
+    assert migrate.current(empty_database_url) == "0006"
+    assert ["lab_id", "study_id"] not in keys_of(empty_database_url, "study_files")
+
+
+def test_an_answer_is_still_kept_for_its_day_and_what_was_in_flight_is_free(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0007")
+    for key, answer in (("answered", "'{}'"), ("in flight", "NULL")):
+        columns = "id, lab_id, created_at, key, owner, request_hash, answer"
+        values = f"'{key}', 'north', '2026-01-01 12:00:00', '{key}', '{'host/' * 20}', 'h', {answer}"
+        execute(empty_database_url, f"INSERT INTO idempotency_keys ({columns}) VALUES ({values})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        kept = connection.execute(sa.select(IdempotencyKey.key, IdempotencyKey.expires_at)).all()
+    engine.dispose()
+    assert kept == [("answered", datetime(2026, 1, 2, 12, tzinfo=UTC))]
+    migrate.downgrade(empty_database_url, "0007")
+    migrate.upgrade(empty_database_url)
+
+
+def test_a_job_that_nobody_has_begun_names_only_the_code_it_was_asked_of(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url, "0008")
+    execute(empty_database_url, "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
+            "VALUES ('s', 'north', '2026-01-01', 's', 'c', '{}')")  # fmt: skip
+    columns = "id, lab_id, created_at, kind, study_id, request_hash, settings, code_version, state, progress, message, "
+    columns += "attempts, cancel_requested, log, revision, started_at"
+    for key, state, started in (("j", "succeeded", "'2026-01-01'"), ("k", "queued", "NULL")):
+        values = (
+            f"'{key}', 'north', '2026-01-01', 'evaluate', 's', '{key}', '{{}}', '0.1', '{state}', 0, '', 1, '0', '', 0"
+        )
+        execute(empty_database_url, f"INSERT INTO jobs ({columns}) VALUES ({values}, {started})")
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = make_engine(empty_database_url)
+    with engine.connect() as connection:
+        found = connection.execute(sa.select(Job.id, Job.requested_code_version, Job.code_version).order_by(Job.id))
+        assert found.all() == [("j", "0.1", "0.1"), ("k", "0.1", None)]
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0008")
+    migrate.upgrade(empty_database_url)
 
 
 def tables(url: str) -> set[str]:
@@ -132,3 +226,11 @@ def execute(url: str, statement: str) -> None:
     with engine.begin() as connection:
         connection.exec_driver_sql(statement)
     engine.dispose()
+
+
+def keys_of(url: str, table: str) -> list[list[str]]:
+    """The columns of each foreign key of a table, as the database has them."""
+    engine = make_engine(url)
+    found = [key["constrained_columns"] for key in sa.inspect(engine).get_foreign_keys(table)]
+    engine.dispose()
+    return found

@@ -124,7 +124,7 @@ def test_a_live_stream_counts_while_it_is_open_and_ends_once(storage: Storage) -
     assert kept.ended_at >= kept.started_at
 
 
-def test_streams_go_with_their_payload_and_outlive_their_job(storage: Storage) -> None:
+def test_streams_go_with_their_payload_and_keep_the_job_that_compensated_them(storage: Storage) -> None:
     with storage.transaction() as store:
         payload = add(store)
         job = Job(kind="payload", request_hash="a", payload_id=payload)
@@ -132,9 +132,12 @@ def test_streams_go_with_their_payload_and_outlive_their_job(storage: Storage) -
         store.session.flush()
         stream = store.live_streams.begin(payload, job.id).id
         assert store.live_streams.get(stream).job_id == job.id
+    with pytest.raises(IntegrityError), storage.transaction() as store:
         store.session.execute(sa.text("DELETE FROM jobs"))
-        assert store.live_streams.get(stream).job_id is None
+    with storage.transaction() as store:
+        assert store.live_streams.get(stream).job_id is not None
         store.session.execute(sa.text("DELETE FROM payloads"))
+        assert store.session.scalar(sa.select(sa.func.count()).select_from(Job)) == 0
         with pytest.raises(NotFound):
             store.live_streams.get(stream)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -11,8 +12,9 @@ import sqlalchemy as sa
 
 from exogauge.errors import NotFound
 from exogauge.storage import keys
+from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.store import Storage, Store
+from exogauge.storage.store import Installation, Storage, Store
 from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
 
 FILES = (PinnedFile("robot.urdf", "1" * 64, 10), PinnedFile("robot.yaml", "2" * 64, 20))
@@ -174,31 +176,67 @@ def test_a_worker_counts_while_its_beat_is_recent(storage: Storage) -> None:
         for name, age_s in (("fresh", 1), ("stale", 60)):
             beat = now - timedelta(seconds=age_s)
             store.session.add(WorkerLease(worker_id=name, beat_at=beat, started_at=beat, host="h", pid=1))
-    with storage.reading() as store:
-        assert store.workers_alive() == 1
+    assert Installation(storage.engine, storage.blobs).workers_alive() == 1
 
 
-def test_a_key_of_a_dead_process_can_be_used_again(storage: Storage) -> None:
+def hold(storage: Storage, key: str, lease_s: float = 60.0) -> keys.Held | keys.UsedKey:
     with storage.transaction() as store:
-        assert store.keys.reserve("k") is None
-        host = keys.owner().split("/")[0]
-        store.session.execute(sa.update(IdempotencyKey).values(owner=f"{host}/4194305/dead"))
+        return store.keys.reserve(key, timedelta(seconds=lease_s))
+
+
+def test_a_key_in_flight_is_one_request_s_until_its_lease_ends(storage: Storage) -> None:
+    first = hold(storage, "k", 0.0)
+    second = hold(storage, "k")
+    assert isinstance(first, keys.Held)
+    assert isinstance(second, keys.Held)
+    assert hold(storage, "k") == keys.UsedKey(None, None)
+    with storage.transaction() as store:  # the first wakes up: it has lost the key, and leaves the second alone
+        assert not store.keys.hold_on(first, timedelta(minutes=1))
+        assert not store.keys.answer(first, "f" * 64, {"status": 500})
+        store.keys.release(first)
+        assert store.keys.answer(second, "h" * 64, {"status": 201})
+        assert not store.keys.hold_on(second, timedelta(minutes=1))  # an answer is no lease
+    assert hold(storage, "k") == keys.UsedKey("h" * 64, {"status": 201})
+
+
+def test_a_lease_that_is_put_off_does_not_end(storage: Storage) -> None:
+    held = hold(storage, "k", 0.2)
+    assert isinstance(held, keys.Held)
     with storage.transaction() as store:
-        assert store.keys.reserve("k") is None
-        store.session.execute(sa.update(IdempotencyKey).values(owner="elsewhere/1/alive"))
+        assert store.keys.hold_on(held, timedelta(minutes=1))
+    time.sleep(0.3)
+    assert hold(storage, "k") == keys.UsedKey(None, None)
     with storage.transaction() as store:
-        assert store.keys.reserve("k") == keys.UsedKey(None, None)
+        store.keys.release(held)
+    assert isinstance(hold(storage, "k"), keys.Held)
+
+
+def test_of_many_who_ask_for_a_key_at_once_one_holds_it(storage: Storage) -> None:
+    hold(storage, "k", 0.0)  # and its end is seen by all of them
+    found = list[keys.Held | keys.UsedKey]()
+    in_parallel(lambda _: found.append(hold(storage, "k")), 8)
+    assert sum(isinstance(each, keys.Held) for each in found) == 1
+    assert sum(each == keys.UsedKey(None, None) for each in found) == 7
+
+
+def test_two_labs_use_one_key_each_for_itself(storage: Storage) -> None:
+    other = Storage(storage.engine, storage.blobs, "other")
+    assert isinstance(hold(storage, "k"), keys.Held)
+    assert isinstance(hold(other, "k"), keys.Held)
+    assert hold(other, "k") == keys.UsedKey(None, None)
 
 
 def test_keys_are_forgotten_after_a_day(storage: Storage) -> None:
+    held = hold(storage, "k")
+    assert isinstance(held, keys.Held)
     with storage.transaction() as store:
-        store.keys.reserve("k")
-        store.keys.answer("k", "h" * 64, {"status": 201})
+        assert store.keys.answer(held, "h" * 64, {"status": 201})
+        day = store.session.scalars(sa.select(IdempotencyKey.expires_at)).one() - database_now(store.session)
+        assert timedelta(hours=23, minutes=59) < day <= timedelta(days=1)
+    assert hold(storage, "k") == keys.UsedKey("h" * 64, {"status": 201})
     with storage.transaction() as store:
-        assert store.keys.reserve("k") == keys.UsedKey("h" * 64, {"status": 201})
-        store.session.execute(sa.update(IdempotencyKey).values(created_at=datetime.now(UTC) - timedelta(days=2)))
-    with storage.transaction() as store:
-        assert store.keys.reserve("k") is None
+        store.session.execute(sa.update(IdempotencyKey).values(expires_at=database_now(store.session)))
+    assert isinstance(hold(storage, "k"), keys.Held)
 
 
 def add_study(storage: Storage, k: int) -> str:

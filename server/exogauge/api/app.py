@@ -39,7 +39,7 @@ from exogauge.api.uploads_resumable import TusHeaders, sweep
 from exogauge.settings import Settings
 from exogauge.storage.blobs import remove_abandoned
 from exogauge.storage.migrate import prepare
-from exogauge.storage.store import open_storage
+from exogauge.storage.store import open_installation
 
 PREFIX = "/api/v1"
 ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
@@ -49,19 +49,19 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     """The service. A new database is created; one at another schema revision is refused (`WrongSchema`)."""
     settings = settings or Settings()
     prepare(settings.database_url)
-    storage = open_storage(settings)
+    installation = open_installation(settings)
     settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
     remove_abandoned(settings.scratch)
-    sweep(storage, settings)
+    sweep(installation, settings)
 
-    hub = Hub(storage, settings)
+    hub = Hub(installation, settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         hub.begin()
         yield
         hub.close()
-        storage.close()
+        installation.close()
 
     app = FastAPI(
         title="exogauge",
@@ -74,7 +74,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
     )
     app.state.settings = settings
-    app.state.storage = storage
+    app.state.installation = installation
     app.state.live = hub
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]

@@ -166,6 +166,6 @@ def head(store: Store, job_id: str, content: dict[str, Any]) -> ComparedJob:
         robot=content["robot"],
         kind=job.kind,
         created_at=job.created_at,
-        code_version=job.code_version,
+        code_version=job.code_version or "",
         **verdict(content),
     )

@@ -12,9 +12,10 @@ from uuid import UUID
 
 from fastapi import Depends, Path, Query, Request
 from fastapi.exceptions import RequestValidationError
+from fastapi.requests import HTTPConnection
 
 from exogauge.settings import Settings
-from exogauge.storage.store import Storage, Store
+from exogauge.storage.store import Installation, Storage, Store
 
 LONGEST_PAGE = 200
 NO_NUL = r"^[^\x00]*$"  # PostgreSQL has no text with it
@@ -25,10 +26,21 @@ def get_settings(request: Request) -> Settings:
     return settings
 
 
+def get_installation(request: Request) -> Installation:
+    """What no lab owns: how many workers live, what is to be swept."""
+    installation: Installation = request.app.state.installation
+    return installation
+
+
+def storage_of(connection: HTTPConnection) -> Storage:
+    """What the lab of this request or stream has. The one place that says which lab it is: that of the settings."""
+    installation: Installation = connection.app.state.installation
+    return installation.of_lab(connection.app.state.settings.lab)
+
+
 def get_storage(request: Request) -> Storage:
-    """The open database and blob store, for what must happen outside a transaction (writing blobs)."""
-    storage: Storage = request.app.state.storage
-    return storage
+    """The request's lab, for what must happen outside a transaction (writing blobs)."""
+    return storage_of(request)
 
 
 def get_store(storage: Annotated[Storage, Depends(get_storage)]) -> Iterator[Store]:
@@ -77,6 +89,7 @@ Search = Annotated[
     ),
 ]
 SettingsDep = Annotated[Settings, Depends(get_settings)]
+InstallationDep = Annotated[Installation, Depends(get_installation)]
 StorageDep = Annotated[Storage, Depends(get_storage)]
 StoreDep = Annotated[Store, Depends(get_store, scope="function")]
 ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]

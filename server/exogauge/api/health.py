@@ -7,10 +7,10 @@ import logging
 from fastapi import APIRouter, Response
 
 from exogauge import __version__
-from exogauge.api.dependencies import SettingsDep, StorageDep
+from exogauge.api.dependencies import InstallationDep, SettingsDep
 from exogauge.api.shapes import Health
 from exogauge.errors import Unavailable
-from exogauge.storage.store import Storage
+from exogauge.storage.store import Installation
 
 log = logging.getLogger(__name__)
 router = APIRouter(tags=["health"])
@@ -21,9 +21,9 @@ router = APIRouter(tags=["health"])
     operation_id="getHealth",
     responses={503: {"model": Health, "description": "Database or blobs do not answer"}},
 )
-def get_health(storage: StorageDep, settings: SettingsDep, response: Response) -> Health:
-    database, alive = ask_database(storage)
-    blobs = ask_blobs(storage)
+def get_health(installation: InstallationDep, settings: SettingsDep, response: Response) -> Health:
+    database, alive = ask_database(installation)
+    blobs = ask_blobs(installation)
     serving = database == blobs == "ok"
     response.status_code = 200 if serving else 503
     return Health(
@@ -36,19 +36,18 @@ def get_health(storage: StorageDep, settings: SettingsDep, response: Response) -
     )
 
 
-def ask_database(storage: Storage) -> tuple[str, int]:
+def ask_database(installation: Installation) -> tuple[str, int]:
     """`ok` or `unavailable`, and how many workers live; the reason stays in the log, it may hold addresses."""
     try:
-        with storage.reading() as store:
-            return "ok", store.workers_alive()
+        return "ok", installation.workers_alive()
     except Unavailable as error:
         log.warning("health: %s", error)
         return "unavailable", 0
 
 
-def ask_blobs(storage: Storage) -> str:
+def ask_blobs(installation: Installation) -> str:
     try:
-        storage.blobs.refuse_if_full()
+        installation.blobs.refuse_if_full()
     except Unavailable as error:
         log.warning("health: %s", error)
         return "unavailable"

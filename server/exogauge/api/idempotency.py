@@ -1,28 +1,37 @@
 """`Idempotency-Key` on every POST: a request that is sent twice happens once.
 
 Same key and same request: the same answer, with `Idempotency-Replayed: true`. Another request under the key: 422.
-The first one still running: 409. An answer that asks to try again (5xx, 429) is not kept. The key is kept for a day.
+The first one still running, in whichever process: 409. An answer that asks to try again (5xx, 429) is not kept. The key
+is its lab's and is kept for a day. A server that was killed holds a key no longer than its lease.
 A multipart boundary is no part of the request: clients make a new one for each attempt.
 """
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import hashlib
+import logging
 from collections.abc import Mapping
+from datetime import timedelta
 from email.message import Message as Headers_
 from typing import Any, final
 
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from exogauge.api.dependencies import storage_of
 from exogauge.api.problems import of_error, of_http, problem_response
 from exogauge.errors import Unavailable
-from exogauge.storage.keys import UsedKey
+from exogauge.storage.keys import Held, UsedKey
 from exogauge.storage.store import Storage
 
+log = logging.getLogger(__name__)
+
+LEASE = timedelta(seconds=10)  # of a key, put off three times in it while its request is served
 LONGEST_KEY = 255
 LONGEST_ANSWER = 1024 * 1024
 KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
@@ -30,11 +39,10 @@ KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
 
 @final
 class Idempotency:
-    """ASGI middleware around the whole API. serving: the keys of the requests this process is busy with."""
+    """ASGI middleware around the whole API."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
-        self.serving: set[str] = set()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         key = Headers(scope=scope).get("idempotency-key") if scope["type"] == "http" else None
@@ -45,37 +53,33 @@ class Idempotency:
             detail = f"the Idempotency-Key must have 1 to {LONGEST_KEY} printable characters"
             await problem_response(422, "bad-idempotency-key", "Unusable key", detail)(scope, receive, send)
             return
-        storage: Storage = scope["app"].state.storage
+        storage = storage_of(HTTPConnection(scope))
         body = HashedBody(scope, receive)
-        if key in self.serving:
-            await replay(UsedKey(None, None), body, scope, send)
-            return
-        self.serving.add(key)
         try:
-            used = await run_in_threadpool(reserve, storage, key)
-            if used is None:
-                await self._first(storage, key, body, scope, send)
+            found = await run_in_threadpool(reserve, storage, key)
+            if isinstance(found, Held):
+                await self._first(storage, found, body, scope, send)
             else:
-                await replay(used, body, scope, send)
+                await replay(found, body, scope, send)
         except Unavailable as error:
             await of_error(error)(scope, receive, send)
         except HTTPException as error:
             await of_http(error)(scope, receive, send)
-        finally:
-            self.serving.discard(key)
 
-    async def _first(self, storage: Storage, key: str, body: HashedBody, scope: Scope, send: Send) -> None:
+    async def _first(self, storage: Storage, held: Held, body: HashedBody, scope: Scope, send: Send) -> None:
         """Run the request, keep its answer, and only then send it."""
-        answer = Answer()
+        answer, holding = Answer(), asyncio.create_task(hold_on(storage, held))
         try:
             await self.app(scope, body.receive, answer.take)
             if answer.is_final and body.complete:
-                await run_in_threadpool(keep, storage, key, body.digest(), answer.document())
+                await run_in_threadpool(keep, storage, held, body.digest(), answer.document())
             else:
-                await run_in_threadpool(release, storage, key)
+                await run_in_threadpool(release, storage, held)
         except BaseException:
-            await run_in_threadpool(release, storage, key)
+            await run_in_threadpool(release, storage, held)
             raise
+        finally:
+            holding.cancel()
         await answer.send_to(send)
 
 
@@ -175,16 +179,33 @@ def content_type(text: str) -> tuple[str, bytes]:
     return header.get_content_type(), boundary.encode("latin-1", "replace") if isinstance(boundary, str) else b""
 
 
-def reserve(storage: Storage, key: str) -> UsedKey | None:
+async def hold_on(storage: Storage, held: Held) -> None:
+    """Keep the lease of a request that takes long, until it is cancelled or the lease is lost."""
+    while True:
+        await asyncio.sleep(LEASE.total_seconds() / 3)
+        try:
+            if not await run_in_threadpool(hold_on_once, storage, held):
+                log.warning("a request under an Idempotency-Key was silent for longer than its lease")
+                return
+        except Unavailable as error:
+            log.warning("the lease of an Idempotency-Key is not renewed: %s", error)
+
+
+def hold_on_once(storage: Storage, held: Held) -> bool:
     with storage.transaction() as store:
-        return store.keys.reserve(key)
+        return store.keys.hold_on(held, LEASE)
 
 
-def keep(storage: Storage, key: str, request_hash: str, answer: Mapping[str, Any]) -> None:
+def reserve(storage: Storage, key: str) -> Held | UsedKey:
     with storage.transaction() as store:
-        store.keys.answer(key, request_hash, answer)
+        return store.keys.reserve(key, LEASE)
 
 
-def release(storage: Storage, key: str) -> None:
+def keep(storage: Storage, held: Held, request_hash: str, answer: Mapping[str, Any]) -> None:
     with storage.transaction() as store:
-        store.keys.release(key)
+        store.keys.answer(held, request_hash, answer)
+
+
+def release(storage: Storage, held: Held) -> None:
+    with storage.transaction() as store:
+        store.keys.release(held)

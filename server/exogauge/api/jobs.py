@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
-from exogauge.api.dependencies import NO_NUL, Cursor, Id, Limit, ReaderDep, StorageDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import NO_NUL, Cursor, Id, InstallationDep, Limit, ReaderDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.shapes import Answer, ListOf, State
 from exogauge.errors import BadInput, Fault
@@ -25,11 +25,11 @@ router = APIRouter(tags=["jobs"])
 CREATING = threading.Lock()
 
 
-def get_queue(request: Request, storage: StorageDep) -> JobQueue:
+def get_queue(request: Request, installation: InstallationDep) -> JobQueue:
     """The queue of this process, made when it is first needed."""
     with CREATING:
         if not hasattr(request.app.state, "job_queue"):
-            request.app.state.job_queue = JobQueue(storage.engine)
+            request.app.state.job_queue = JobQueue(installation.engine)
     queue: JobQueue = request.app.state.job_queue
     return queue
 
@@ -77,8 +77,10 @@ class JobOut(Answer):
     """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; stage: where in
     an evaluation or identification that belongs; steps: what it did before, with times. place: where in the queue it
     is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
-    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. revision:
-    grows with every change and is the id of its events."""
+    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. code_version:
+    the code that computes or computed it, null while no worker has taken it; requested_code_version: the code that took
+    the request, which a worker of another version does not share. revision: grows with every change and is the id of
+    its events."""
 
     id: str
     study_id: str | None
@@ -97,7 +99,8 @@ class JobOut(Answer):
     defect: bool = False
     attempts: int
     cancel_requested: bool
-    code_version: str
+    code_version: str | None
+    requested_code_version: str
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None

@@ -11,14 +11,13 @@ from uuid import UUID
 from fastapi import APIRouter, Request, Response, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor, storage_of
 from exogauge.api.live_hub import Hub, Running, Watcher, greet
 from exogauge.api.problems import of_error
 from exogauge.api.results import ANY_FILE, file_response
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, ExogaugeError, Fault, NotFound
 from exogauge.payload.live_frames import CLIENT_BYTES, CLIENT_TEXT
-from exogauge.storage.store import Storage
 
 router = APIRouter(tags=["live"])
 
@@ -95,7 +94,7 @@ async def watch(client: WebSocket, payload_id: str, stream: str = "") -> None:
     """Every answer that the stream's writer gets from now on, for others to see; nothing is taken from them."""
     hub: Hub = client.app.state.live
     try:
-        running = await hub.watch(_id(payload_id, "payload_id"), _id(stream, "stream"))
+        running = await hub.watch(storage_of(client), _id(payload_id, "payload_id"), _id(stream, "stream"))
     except ExogaugeError as error:
         await client.send_denial_response(of_error(error, client.url.path))
         return
@@ -113,7 +112,7 @@ async def watch(client: WebSocket, payload_id: str, stream: str = "") -> None:
 
 async def attached(client: WebSocket, payload_id: str) -> Running:
     hub: Hub = client.app.state.live
-    storage: Storage = client.app.state.storage
+    storage = storage_of(client)
     payload = _id(payload_id, "payload_id")
     stream = client.query_params.get("stream")
     rate_hz = _rate(client.query_params.get("rate_hz", "250"))
@@ -123,7 +122,7 @@ async def attached(client: WebSocket, payload_id: str) -> Running:
             store.payloads.get(payload)
 
     await run_in_threadpool(check)
-    return await hub.attach(payload, None if stream is None else _id(stream, "stream"), rate_hz)
+    return await hub.attach(storage, payload, None if stream is None else _id(stream, "stream"), rate_hz)
 
 
 async def listen(client: WebSocket, running: Running) -> None:

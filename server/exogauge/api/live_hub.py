@@ -28,9 +28,9 @@ from exogauge.errors import Conflict, Fault, NotFound, Unavailable
 from exogauge.payload.live_frames import CLIENT_TEXT, CONTROL, Frames, framed
 from exogauge.settings import Settings
 from exogauge.storage.blobs import disk
-from exogauge.storage.live_streams import Counts
+from exogauge.storage.live_streams import Counts, lab_of_stream
 from exogauge.storage.records import LiveStreamRecord
-from exogauge.storage.store import Storage
+from exogauge.storage.store import Installation, Storage
 
 log = logging.getLogger(__name__)
 
@@ -46,9 +46,10 @@ DIED = Fault(
 
 @final
 class Running:
-    """One stream and its process."""
+    """One stream and its process. storage: its lab's."""
 
-    def __init__(self, key: str, folder: Path, rate_hz: float) -> None:
+    def __init__(self, storage: Storage, key: str, folder: Path, rate_hz: float) -> None:
+        self.storage = storage
         self.key, self.folder, self.rate_hz = key, folder, rate_hz
         self.taken = True  # by a writer, who may not be connected yet
         self.client: WebSocket | None = None
@@ -78,7 +79,7 @@ class Running:
         self._writer.write(framed(kind, content))
         await self._writer.drain()
 
-    async def listen(self, storage: Storage) -> None:
+    async def listen(self) -> None:
         """Until the process is gone."""
         assert self._reader is not None
         assert self.process is not None
@@ -92,7 +93,7 @@ class Running:
                         await self._control(json.loads(content))
                 if time.monotonic() - kept > KEPT_EVERY_S:
                     kept = time.monotonic()
-                    await run_in_threadpool(self._keep_counts, storage)
+                    await run_in_threadpool(self._keep_counts)
         await self.process.wait()
 
     async def _control(self, said: Mapping[str, Any]) -> None:
@@ -130,8 +131,8 @@ class Running:
             watcher.over(code)
         await self.leave(code)
 
-    def _keep_counts(self, storage: Storage) -> None:
-        with contextlib.suppress(Unavailable), storage.transaction() as store:
+    def _keep_counts(self) -> None:
+        with contextlib.suppress(Unavailable), self.storage.transaction() as store:
             store.live_streams.count(self.key, self.row())
 
     def row(self) -> Counts:
@@ -147,10 +148,10 @@ class Running:
 
 @final
 class Hub:
-    """All streams of this server. Belongs to the event loop."""
+    """All streams of this server, each of its lab. Belongs to the event loop."""
 
-    def __init__(self, storage: Storage, settings: Settings) -> None:
-        self._storage, self._settings = storage, settings
+    def __init__(self, installation: Installation, settings: Settings) -> None:
+        self._installation, self._settings = installation, settings
         self._folder = settings.data_dir / "live"
         self._running = dict[str, Running]()
         self._tasks = set[asyncio.Task[None]]()
@@ -167,8 +168,9 @@ class Hub:
         for task in self._tasks:
             task.cancel()
 
-    async def attach(self, payload_id: str, key: str | None, rate_hz: float) -> Running:
+    async def attach(self, storage: Storage, payload_id: str, key: str | None, rate_hz: float) -> Running:
         """The stream of this key, or a new one, taken by a writer. Raises NotFound, Conflict, Unavailable."""
+        found = None if key is None else await run_in_threadpool(self._found, storage, payload_id, key)
         if key is not None and key in self._running:
             running = self._running[key]
             if running.taken:
@@ -180,13 +182,13 @@ class Hub:
         if len(self._running) >= self._settings.max_live_streams:
             most = self._settings.max_live_streams
             raise Unavailable(f"{most} live streams are under way, as many as may be (EXOGAUGE_MAX_LIVE_STREAMS)")
-        if key is None:
-            key = await run_in_threadpool(self._new, payload_id, rate_hz)
+        if key is None or found is None:
+            key = await run_in_threadpool(self._new, storage, payload_id, rate_hz)
         else:
-            rate_hz = await run_in_threadpool(self._old, payload_id, key)
+            rate_hz = self._old(found)
         if key in self._running:
             raise Conflict(f"stream {key} has a writer; a stream takes one at a time")
-        running = self._running[key] = Running(key, self._folder / key, rate_hz)
+        running = self._running[key] = Running(storage, key, self._folder / key, rate_hz)
         try:
             await running.start(self._settings.silence_s)
         except OSError as error:
@@ -195,9 +197,9 @@ class Hub:
         self._later(self._follow(running))
         return running
 
-    async def watch(self, payload_id: str, key: str) -> Running:
+    async def watch(self, storage: Storage, payload_id: str, key: str) -> Running:
         """A stream that runs, to look at. Raises NotFound, Conflict, Unavailable."""
-        found = await run_in_threadpool(self._found, payload_id, key)
+        found = await run_in_threadpool(self._found, storage, payload_id, key)
         running = self._running.get(key)
         if running is None and found.state == "open":
             raise Conflict(f"nobody sends stream {key} now; watch it when its writer is back")
@@ -207,22 +209,21 @@ class Hub:
             raise Unavailable(f"{MOST_WATCHERS} watch stream {key}, as many as may")
         return running
 
-    def _new(self, payload_id: str, rate_hz: float) -> str:
-        with self._storage.transaction() as store:
+    def _new(self, storage: Storage, payload_id: str, rate_hz: float) -> str:
+        with storage.transaction() as store:
             key = store.live_streams.begin(payload_id, summary={"rate_hz": rate_hz}).id
-        with self._storage.reading() as store, disk("begin a stream"):
+        with storage.reading() as store, disk("begin a stream"):
             store.payloads.write_to(payload_id, self._folder / key / "payload")
         return key
 
-    def _old(self, payload_id: str, key: str) -> float:
+    def _old(self, found: LiveStreamRecord) -> float:
         """Its rate. Of a stream whose process, or server, is no more."""
-        found = self._found(payload_id, key)
-        if found.state != "open" or not (self._folder / key).is_dir():
-            raise Conflict(f"stream {key} has ended; begin another")
+        if found.state != "open" or not (self._folder / found.id).is_dir():
+            raise Conflict(f"stream {found.id} has ended; begin another")
         return float(found.summary["rate_hz"])
 
-    def _found(self, payload_id: str, key: str) -> LiveStreamRecord:
-        with self._storage.reading() as store:
+    def _found(self, storage: Storage, payload_id: str, key: str) -> LiveStreamRecord:
+        with storage.reading() as store:
             found = store.live_streams.get(key)
         if found.payload_id != payload_id:
             raise NotFound(f"payload {payload_id} has no stream {key}")
@@ -235,14 +236,14 @@ class Hub:
             running.told.set()
 
     async def _until_over(self, running: Running) -> None:
-        await running.listen(self._storage)
+        await running.listen()
         if running.ended is not None:
-            await run_in_threadpool(self._end, running.key, running.row(), "ended")
+            await run_in_threadpool(self._end, running.storage, running.key, running.row(), "ended")
             del self._running[running.key]
             await running.tell(json.dumps({**running.ended, "stream": running.key}))
             await running.over(1000)
         elif running.refused:
-            await run_in_threadpool(self._end, running.key, running.row(), "ended")
+            await run_in_threadpool(self._end, running.storage, running.key, running.row(), "ended")
             del self._running[running.key]
             await running.over(1008)
         else:
@@ -252,25 +253,26 @@ class Hub:
             told = {"type": "error", "detail": DIED.detail, "rule": DIED.rule, "advice": DIED.advice, "faults": 1}
             await running.tell(json.dumps(told))
             await running.over(1011)
-            self._later(self._bury(running.key, running.row()))
+            self._later(self._bury(running.key, running.storage, running.row()))
         running.stop()
 
-    async def _bury(self, key: str, counts: Counts | None = None) -> None:
+    async def _bury(self, key: str, storage: Storage | None = None, counts: Counts | None = None) -> None:
         """A stream without a process: nobody came back to it."""
         await asyncio.sleep(self._settings.silence_s)
         if key in self._running or not (self._folder / key).is_dir():
             return
         done = await asyncio.create_subprocess_exec(*PROCESS, str(self._folder / key), "finish")
         await done.wait()
-        await run_in_threadpool(self._end, key, counts, "lost")
+        await run_in_threadpool(self._end, storage, key, counts, "lost")
 
-    def _end(self, key: str, counts: Counts | None, state: Literal["ended", "lost"]) -> None:
+    def _end(self, storage: Storage | None, key: str, counts: Counts | None, state: Literal["ended", "lost"]) -> None:
         """The log becomes a blob, then the row says so, then the folder goes."""
         folder = self._folder / key
         try:
             made = folder / "log.parquet"
-            raw = (self._storage.blobs.put(made), made.stat().st_size) if made.is_file() else None
-            with self._storage.transaction() as store:
+            storage = storage or self._storage_of(key)
+            raw = (storage.blobs.put(made), made.stat().st_size) if made.is_file() else None
+            with storage.transaction() as store:
                 if counts is None:
                     row = store.live_streams.get(key)
                     counts = Counts(row.samples, row.dropped, row.late, row.last_sequence)
@@ -279,6 +281,14 @@ class Hub:
             log.warning("stream %s cannot be closed now: %s", key, error)  # the next server tries again
             return
         shutil.rmtree(folder, ignore_errors=True)
+
+    def _storage_of(self, key: str) -> Storage:
+        """Of a stream that an earlier server left on the disk."""
+        with self._installation.session() as session:
+            lab_id = lab_of_stream(session, key)
+        if lab_id is None:
+            raise NotFound(f"there is no stream {key}")
+        return self._installation.of_lab(lab_id)
 
     def _later(self, work: Any) -> None:
         task = asyncio.get_running_loop().create_task(work)

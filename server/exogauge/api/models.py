@@ -68,7 +68,7 @@ def versions(job: JobRecord, data: str, content: Mapping[str, Any]) -> list[Mode
             created_at=job.created_at,
             data=data,
             settings_hash=sha256(settings.encode()).hexdigest(),
-            code_version=job.code_version,
+            code_version=job.code_version or "",
         )
         for entry, link in zip(lineage, links, strict=True)
     ]

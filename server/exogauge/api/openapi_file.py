@@ -17,7 +17,7 @@ def openapi_file() -> str:
         settings = Settings(data_dir=Path(folder), database_url="", blob_dir=None, workers=0)
         app = create_app(settings)
         document = app.openapi()
-        app.state.storage.close()
+        app.state.installation.close()
     return json.dumps(document, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 

@@ -72,7 +72,7 @@ def problem_of(response: httpx.Response) -> ClientProblem:
     )
 
 
-ATTEMPTS = 6
+ATTEMPTS = 7  # in 13 s: a key of a server that was killed is free after 10 s
 FIRST_PAUSE_S = 0.2
 BUSY = {429, 502, 503, 504}
 CHUNK = 1 << 20

@@ -21,14 +21,16 @@ from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import next_jobs
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
 from exogauge.storage.records import JobRecord
-from exogauge.storage.store import Storage, Store
+from exogauge.storage.store import Installation, Storage, Store
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 
+MOST_TRIED = 64  # jobs that other workers may take in the same moment
 LOOK_EVERY_S = 0.2  # progress written and wishes to cancel read, at most this often
 LONGEST_PAUSE_S = 5.0
 LONGEST_DISK_PAUSE_S = 60.0  # before a computation begins anew, which may take minutes
@@ -69,10 +71,10 @@ def until_it_works(
 
 @final
 class Runner:
-    """Runs jobs, one at a time, for one worker. scratch: this worker's own folder."""
+    """Runs jobs, one at a time, for one worker: each in its own lab. scratch: this worker's own folder."""
 
-    def __init__(self, storage: Storage, worker_id: str, scratch: Path) -> None:
-        self._storage, self._worker, self._scratch = storage, worker_id, scratch
+    def __init__(self, installation: Installation, worker_id: str, scratch: Path) -> None:
+        self._installation, self._worker, self._scratch = installation, worker_id, scratch
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
@@ -80,10 +82,12 @@ class Runner:
         self._progress = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
 
-    def run(self, job_id: str) -> None:
-        """Bring a job to an end, or leave it alone when it is not free."""
+    def run(self) -> None:
+        """Bring the job whose turn it is to an end, if there is one."""
         with self._one_at_a_time:
-            while (job := until_it_works(lambda: self._claim(job_id))) is not None:
+            again: str | None = None
+            while (job := until_it_works(partial(self._claim, again))) is not None:
+                again = job.id
                 try:
                     self._attempt(job)
                 except ComputeChildDied as error:
@@ -96,17 +100,24 @@ class Runner:
                     log.info("job %s goes back into the queue", job.id)
                 return
 
-    def _claim(self, job_id: str) -> JobRecord | None:
-        with self._storage.transaction() as store:
-            job = claims.claim(store.session, job_id, self._worker)
+    def _claim(self, again: str | None) -> JobRecord | None:
+        """The next job, or the one whose computation died. None where other workers were quicker."""
+        with self._installation.session() as session:
+            keys = next_jobs(session, MOST_TRIED) if again is None else [again]
+            taken = (claims.claim(session, key, self._worker) for key in keys)
+            job = next((each for each in taken if each is not None), None)
             if job is not None and job.cancel_requested:
-                claims.end_cancelled(store.session, job.id, self._worker)
+                claims.end_cancelled(session, job.id, self._worker)
                 return None
             if job is not None and job.attempts > MAX_ATTEMPTS:
                 died = f"the process that ran it died {MAX_ATTEMPTS} times (crash, kill or out of memory); see the log"
-                claims.fail(store.session, job.id, self._worker, died)
+                claims.fail(session, job.id, self._worker, died)
                 return None
         return job
+
+    def _of(self, job: JobRecord) -> Storage:
+        """All that is read and written for a job is its lab's."""
+        return self._installation.of_lab(job.lab_id)
 
     def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
@@ -140,7 +151,7 @@ class Runner:
 
         self._progress, self._unsaid = 0.0, None
         until_it_works(lambda: self._compute(job, folder, out, wait), DISK_PATIENCE_S, wait, LONGEST_DISK_PAUSE_S)
-        files = until_it_works(lambda: keep_folder(self._storage.blobs, out), DISK_PATIENCE_S, wait)
+        files = until_it_works(lambda: keep_folder(self._installation.blobs, out), DISK_PATIENCE_S, wait)
         until_it_works(lambda: self._succeed(job, files))
 
     def _compute(self, job: JobRecord, folder: Path, out: Path, wait: Callable[[float, Unavailable], None]) -> None:
@@ -164,7 +175,7 @@ class Runner:
             time.sleep(min(LOOK_EVERY_S, left))
 
     def _load(self, job: JobRecord, folder: Path) -> None:
-        with self._storage.reading() as store:
+        with self._of(job).reading() as store:
             if job.payload_id is not None:
                 store.payloads.write_to(job.payload_id, folder)
             elif job.study_id is not None:
@@ -183,10 +194,10 @@ class Runner:
         self._looked = now
         try:
             if self._unsaid is not None:
-                with self._storage.transaction() as store:
+                with self._of(job).transaction() as store:
                     claims.report(store.session, job.id, self._worker, *self._unsaid)
                 self._unsaid = None
-            with self._storage.reading() as store:
+            with self._of(job).reading() as store:
                 wanted = claims.cancel_wanted(store.session, job.id, self._worker)
         except Unavailable as error:
             log.warning("job %s: progress not written: %s", job.id, error)
@@ -197,9 +208,9 @@ class Runner:
             raise Cancelled("cancelled on request")
 
     def _succeed(self, job: JobRecord, files: tuple[PinnedFile, ...]) -> None:
-        with self._storage.transaction() as store:
+        with self._of(job).transaction() as store:
             claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts} succeeded"))
-            if not claims.succeed(store.session, job, self._worker, self._storage.lab_id, files):
+            if not claims.succeed(store.session, job, self._worker, files):
                 raise NotMineAnyMore(job.id)
 
     def _fail(self, job: JobRecord, reason: str, trace: str = "", failure: Mapping[str, Any] | None = None) -> None:
@@ -207,7 +218,7 @@ class Runner:
         self._note(job, f"{reason}\n{trace}")
 
         def write() -> None:
-            with self._storage.transaction() as store:
+            with self._of(job).transaction() as store:
                 self._say_the_last(store, job)
                 claims.fail(store.session, job.id, self._worker, reason, failure)
 
@@ -222,7 +233,7 @@ class Runner:
         log.info("job %s cancelled", job.id)
 
         def write() -> None:
-            with self._storage.transaction() as store:
+            with self._of(job).transaction() as store:
                 self._say_the_last(store, job)
                 claims.end_cancelled(store.session, job.id, self._worker)
 
@@ -230,7 +241,7 @@ class Runner:
 
     def _note(self, job: JobRecord, text: str) -> None:
         def write() -> None:
-            with self._storage.transaction() as store:
+            with self._of(job).transaction() as store:
                 claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
 
         until_it_works(write)
@@ -239,8 +250,8 @@ class Runner:
         """Stop computing, take nothing more, and put back what was not finished in time."""
         self._leaving.set()
         self._one_at_a_time.acquire(timeout=patience_s)  # never released: no further job starts here
-        with self._storage.transaction() as store:
-            claims.release(store.session, self._worker)
+        with self._installation.session() as session:
+            claims.release(session, self._worker)
         shutil.rmtree(self._scratch, ignore_errors=True)
 
 

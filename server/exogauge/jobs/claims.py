@@ -10,6 +10,7 @@ database, and not in the memories of two processes. An ended job never changes; 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
@@ -17,7 +18,9 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
 from exogauge.errors import ExogaugeError
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import free
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
@@ -41,11 +44,6 @@ MEDIA_TYPES = {
 }
 
 
-def held_by_nobody() -> sa.ColumnElement[bool]:
-    """The job's worker holds no lease: it died, or left."""
-    return Job.worker.is_(None) | Job.worker.not_in(sa.select(WorkerLease.worker_id))
-
-
 def held_by(job_id: str, worker: str) -> sa.ColumnElement[bool]:
     """The job runs at this worker."""
     return sa.and_(Job.id == job_id, Job.state == "running", Job.worker == worker)
@@ -59,20 +57,22 @@ def change(session: Session, guard: sa.ColumnElement[bool], values: Mapping[str,
 
 
 def claim(session: Session, job_id: str, worker: str) -> JobRecord | None:
-    """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt."""
-    free = (Job.state == "queued") | ((Job.state == "running") & (held_by_nobody() | (Job.worker == worker)))
+    """Take a job that is queued, or that a dead worker (or this one, before) has left running; one more attempt, by the
+    code of this process."""
+    mine = (Job.state == "running") & (Job.worker == worker)
     alive = sa.exists().where(WorkerLease.worker_id == worker)
     taken = {
         "state": "running",
         "worker": worker,
         "attempts": Job.attempts + 1,
+        "code_version": code_version(),
         "progress": 0.0,
         "message": "",
         "stage": None,
         "steps": None,
         "started_at": sa.func.coalesce(Job.started_at, sa.literal(database_now(session), Job.started_at.type)),
     }
-    if not change(session, sa.and_(Job.id == job_id, free, alive), taken):
+    if not change(session, sa.and_(Job.id == job_id, free() | mine, alive), taken):
         return None
     row = session.scalars(sa.select(Job).where(Job.id == job_id).execution_options(populate_existing=True)).one()
     return as_record(JobRecord, row)
@@ -119,35 +119,39 @@ def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
     return change(session, held_by(job_id, worker), ended) == 1
 
 
-def succeed(session: Session, job: JobRecord, worker: str, lab_id: str, files: Sequence[PinnedFile]) -> bool:
-    """End the job with these files, already in the blob store: all rows appear, once, or none does."""
+def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[PinnedFile]) -> bool:
+    """End the job with these files, already in the blob store: all rows appear in its lab, once, or none does.
+
+    What other code than the one asked has made stays to be seen, but an equal request is not answered with it.
+    """
     wanted = recipe_for(job.kind).result
     main = next((file for file in files if file.path == wanted), None)
     if main is None:
         raise ExogaugeError(f"the computation made no {wanted}")
     ended = {"state": "succeeded", "progress": 1.0, "message": "", "stage": None, "finished_at": database_now(session)}
+    if job.code_version != job.requested_code_version:
+        ended["request_hash"] = hashlib.sha256(f"{job.request_hash} {job.code_version} {job.id}".encode()).hexdigest()
     if not change(session, held_by(job.id, worker), ended):
         return False
-    ours = {"lab_id": lab_id, "job_id": job.id}
+    ours = {"lab_id": job.lab_id, "job_id": job.id}
     session.add(Result(study_id=job.study_id, payload_id=job.payload_id, sha256=main.sha256, size=main.size, **ours))
     for file in files:
         kind = media_type(file.path)
         session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))
-    Lab(session, lab_id).audit("succeed", "job", job.id, after=main.sha256)
+    Lab(session, job.lab_id).audit("succeed", "job", job.id, after=main.sha256)
     return True
 
 
 def release(session: Session, worker: str) -> int:
     """Put back what runs here: the worker leaves of its own will, so this was no attempt."""
-    nothing = {"worker": None, "progress": 0.0, "message": "", "stage": None, "steps": None}
+    nothing = {"worker": None, "code_version": None, "progress": 0.0, "message": "", "stage": None, "steps": None}
     back = {"state": "queued", "attempts": Job.attempts - 1, **nothing}
     return change(session, sa.and_(Job.state == "running", Job.worker == worker), back)
 
 
 def unattended(session: Session) -> list[str]:
     """Jobs that need an entry in the queue: queued ones, and running ones whose worker is gone."""
-    needing = (Job.state == "queued") | ((Job.state == "running") & held_by_nobody())
-    return list(session.scalars(sa.select(Job.id).where(needing)))
+    return list(session.scalars(sa.select(Job.id).where(free())))
 
 
 def media_type(name: str) -> str:

@@ -1,4 +1,5 @@
-"""Which code computes: the release and a hash of its source, so that a changed program never hands out old results."""
+"""Which code a process runs: the release and a hash of its source, so that a changed program never hands out old
+results. A server and a worker may differ while an installation is upgraded; a job names both."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 """The queue: DBOS Transact, kept behind the four names the rest of the program needs.
 
 A job is one row of ours (`jobs`, what users see) and one *entry* in the queue (a DBOS workflow whose id begins with
-the job's id). Both are written in one transaction. The row alone decides what is true: an entry only says "look at
-this job", so a second entry for the same job does no harm and a lost one is written again by the reaper.
+the job's id). Both are written in one transaction. The row alone decides what is true: an entry only says "there is one
+more job to look for", and whoever takes it takes the job whose turn it is (`jobs.turns`). A second entry for the same
+job does no harm and a lost one is written again by the reaper.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Entry:
 
     @property
     def job(self) -> str:
-        """The job it points at."""
+        """The job it was written for."""
         return self.id.partition(".")[0]
 
 
@@ -96,11 +97,11 @@ class JobQueue:
         self._client.destroy()
 
 
-def take_jobs(database_url: str, worker_id: str, run: Callable[[str], None]) -> None:
-    """Begin to take entries and call `run(job_id)`, one at a time, in a thread of the engine."""
+def take_jobs(database_url: str, worker_id: str, run: Callable[[], None]) -> None:
+    """Begin to take entries and call `run()` for each, one at a time, in a thread of the engine."""
 
-    def run_job(job_id: str) -> None:
-        run(job_id)
+    def run_job(_job_id: str) -> None:
+        run()
 
     DBOS(
         config={

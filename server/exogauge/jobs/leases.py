@@ -137,7 +137,7 @@ class Reaper:
                 log.warning("worker %s did not answer for %.0f s; its work goes to another", worker, self._ttl_s)
 
     def _give_again(self) -> None:
-        """Entries of dead workers are dropped; jobs without an entry get one.
+        """Entries of dead workers are dropped; there are as many waiting entries as jobs that wait.
 
         Leases are read after the entries: a worker takes its lease before its first entry, so none is misjudged.
         """
@@ -149,12 +149,12 @@ class Reaper:
         live = self._live()
         stranded = [entry for entry in entries if entry.taken_by is not None and entry.taken_by not in live]
         self._queue.drop(stranded)
-        usable = {entry.job for entry in entries if entry not in stranded}
-        for job in waiting:
-            if job not in usable:
-                log.warning("job %s gets a new place in the queue", job)
-                with Session(self._engine) as session, session.begin():
-                    self._queue.enqueue(session, job)
+        usable = [entry.job for entry in entries if entry.taken_by is None]
+        without = [job for job in waiting if job not in usable]
+        for job in without[: max(len(waiting) - len(usable), 0)]:
+            log.warning("job %s gets a new entry in the queue", job)
+            with Session(self._engine) as session, session.begin():
+                self._queue.enqueue(session, job)
 
     def _live(self) -> set[str]:
         with Session(self._engine) as session, session.begin():

@@ -16,9 +16,11 @@ from exogauge.jobs.claims import change
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
+from exogauge.jobs.turns import attended, in_turn
 from exogauge.storage.database import database_now
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab
+from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Store
 from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease
 
@@ -46,7 +48,7 @@ def submit(
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
-        common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "code_version": code_version()}
+        common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "requested_code_version": code_version()}
         return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")
@@ -86,18 +88,21 @@ class Place:
 
 
 def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
-    """Job id -> its place, of those that are queued. Two statements, however many they are."""
+    """Job id -> its place among those of all labs, as workers take them, of those that are queued. Two statements,
+    however many they are."""
     wanted = [job.id for job in jobs if job.state == "queued"]
     if not wanted:
         return {}
-    before = sa.func.row_number().over(order_by=(Job.created_at, Job.id)) - 1
-    queue = sa.select(Job.id, before.label("ahead")).where(Job.state == "queued").subquery()
-    ahead = session.execute(sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(wanted))).all()
+    queue = in_turn()
+    ahead = session.execute(
+        sa.select(queue.c.id, queue.c.ahead).where(queue.c.id.in_(wanted)), execution_options=OF_ALL_LABS
+    ).all()
     workers, running = session.execute(
         sa.select(
             sa.select(sa.func.count()).select_from(WorkerLease).scalar_subquery(),
-            sa.select(sa.func.count()).select_from(Job).where(Job.state == "running").scalar_subquery(),
-        )
+            sa.select(sa.func.count()).select_from(Job).where(attended()).scalar_subquery(),
+        ),
+        execution_options=OF_ALL_LABS,
     ).one()
     return {key: Place(count, in_words(count, running, workers)) for key, count in ahead}
 

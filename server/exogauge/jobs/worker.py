@@ -8,12 +8,13 @@ import signal
 import threading
 
 from exogauge.jobs.attempt import Runner
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue, take_jobs
 from exogauge.jobs.leases import Lease, Reaper, new_worker_id
 from exogauge.jobs.supervisor import leave_with_parent
 from exogauge.settings import Settings
 from exogauge.storage import migrate
-from exogauge.storage.store import open_storage
+from exogauge.storage.store import open_installation
 
 log = logging.getLogger(__name__)
 
@@ -26,12 +27,13 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
     The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
     """
     migrate.at_newest_or_raise(migrate.current(settings.database_url))
-    storage = open_storage(settings)
+    installation = open_installation(settings)
     worker_id = new_worker_id()
     folder = settings.data_dir / "work" / worker_id
-    lease = Lease(storage.engine, worker_id, lease_s)
-    runner = Runner(storage, worker_id, folder)
-    reaper = Reaper(storage.engine, JobQueue(storage.engine), lease_s, folder.parent)
+    log.info("worker %s computes by %s", worker_id, code_version())  # as it is now, whatever is installed later
+    lease = Lease(installation.engine, worker_id, lease_s)
+    runner = Runner(installation, worker_id, folder)
+    reaper = Reaper(installation.engine, JobQueue(installation.engine), lease_s, folder.parent)
     leaving = threading.Event()
 
     def lost() -> None:

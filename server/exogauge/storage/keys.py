@@ -1,46 +1,33 @@
-"""Idempotency keys: which POST a key was used for, and what was answered."""
+"""Idempotency keys: which POST of a lab a key was used for, and what was answered.
+
+A key in flight is a lease: a row with an end, on the database's clock, that the request which serves it puts off while
+it is served. So of all processes on one database one answers, and a key whose process was killed is free soon after.
+"""
 
 from __future__ import annotations
 
-import os
-import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any, final
-from uuid import uuid4
 
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError
 
+from exogauge.storage.database import database_now
 from exogauge.storage.rows import Lab
-from exogauge.storage.tables import IdempotencyKey, utc_now
+from exogauge.storage.tables import IdempotencyKey, new_id
 
 KEPT = timedelta(days=1)
-STALE = timedelta(hours=1)
-BOOT = uuid4().hex
 
 
-def owner() -> str:
-    """This process, so that another can tell whether it still lives."""
-    return f"{socket.gethostname()}/{os.getpid()}/{BOOT}"
+@final
+@dataclass(frozen=True)
+class Held:
+    """The key is this request's; owner: what proves it."""
 
-
-def owner_is_gone(text: str) -> bool:
-    """True when the owner was a process of this machine that runs no more, or this one (which asks only for keys
-    that it is not serving)."""
-    host, pid, _boot = text.split("/")
-    if host != socket.gethostname():
-        return False
-    if int(pid) == os.getpid():
-        return True
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return True
-    except PermissionError:
-        return False
-    return False
+    key: str
+    owner: str
 
 
 @final
@@ -57,49 +44,41 @@ class UsedKey:
 class Keys:
     lab: Lab
 
-    def reserve(self, key: str) -> UsedKey | None:
-        """Take the key for a new request (None), or say what it was used for. Keys are forgotten after a day.
-
-        Not to be called for a key that this process is serving at the moment.
-        """
-        self._forget()
+    def reserve(self, key: str, lease: timedelta) -> Held | UsedKey:
+        """Hold the key for a new request, or say what it was used for; a unique constraint decides any race."""
+        now, held = database_now(self.lab.session), Held(key, new_id())
+        self._forget(IdempotencyKey.expires_at <= now)
         try:
             with self.lab.session.begin_nested():
-                self.lab.session.add(IdempotencyKey(lab_id=self.lab.lab_id, key=key, owner=owner()))
+                row = IdempotencyKey(lab_id=self.lab.lab_id, key=key, owner=held.owner, expires_at=now + lease)
+                self.lab.session.add(row)
         except IntegrityError:
-            row = self.lab.session.scalars(self._select(key)).first()
-            if row is None:
-                return UsedKey(None, None)  # just released by another request: in flight, as far as we know
-            if row.answer is None and owner_is_gone(row.owner):
-                return None if self._take_over(key, row.owner) else UsedKey(None, None)
-            return UsedKey(row.request_hash, row.answer)
-        return None
+            found = self.lab.session.scalars(self.lab.select(IdempotencyKey).where(IdempotencyKey.key == key)).first()
+            # gone: just released by another request; in flight, as far as we know
+            return UsedKey(None, None) if found is None else UsedKey(found.request_hash, found.answer)
+        return held
 
-    def answer(self, key: str, request_hash: str, answer: Mapping[str, Any]) -> None:
-        """Keep the answer of a finished request."""
-        mine = sa.update(IdempotencyKey).where(*self._mine(key))
-        self.lab.session.execute(mine.values(request_hash=request_hash, answer=dict(answer)))
+    def hold_on(self, held: Held, lease: timedelta) -> bool:
+        """Put the end of the lease off; False where it is another's by now."""
+        return self._change(held, expires_at=database_now(self.lab.session) + lease)
 
-    def release(self, key: str) -> None:
+    def answer(self, held: Held, request_hash: str, answer: Mapping[str, Any]) -> bool:
+        """Keep the answer of a finished request; False where the key is another's by now."""
+        until = database_now(self.lab.session) + KEPT
+        return self._change(held, request_hash=request_hash, answer=dict(answer), expires_at=until)
+
+    def release(self, held: Held) -> None:
         """Forget a request that had no final answer, so that it can be tried again."""
-        self.lab.session.execute(sa.delete(IdempotencyKey).where(*self._mine(key)))
+        self._forget(*self._of(held))
 
-    def _take_over(self, key: str, from_owner: str) -> bool:
-        statement = sa.update(IdempotencyKey).where(
-            IdempotencyKey.lab_id == self.lab.lab_id, IdempotencyKey.key == key, IdempotencyKey.owner == from_owner
-        )
-        done: Any = self.lab.session.execute(statement.values(owner=owner(), created_at=utc_now()))
+    def _change(self, held: Held, **values: Any) -> bool:
+        done: Any = self.lab.session.execute(sa.update(IdempotencyKey).where(*self._of(held)).values(**values))
         return bool(done.rowcount == 1)
 
-    def _mine(self, key: str) -> tuple[sa.ColumnElement[bool], ...]:
+    def _forget(self, *which: sa.ColumnElement[bool]) -> None:
+        self.lab.session.execute(sa.delete(IdempotencyKey).where(IdempotencyKey.lab_id == self.lab.lab_id, *which))
+
+    def _of(self, held: Held) -> tuple[sa.ColumnElement[bool], ...]:
         table = IdempotencyKey
-        return table.lab_id == self.lab.lab_id, table.key == key, table.owner == owner(), table.answer.is_(None)
-
-    def _select(self, key: str) -> sa.Select[Any]:
-        return self.lab.select(IdempotencyKey).where(IdempotencyKey.key == key)
-
-    def _forget(self) -> None:
-        now, table = utc_now(), IdempotencyKey
-        abandoned = sa.and_(table.answer.is_(None), table.created_at < now - STALE)
-        old = sa.or_(table.created_at < now - KEPT, abandoned)
-        self.lab.session.execute(sa.delete(table).where(table.lab_id == self.lab.lab_id, old))
+        mine = table.lab_id == self.lab.lab_id, table.key == held.key, table.owner == held.owner
+        return (*mine, table.answer.is_(None))

@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import Any, Literal, cast, final
 
 import sqlalchemy as sa
+from sqlalchemy.orm import Session
 
 from exogauge.storage import tables
 from exogauge.storage.database import database_now
@@ -84,3 +85,8 @@ class LiveStreams:
         statement = sa.update(LiveStream).where(*mine).values(**values)
         done = self.lab.session.execute(statement, execution_options={"synchronize_session": False})
         return cast("sa.CursorResult[Any]", done).rowcount == 1
+
+
+def lab_of_stream(session: Session, key: str) -> str | None:
+    """Whose it is; None where there is none. For what a server finds on its own disk, not for what a request names."""
+    return session.scalar(sa.select(LiveStream.lab_id).where(LiveStream.id == key))

@@ -106,16 +106,19 @@ class JobRecord:
 
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
-    log: the last lines of what the worker said."""
+    log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs.
+    requested_code_version: of the server that took the request; code_version: of the worker that took the job."""
 
     id: str
+    lab_id: str
     created_at: datetime
     kind: str
     study_id: str | None
     payload_id: str | None
     request_hash: str
     settings: Mapping[str, Any]
-    code_version: str
+    requested_code_version: str
+    code_version: str | None
     state: str
     progress: float
     message: str

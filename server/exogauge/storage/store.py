@@ -1,6 +1,7 @@
 """The store: everything that is kept, by noun, inside one transaction.
 
-    storage = open_storage(settings)
+    installation = open_installation(settings)
+    storage = installation.of_lab(lab_id)
     with storage.transaction() as store:        # commits at the end, rolls back on any error
         study = store.studies.get(study_id)
     with storage.reading() as store: ...        # never waits for the writer; must not write
@@ -33,6 +34,7 @@ from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
+from exogauge.storage.scope import LabSession
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
 
@@ -41,7 +43,7 @@ from exogauge.storage.uploads import Uploads
 class Store:
     """One lab's things inside one transaction (`session`), and the blobs beside them."""
 
-    def __init__(self, session: Session, blobs: BlobStore, lab_id: str = "local") -> None:
+    def __init__(self, session: Session, blobs: BlobStore, lab_id: str) -> None:
         lab = Lab(session, lab_id)
         self.session = session
         self.blobs = blobs
@@ -64,36 +66,59 @@ class Store:
             raise NotFound(f"job {job.id} is of a payload, not of a study")
         return self.studies.get(job.study_id)
 
-    def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
-        """How many workers have given a sign of life on the database's clock."""
-        since = database_now(self.session) - within
-        alive = sa.select(sa.func.count()).select_from(WorkerLease).where(WorkerLease.beat_at >= since)
-        return self.session.scalar(alive) or 0
-
 
 @final
 @dataclass(frozen=True)
 class Storage:
-    """The open database and blob store of one process; safe to share between its threads."""
+    """What one lab has of an installation; safe to share between threads, and cheap to make."""
 
     engine: Engine
     blobs: BlobStore
-    lab_id: str = "local"
+    lab_id: str
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
-        with serving("answer"), Session(self.engine) as session, session.begin():
+        with serving("answer"), LabSession(self.engine, self.lab_id) as session, session.begin():
             yield Store(session, self.blobs, self.lab_id)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
-        with serving("answer"), Session(self.engine) as session:
+        with serving("answer"), LabSession(self.engine, self.lab_id) as session:
             session.connection(execution_options=READONLY)
             yield Store(session, self.blobs, self.lab_id)
+
+
+@final
+@dataclass(frozen=True)
+class Installation:
+    """The open database and blob store of one process, of all labs; safe to share between its threads.
+
+    Whoever serves a request or a job asks for its lab's storage: this one has no lab of its own.
+    """
+
+    engine: Engine
+    blobs: BlobStore
+
+    def of_lab(self, lab_id: str) -> Storage:
+        return Storage(self.engine, self.blobs, lab_id)
+
+    @contextmanager
+    def session(self) -> Iterator[Session]:
+        """One transaction that sees all labs: for the queue, for sweeping, and for nothing that a request names."""
+        with serving("answer"), Session(self.engine) as session, session.begin():
+            yield session
+
+    def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
+        """How many workers have given a sign of life on the database's clock; they serve all labs."""
+        with serving("answer"), Session(self.engine) as session:
+            session.connection(execution_options=READONLY)
+            since = database_now(session) - within
+            alive = sa.select(sa.func.count()).select_from(WorkerLease).where(WorkerLease.beat_at >= since)
+            return session.scalar(alive) or 0
 
     def close(self) -> None:
         self.engine.dispose()
 
 
-def open_storage(settings: Settings) -> Storage:
-    return Storage(make_engine(settings.database_url), FolderBlobs(settings.blobs), settings.lab)
+def open_installation(settings: Settings) -> Installation:
+    return Installation(make_engine(settings.database_url), FolderBlobs(settings.blobs))

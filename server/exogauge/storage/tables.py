@@ -41,7 +41,7 @@ class Owned:
     """Columns of every row that belongs to a lab."""
 
     id: Mapped[str] = mapped_column(UUID, primary_key=True, default=new_id)
-    lab_id: Mapped[str] = mapped_column(sa.String(64), default="local")
+    lab_id: Mapped[str] = mapped_column(sa.String(64))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
@@ -54,14 +54,14 @@ class Named(Owned):
     words: Mapped[str] = mapped_column(sa.Text, server_default=sa.text("''"))
 
 
-def owned_by(table: str) -> Mapped[str]:
-    """A key into `table`; the row goes when its owner goes."""
-    return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
+def referred() -> sa.UniqueConstraint:
+    """What rows of the same lab may refer to, with `within_lab`."""
+    return sa.UniqueConstraint("lab_id", "id")
 
 
-def of_one(table: str) -> Mapped[str | None]:
-    """The same, of a row that has one of several owners."""
-    return mapped_column(UUID, sa.ForeignKey(f"{table}.id", ondelete="CASCADE"), index=True)
+def within_lab(column: str, table: str, ondelete: str | None = "CASCADE") -> sa.ForeignKeyConstraint:
+    """The row that `column` names is one of `table`, of the same lab; the row goes when that one goes."""
+    return sa.ForeignKeyConstraint(["lab_id", column], [f"{table}.lab_id", f"{table}.id"], ondelete=ondelete)
 
 
 @final
@@ -70,6 +70,7 @@ class Robot(Named, Base):
 
     __tablename__ = "robots"
     __table_args__ = (
+        referred(),
         sa.UniqueConstraint("lab_id", "name", "version"),
         sa.UniqueConstraint("lab_id", "name", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
@@ -82,8 +83,11 @@ class RobotFile(Owned, Base):
     """One file of a robot bundle."""
 
     __tablename__ = "robot_files"
-    __table_args__ = (sa.UniqueConstraint("robot_id", "path"),)
-    robot_id: Mapped[str] = owned_by("robots")
+    __table_args__ = (
+        sa.UniqueConstraint("robot_id", "path"),
+        within_lab("robot_id", "robots"),
+    )
+    robot_id: Mapped[str] = mapped_column(UUID, index=True)
     path: Mapped[str] = mapped_column(PATH)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
@@ -98,12 +102,14 @@ class Device(Named, Base):
 
     __tablename__ = "devices"
     __table_args__ = (
+        within_lab("robot_id", "robots", None),
+        referred(),
         sa.UniqueConstraint("lab_id", "name", "version"),
         sa.UniqueConstraint("lab_id", "name", "robot_id", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
     version: Mapped[int]
-    robot_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("robots.id"), index=True)
+    robot_id: Mapped[str] = mapped_column(UUID, index=True)
 
 
 @final
@@ -111,8 +117,11 @@ class DeviceFile(Owned, Base):
     """One file of a device bundle: device.yaml, bench tests."""
 
     __tablename__ = "device_files"
-    __table_args__ = (sa.UniqueConstraint("device_id", "path"),)
-    device_id: Mapped[str] = owned_by("devices")
+    __table_args__ = (
+        sa.UniqueConstraint("device_id", "path"),
+        within_lab("device_id", "devices"),
+    )
+    device_id: Mapped[str] = mapped_column(UUID, index=True)
     path: Mapped[str] = mapped_column(PATH)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
@@ -141,6 +150,7 @@ class Study(Named, Base):
 
     __tablename__ = "studies"
     __table_args__ = (
+        referred(),
         sa.UniqueConstraint("lab_id", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
@@ -151,8 +161,11 @@ class StudyFile(Owned, Base):
     """One pinned file of a study: study.yaml, the robot bundle, logs, mappings, device."""
 
     __tablename__ = "study_files"
-    __table_args__ = (sa.UniqueConstraint("study_id", "path"),)
-    study_id: Mapped[str] = owned_by("studies")
+    __table_args__ = (
+        sa.UniqueConstraint("study_id", "path"),
+        within_lab("study_id", "studies"),
+    )
+    study_id: Mapped[str] = mapped_column(UUID, index=True)
     path: Mapped[str] = mapped_column(PATH)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
@@ -164,6 +177,7 @@ class Payload(Named, Base):
 
     __tablename__ = "payloads"
     __table_args__ = (
+        referred(),
         sa.UniqueConstraint("lab_id", "name", "version"),
         sa.UniqueConstraint("lab_id", "name", "content_hash"),
         sa.Index(None, "lab_id", "created_at", "id"),
@@ -176,8 +190,11 @@ class PayloadFile(Owned, Base):
     """One file of a payload: payload.yaml, the URDF, logs."""
 
     __tablename__ = "payload_files"
-    __table_args__ = (sa.UniqueConstraint("payload_id", "path"),)
-    payload_id: Mapped[str] = owned_by("payloads")
+    __table_args__ = (
+        sa.UniqueConstraint("payload_id", "path"),
+        within_lab("payload_id", "payloads"),
+    )
+    payload_id: Mapped[str] = mapped_column(UUID, index=True)
     path: Mapped[str] = mapped_column(PATH)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
@@ -187,19 +204,21 @@ class PayloadFile(Owned, Base):
 class LiveStream(Owned, Base):
     """What arrived live from the sensor of a payload.
 
-    job_id: whose results compensated it. samples: taken; dropped: refused or never arrived; late: taken, behind their
-    time. last_sequence: number of the last sample taken, None before the first. sha256, size: of the raw stream, kept
-    as a blob, None while it is open.
+    job_id: whose results compensated it, and stay as long as it does. samples: taken; dropped: refused or never
+    arrived; late: taken, behind their time. last_sequence: number of the last sample taken, None before the first.
+    sha256, size: of the raw stream, kept as a blob, None while it is open.
     """
 
     __tablename__ = "live_streams"
     __table_args__ = (
+        within_lab("payload_id", "payloads"),
+        within_lab("job_id", "jobs", None),
         sa.CheckConstraint(one_of("state", STREAM_STATES), name="state"),
         sa.CheckConstraint("samples >= 0 AND dropped >= 0 AND late >= 0", name="counts"),
         sa.Index(None, "lab_id", "created_at", "id"),
     )
-    payload_id: Mapped[str] = owned_by("payloads")
-    job_id: Mapped[str | None] = mapped_column(UUID, sa.ForeignKey("jobs.id", ondelete="SET NULL"), index=True)
+    payload_id: Mapped[str] = mapped_column(UUID, index=True)
+    job_id: Mapped[str | None] = mapped_column(UUID, index=True)
     state: Mapped[str] = mapped_column(sa.String(16), default="open")
     started_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
@@ -218,6 +237,8 @@ class Job(Owned, Base):
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
+    requested_code_version: of the server that took the request; code_version: of the worker that took the job, None
+    while none has.
     failure: {class, faults, defect} of the error that ended it; defect: not what was handed in is to blame.
     stage: what an evaluation is at (`exogauge.progress.Stage`).
     steps: what the present attempt has done, {message, progress, stage, at}, in order.
@@ -225,6 +246,9 @@ class Job(Owned, Base):
 
     __tablename__ = "jobs"
     __table_args__ = (
+        within_lab("study_id", "studies"),
+        within_lab("payload_id", "payloads"),
+        referred(),
         sa.CheckConstraint(one_of("state", STATES), name="state"),
         sa.CheckConstraint("progress >= 0 AND progress <= 1", name="progress"),
         sa.CheckConstraint(ONE_OWNER, name="one_owner"),
@@ -237,14 +261,16 @@ class Job(Owned, Base):
             postgresql_where=sa.text(one_of("state", LIVE_STATES)),
         ),
         sa.Index(None, "lab_id", "created_at", "id"),
+        sa.Index(None, "lab_id", "started_at"),
         sa.Index(None, "state"),
     )
     kind: Mapped[str] = mapped_column(sa.String(64))
-    study_id: Mapped[str | None] = of_one("studies")
-    payload_id: Mapped[str | None] = of_one("payloads")
+    study_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    payload_id: Mapped[str | None] = mapped_column(UUID, index=True)
     request_hash: Mapped[str] = mapped_column(SHA256)
     settings: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
-    code_version: Mapped[str] = mapped_column(sa.String(64), default="")
+    requested_code_version: Mapped[str] = mapped_column(sa.String(64), default="")
+    code_version: Mapped[str | None] = mapped_column(sa.String(64))
     state: Mapped[str] = mapped_column(sa.String(16), default="queued")
     progress: Mapped[float] = mapped_column(FiniteFloat, default=0.0)
     message: Mapped[str] = mapped_column(sa.Text, default="")
@@ -266,10 +292,16 @@ class Result(Owned, Base):
     """results.json of a job, or its plan; at most one per job, of what the job is of."""
 
     __tablename__ = "results"
-    __table_args__ = (sa.UniqueConstraint("job_id"), sa.CheckConstraint(ONE_OWNER, name="one_owner"))
-    job_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("jobs.id", ondelete="CASCADE"))
-    study_id: Mapped[str | None] = of_one("studies")
-    payload_id: Mapped[str | None] = of_one("payloads")
+    __table_args__ = (
+        sa.UniqueConstraint("job_id"),
+        sa.CheckConstraint(ONE_OWNER, name="one_owner"),
+        within_lab("job_id", "jobs"),
+        within_lab("study_id", "studies"),
+        within_lab("payload_id", "payloads"),
+    )
+    job_id: Mapped[str] = mapped_column(UUID)
+    study_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    payload_id: Mapped[str | None] = mapped_column(UUID, index=True)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
 
@@ -279,8 +311,11 @@ class Artifact(Owned, Base):
     """A file that a job made; name is its path below the job's output folder."""
 
     __tablename__ = "artifacts"
-    __table_args__ = (sa.UniqueConstraint("job_id", "name"),)
-    job_id: Mapped[str] = owned_by("jobs")
+    __table_args__ = (
+        sa.UniqueConstraint("job_id", "name"),
+        within_lab("job_id", "jobs"),
+    )
+    job_id: Mapped[str] = mapped_column(UUID, index=True)
     name: Mapped[str] = mapped_column(PATH)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
@@ -303,8 +338,11 @@ class RobotMapping(Owned, Base):
     """How the logs of a robot are read, remembered from the last import. content: as in mapping.yaml."""
 
     __tablename__ = "robot_mappings"
-    __table_args__ = (sa.UniqueConstraint("robot_id"),)
-    robot_id: Mapped[str] = mapped_column(UUID, sa.ForeignKey("robots.id", ondelete="CASCADE"))
+    __table_args__ = (
+        sa.UniqueConstraint("robot_id"),
+        within_lab("robot_id", "robots"),
+    )
+    robot_id: Mapped[str] = mapped_column(UUID)
     content: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
     content_hash: Mapped[str] = mapped_column(SHA256)
     changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
@@ -312,12 +350,14 @@ class RobotMapping(Owned, Base):
 
 @final
 class IdempotencyKey(Owned, Base):
-    """A POST that was made with a key. answer: None while it is in flight; owner: the process that serves it."""
+    """A POST that was made with a key. answer: None while it is in flight; owner: the one request that serves it.
+    expires_at: on the database's clock; of one in flight, until when it is held, and of an answer, is kept."""
 
     __tablename__ = "idempotency_keys"
-    __table_args__ = (sa.UniqueConstraint("lab_id", "key"),)
+    __table_args__ = (sa.UniqueConstraint("lab_id", "key"), sa.Index(None, "lab_id", "expires_at"))
     key: Mapped[str] = mapped_column(sa.String(255))
-    owner: Mapped[str] = mapped_column(sa.String(300))
+    owner: Mapped[str] = mapped_column(UUID)
+    expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
     request_hash: Mapped[str | None] = mapped_column(SHA256)
     answer: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
 

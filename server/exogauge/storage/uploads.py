@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import final
 
 import sqlalchemy as sa
+from sqlalchemy.orm import Session
 
 from exogauge.errors import NotFound
 from exogauge.storage import tables
@@ -41,10 +42,11 @@ class Uploads:
     def delete(self, key: str) -> None:
         self.lab.session.execute(sa.delete(Upload).where(*self._mine(key)))
 
-    def expired(self) -> list[str]:
-        """Ids of those whose time has run out, of this lab."""
-        query = sa.select(Upload.id).where(Upload.lab_id == self.lab.lab_id, Upload.expires_at <= utc_now())
-        return list(self.lab.session.scalars(query))
-
     def _mine(self, key: str) -> tuple[sa.ColumnElement[bool], ...]:
         return tables.Upload.lab_id == self.lab.lab_id, tables.Upload.id == key
+
+
+def take_expired(session: Session) -> list[str]:
+    """Forget those whose time has run out, of all labs, and return their ids."""
+    gone = sa.delete(Upload).where(Upload.expires_at <= utc_now()).returning(Upload.id)
+    return list(session.scalars(gone, execution_options={"synchronize_session": False}))

@@ -138,9 +138,11 @@ function Facts({ study, job, results }: Required<Omit<Props, "results" | "job">>
     ["Job", <Code key="c">{job.id}</Code>],
     ["Asked for", <>{KINDS[job.kind] ?? job.kind}, <When at={job.created_at} /></>],
     ["Study", <Code key="c">{study.content_hash.slice(0, 16)}…</Code>],
-    ["Code", <Code key="c">{job.code_version}</Code>],
+    ["Code", <Code key="c">{job.code_version ?? "no worker has taken it yet"}</Code>],
     ["Settings", settings.length ? settings.map(([key, value]) => `${key}: ${Array.isArray(value) ? value.join(", ") : String(value)}`).join("; ") : "none"],
   ];
+  if (job.code_version && job.code_version !== job.requested_code_version)
+    facts.push(["Asked of other code", <Code key="c">{job.requested_code_version}</Code>]);
   if (results) facts.push(["Software", Object.entries(results.software).map((each) => each.join(" ")).join(", ")]);
   return (
     <section aria-labelledby="made">

@@ -1,0 +1,47 @@
+"""A database session of one lab: what is found, changed and added in it is that lab's, even where a query forgets to
+say so. What has to see all labs (the queue) says that, with `OF_ALL_LABS` or in a session of no lab."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+from sqlalchemy import event
+from sqlalchemy.engine import Engine
+from sqlalchemy.orm import ORMExecuteState, Session, with_loader_criteria
+
+from exogauge.storage.tables import Owned
+
+OF_ALL_LABS = {"of_all_labs": True}
+
+
+@final
+class LabSession(Session):
+    """Closed as any session; the queue's own statements pass as they are."""
+
+    def __init__(self, engine: Engine, lab_id: str) -> None:
+        super().__init__(engine)
+        self.lab_id = lab_id
+
+
+@event.listens_for(LabSession, "do_orm_execute")
+def look_within_lab(state: ORMExecuteState) -> None:
+    if not state.is_orm_statement or state.execution_options.get("of_all_labs"):
+        return
+    lab_id = lab_of(state.session)
+    mine = with_loader_criteria(Owned, lambda table: table.lab_id == lab_id, include_aliases=True)
+    state.statement = state.statement.options(mine)
+
+
+@event.listens_for(LabSession, "before_flush")
+def add_within_lab(session: Session, *_: Any) -> None:
+    lab_id = lab_of(session)
+    for row in session.new:
+        if isinstance(row, Owned):
+            if row.lab_id not in (None, lab_id):
+                raise ValueError(f"a row of lab {row.lab_id!a} in a session of lab {lab_id!a}")
+            row.lab_id = lab_id
+
+
+def lab_of(session: Session) -> str:
+    assert isinstance(session, LabSession)
+    return session.lab_id

@@ -1,0 +1,105 @@
+"""Every reference of a lab's row is to a row of the same lab: by the tables of the code, as the database has them after
+the migrations, and as it acts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from itertools import count
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+from sqlalchemy.exc import IntegrityError
+
+from exogauge.storage.database import UtcDateTime
+from exogauge.storage.store import Storage
+from exogauge.storage.tables import Base
+
+TABLES = Base.metadata.sorted_tables
+OWNED = [table for table in TABLES if "lab_id" in table.columns]
+KEYS = sorted(
+    ((table, key) for table in OWNED for key in table.foreign_key_constraints), key=lambda each: str(each[1].name)
+)
+ONE_OF_TWO = ("jobs", "results")  # of a study or of a payload: here of a study, unless the payload is what is tried
+NUMBERS = count(1)
+
+
+def names(key: sa.ForeignKeyConstraint) -> str:
+    (column,) = set(key.column_keys) - {"lab_id"}
+    return column
+
+
+def test_every_key_between_rows_of_labs_holds_the_lab_in_the_code() -> None:
+    assert len(KEYS) >= 14
+    for table, key in KEYS:
+        assert key.referred_table in OWNED
+        pairs = {element.parent.name: element.column.name for element in key.elements}
+        assert pairs == {"lab_id": "lab_id", names(key): "id"}, table.name
+
+
+def test_every_key_between_rows_of_labs_holds_the_lab_in_the_database(storage: Storage) -> None:
+    seen = sa.inspect(storage.engine)
+    found = 0
+    for table in OWNED:
+        for key in seen.get_foreign_keys(table.name):
+            found += 1
+            pairs = dict(zip(key["constrained_columns"], key["referred_columns"], strict=True))
+            assert pairs.pop("lab_id", None) == "lab_id", (table.name, key)
+            assert list(pairs.values()) == ["id"], (table.name, key)
+    assert found == len(KEYS)
+
+
+def test_a_column_that_names_a_row_is_a_key() -> None:
+    """One that was forgotten would not be found above."""
+    free = {"audit": {"subject_id"}, "worker_leases": {"worker_id"}}  # of whatever it is about; a worker's own name
+    for table in TABLES:
+        named = {column.name for column in table.columns if column.name.endswith("_id")} - {"lab_id"}
+        assert named - free.get(table.name, set()) == {names(key) for key in table.foreign_key_constraints}, table.name
+
+
+@pytest.mark.parametrize(("table", "key"), KEYS, ids=lambda each: each.name)
+def test_the_database_refuses_a_reference_into_another_lab(
+    storage: Storage, table: sa.Table, key: sa.ForeignKeyConstraint
+) -> None:
+    with storage.engine.begin() as connection:
+        north, south = (filled(connection, lab) for lab in ("north", "south"))
+        if table not in {each.referred_table for _, each in KEYS}:
+            connection.execute(sa.delete(table))  # some are one to one
+    right = row_of(table, "north", north, key)
+    for wrong in ({names(key): south[key.referred_table.name]}, {"lab_id": "south"}):
+        with pytest.raises(IntegrityError, match=r"(?i)foreign key"), storage.engine.begin() as connection:
+            connection.execute(sa.insert(table).values(right | wrong))
+    with storage.engine.begin() as connection:
+        connection.execute(sa.insert(table).values(right))  # nothing else of it was wrong
+
+
+def filled(connection: sa.Connection, lab: str) -> dict[str, str]:
+    """table -> the id of a row of the lab, in every table."""
+    made = dict[str, str]()
+    for table in OWNED:
+        row = row_of(table, lab, made)
+        connection.execute(sa.insert(table).values(row))
+        made[table.name] = row["id"]
+    return made
+
+
+def row_of(
+    table: sa.Table, lab: str, have: Mapping[str, str], tried: sa.ForeignKeyConstraint | None = None
+) -> dict[str, Any]:
+    """Values that the table takes: what it must have, and a reference by each key, of which `tried` is one."""
+    row = {column.name: value_of(column) for column in table.columns if not column.nullable and column.default is None}
+    row |= {"id": f"{next(NUMBERS):036}", "lab_id": lab}
+    row |= {names(key): have[key.referred_table.name] for key in table.foreign_key_constraints}
+    if table.name in ONE_OF_TWO:
+        row.pop("study_id" if tried is not None and names(tried) == "payload_id" else "payload_id")
+    return row
+
+
+def value_of(column: sa.Column[Any]) -> Any:
+    number = next(NUMBERS)
+    if isinstance(column.type, sa.JSON):
+        return {}
+    if isinstance(column.type, UtcDateTime):
+        return datetime.now(UTC)
+    return f"{number}" if isinstance(column.type, sa.String) else number
