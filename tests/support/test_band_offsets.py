@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.band_problem import Motion, Way
 
 from exogauge.support.band_doubt import SCATTER, TORQUE_ZERO, contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Fitted, Setting, at, fit, shared
 from exogauge.support.band_offsets import offsets
 from exogauge.support.band_rows import WearLog, WearLogs
-from tests.band_problem import Motion, Way
 
 NAMES = ["bend", "twist", "knee"]
 STIFFNESS, LENGTH, SIGMA, STD, LOGS, SAMPLES = 400.0, 0.55, 0.3, 1.5, 4, 300
@@ -126,19 +126,32 @@ def test_a_constant_on_one_joint_of_one_log_moves_the_stiffness_by_less_than_its
     std = std_of_stiffness(before, one)
     assert abs(other.wear.springs[0] - one.wear.springs[0]) < 0.5 * std
     blind = [fitted(without(each)).wear.springs[0] for each in (before, after)]
-    assert abs(blind[1] - blind[0]) > 2.0 * std
+    assert abs(blind[1] - blind[0]) > 1.5 * std
     assert TORQUE_ZERO in contributions(after, other, {})
 
 
-def test_intervals_hold_the_truth_where_every_log_has_a_zero_of_its_own():
-    """300 draws: 92 to 98 of a hundred with offsets, too few without."""
-    rng, z = np.random.default_rng(6), {True: [], False: []}
-    for _ in range(300):
-        setting = recorded(rng, STD * rng.normal(size=(LOGS, 3)), np.full(3, STD))
-        for known, each in ((True, setting), (False, without(setting))):
-            found = fitted(each)
-            z[known].append((found.wear.springs[0] - STIFFNESS) / std_of_stiffness(each, found))
-    held, before = (np.mean(np.abs(z[known]) < 1.96) for known in (True, False))
+def test_intervals_hold_the_truth_where_a_log_has_a_zero_of_its_own():
+    """400 draws of one log: 92 to 98 of a hundred with offsets, too few without."""
+    with_offsets, plain = deviations(400, 1)
+    held, before = (np.mean(np.abs(each[0]) < 1.96) for each in (with_offsets, plain))
     assert 0.92 <= held <= 0.98, held
-    assert before < 0.85, before
-    assert abs(np.mean(z[True])) < 3.0 / np.sqrt(len(z[True]))
+    assert before < 0.90, before
+
+
+def test_of_several_logs_offsets_leave_a_third_of_the_doubt_and_hold_the_truth():
+    """Without them the differing zeros are seen as scatter: an honest doubt of a poor estimate."""
+    with_offsets, plain = deviations(200, LOGS)
+    assert 0.92 <= np.mean(np.abs(with_offsets[0]) < 1.96) <= 0.98
+    assert np.mean(with_offsets[1]) < np.mean(plain[1]) / 3.0
+
+
+def deviations(draws: int, logs: int) -> list[np.ndarray]:
+    """(2, draws) each, with offsets and without: error of the stiffness over its std, and that std."""
+    rng, found = np.random.default_rng(6), ([], [])
+    for _ in range(draws):
+        setting = recorded(rng, STD * rng.normal(size=(logs, 3)), np.full(3, STD))
+        for kept, each in zip(found, (setting, without(setting)), strict=True):
+            by = fitted(each)
+            std = std_of_stiffness(each, by)
+            kept.append(((by.wear.springs[0] - STIFFNESS) / std, std))
+    return [np.array(each).T for each in found]

@@ -92,7 +92,8 @@ def folds_of(logs: WearLogs, criteria: Wearing) -> Folds:
 
 
 def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
-    """(N, D) [N·m] each sample by a fit that did not see it, but for its log's offset; NaN where it does not count or is never left out."""
+    """(N, D) [N·m] each sample by a fit that did not see it, less its log's offset; NaN where it does not count or is
+    never left out."""
     e = np.full(setting.weight.shape, np.nan)
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
