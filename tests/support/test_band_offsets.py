@@ -130,6 +130,7 @@ def test_a_constant_on_one_joint_of_one_log_moves_the_stiffness_by_less_than_its
     assert TORQUE_ZERO in contributions(after, other, {})
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_where_a_log_has_a_zero_of_its_own():
     """400 draws of one log: 92 to 98 of a hundred with offsets, too few without."""
     with_offsets, plain = deviations(400, 1)
@@ -138,6 +139,7 @@ def test_intervals_hold_the_truth_where_a_log_has_a_zero_of_its_own():
     assert before < 0.90, before
 
 
+@pytest.mark.slow
 def test_of_several_logs_offsets_leave_a_third_of_the_doubt_and_hold_the_truth():
     """Without them the differing zeros are seen as scatter: an honest doubt of a poor estimate."""
     with_offsets, plain = deviations(200, LOGS)

@@ -30,7 +30,8 @@ class Declaring:
     )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
     torque_zero: float = criterion(
-        0.2, "N·m", "of a joint's torque (N where it slides), another in each log: a current that reads .2 % of 100 N·m at none", judgement(OFFSETS),
+        0.2, "N·m", 
+        "of a joint's torque (N where it slides), another in each log: a current that reads .2 % of 100 N·m at none", judgement(OFFSETS),
     )  # fmt: skip
     via_points: float = criterion(0.005, "m", "of a coordinate measured by tape over cloth", judgement(USUAL))
     donning: float = criterion(
