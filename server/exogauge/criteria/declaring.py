@@ -30,9 +30,11 @@ class Declaring:
     )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
     torque_zero: float = criterion(
-        0.2, "N·m", 
-        "of a joint's torque (N where it slides), another in each log: a current that reads .2 % of 100 N·m at none", judgement(OFFSETS),
-    )  # fmt: skip
+        0.2,
+        "N·m",
+        "of a joint's torque (N where it slides), another in each log: a current that reads .2 % of 100 N·m at none",
+        judgement(OFFSETS),
+    )
     via_points: float = criterion(0.005, "m", "of a coordinate measured by tape over cloth", judgement(USUAL))
     donning: float = criterion(
         0.003, "m", "by which a band is longer in one log than in another, straps done up by hand", judgement(USUAL)

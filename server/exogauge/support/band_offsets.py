@@ -4,7 +4,7 @@
 
 over the samples of one log and joint, whose weights are w. With o integrated out, the information is
 Aᵀ w A - γ W m mᵀ, m the weighted mean of A's rows; the score is Aᵀ w (e - γ mean(e)). With s = 0 nothing is changed.
-The same as a column of ones per log and joint, each believed to be 0 ± s (Rasmussen and Williams 2006, 2.7).
+The same as a column of ones per log and joint, each believed to be 0 ± s.
 """
 
 from __future__ import annotations
