@@ -8,6 +8,7 @@ from typing import final
 from exogauge.criteria.criterion import criterion, judgement
 
 USUAL = "docs/decisions/0013-uncertainty-budget.md"
+OFFSETS = "docs/decisions/0015-offsets-of-logs.md"
 
 
 @final
@@ -28,6 +29,12 @@ class Declaring:
         0.01, "1", "torque per ampere of a motor that warms by 10 K: magnets lose .1 % per K", judgement(USUAL)
     )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
+    torque_zero: float = criterion(
+        0.2,
+        "N·m",
+        "of a joint's torque (N where it slides), another in each log: a current that reads .2 % of 100 N·m at none",
+        judgement(OFFSETS),
+    )
     via_points: float = criterion(0.005, "m", "of a coordinate measured by tape over cloth", judgement(USUAL))
     donning: float = criterion(
         0.003, "m", "by which a band is longer in one log than in another, straps done up by hand", judgement(USUAL)

@@ -104,6 +104,12 @@ class Robot:
         """Of its equations of motion."""
         return RowLayout.of(self.floating, len(self.joints), len(self.cuts))
 
+    @property
+    def torque_zero(self) -> Array:
+        """(J,) [N·m, N where it slides] standard uncertainty of a constant torque that is another in each log."""
+        declared = self.declared
+        return np.array([declared.torque_zero_of.get(joint.name, declared.torque_zero) for joint in self.joints])
+
     def phi_in(self, recording: str) -> Array:
         """(N, 10) a-priori bodies, with the loads that a recording carries."""
         phi = self.tree.phi

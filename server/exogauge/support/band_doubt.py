@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,14 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
+from exogauge.support.band_offsets import score_of_offsets, without_offsets
 from exogauge.support.band_rows import WearLogs
 from exogauge.support.band_weights import autocovariance
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-SCATTER, NULL_TEST = "scatter", "null_test"
+SCATTER, NULL_TEST, TORQUE_ZERO = "scatter", "null_test", "torque_zero"
 
 
 def covariance(
@@ -45,8 +47,12 @@ def contributions(
     null_test: n nᵀ, n: the score that the approach finds on logs without the device, `null`, where it ought to be zero:
     what the model lacks there it lacks with the device too (A takes off what repeats). joint_weight: (D,) what a sample
     of those counts;
-    via_points, donning: how the device sits (`band_inputs`).
+    via_points, donning: how the device sits (`band_inputs`);
+    torque_zero: what is left of each log's and joint's own offset. What the others do to the score goes through the
+    same slopes, w (A - γ mean(A)): of the feet's zeros what looks like such an offset is taken off as well.
     """
+    told = without_offsets(setting.logs, setting.weight, fitted.A)
+    fitted = replace(fitted, A=told)
     found, S = {SCATTER: score_covariance(setting, fitted)}, len(setting.belief.mean)
     found[SCATTER][:S, :S] += setting.belief.precision
     G = _moved(setting, fitted)
@@ -54,6 +60,8 @@ def contributions(
         found |= {name: G @ C @ G.T for name, C in robot.items()}
     for name, own in _of_each_log(setting, fitted).items():
         found[name] = found.get(name, np.zeros_like(own)) + own
+    if setting.logs.zero_std.any():
+        found[TORQUE_ZERO] = score_of_offsets(setting.logs, told * setting.weight[:, :, None])
     if null is not None and joint_weight is not None:
         n = _null_score(setting, fitted, null, joint_weight)
         found[NULL_TEST] = np.outer(n, n)
@@ -64,7 +72,7 @@ def contributions(
 
 
 def score_covariance(setting: Setting, fitted: Fitted) -> Array:
-    """(P, P) of Σ Aᵀ w e: no less in any direction than either of two estimates.
+    """(P, P) of Σ Aᵀ w e, A without offsets: no less in any direction than either of two estimates.
 
     Sums over blocks see that errors are larger in places; but few blocks stretch the bands, and those are the ones that
     the fit bends to, so that their spread is too small: by a fifth in trials with one or two logs, where 95 % intervals
@@ -133,8 +141,8 @@ def _through(setting: Setting, fitted: Fitted, place: int, slope: NDArray[np.flo
 def _null_score(setting: Setting, fitted: Fitted, null: WearLogs, joint_weight: Array) -> Array:
     """(P,) Σ Aᵀ w τ on the logs without the wear, each counted as often as it stands for one with it."""
     A = columns(null, [null.wire(wire.course) for wire in setting.wires], fitted.wear)
-    w = null.share[:, None] * null.used * joint_weight
-    return np.asarray(np.einsum("ndp,nd,nd->p", A, w, null.torque))
+    own = null.used * joint_weight
+    return np.asarray(np.einsum("ndp,nd,nd->p", A, null.share[:, None] * own, without_offsets(null, own, null.torque)))
 
 
 def _by_autocovariance(setting: Setting, fitted: Fitted) -> Array:

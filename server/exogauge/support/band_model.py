@@ -21,6 +21,7 @@ from exogauge.devices.device import Band
 from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
+from exogauge.support.band_offsets import paid, whitened, without_offsets
 from exogauge.support.band_rows import WearLogs, Wire
 
 Array = NDArray[np.float64]
@@ -203,8 +204,8 @@ def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
 @final
 @dataclass(frozen=True)
 class Fitted:
-    """e: (N, D) [N·m] what the wear leaves unexplained. A: (N, D, P) its columns. hessian: (P, P) with beliefs. cost:
-    weighted square sum with what is paid for leaving beliefs."""
+    """e: (N, D) [N·m] what the wear and the logs' offsets leave unexplained. A: (N, D, P) the wear's columns. hessian:
+    (P, P) with beliefs, offsets integrated out. cost: weighted square sum with what is paid for leaving beliefs."""
 
     wear: Wear
     e: Array
@@ -255,15 +256,22 @@ def at(setting: Setting, wear: Wear) -> Fitted:
 
 def _from(setting: Setting, wear: Wear, e: Array, cost: float) -> Fitted:
     A = columns(setting.logs, setting.wires, wear)
-    flat = (A * np.sqrt(setting.weight)[:, :, None]).reshape(-1, A.shape[2])
-    hessian, S = flat.T @ flat, len(wear.springs)
+    hessian, S = information(setting, A), len(wear.springs)
     hessian[:S, :S] += setting.belief.precision
-    return Fitted(wear, e, A, hessian, cost)
+    return Fitted(wear, without_offsets(setting.logs, setting.weight, e), A, hessian, cost)
+
+
+def information(setting: Setting, A: Array) -> Array:
+    """(P, P) of columns A (N, D, P), offsets integrated out."""
+    root = np.sqrt(setting.weight)[:, :, None]
+    flat = (whitened(setting.logs, setting.weight, A) * root).reshape(-1, A.shape[2])
+    return np.asarray(flat.T @ flat)
 
 
 def _cost(setting: Setting, wear: Wear, e: Array) -> float:
-    off = wear.springs - setting.belief.mean
-    return float(np.sum(setting.weight * e**2) + off @ setting.belief.precision @ off)
+    off, logs, w = wear.springs - setting.belief.mean, setting.logs, setting.weight
+    squares = np.sum(w * without_offsets(logs, w, e) ** 2) + off @ setting.belief.precision @ off
+    return float(squares + paid(logs, w, e))
 
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:

@@ -34,7 +34,8 @@ class WearLog:
     passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
     it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known. own:
     declared uncertainty -> (m, D, K) [N·m] one standard deviation each of what is this log's own.
-    share: how many logs with the wear it stands for.
+    share: how many logs with the wear it stands for. zero_std: (D,) [N·m] of a constant torque that is this log's own;
+    None: there is none.
     """
 
     name: str
@@ -49,6 +50,7 @@ class WearLog:
     low_pass: LowPass | None = None
     share: float = 1.0
     own: OwnInputs = field(default_factory=dict)
+    zero_std: Array | None = None
 
     def as_torque(self, pull: Array) -> Array:
         """(n, …) at the kept samples, low-passed as the torque. pull: (T, …) [N]: what flips within a moment, such as
@@ -62,6 +64,7 @@ class WearLogs:
 
     joints: (D,) columns of q. torque: (N, D) [N·m]. used: (N, D). log: (N,) place of each sample's log. time: (N,) [s]
     in its log. share: (N,) how many logs with the wear its log stands for (1, but for logs without it).
+    zero_std: (L, D) [N·m] of a constant torque that is a log's own.
     """
 
     def __init__(self, logs: Sequence[WearLog], joints: IntArray, names: Sequence[str]) -> None:
@@ -71,6 +74,8 @@ class WearLogs:
         self.log = np.repeat(np.arange(len(logs)), [len(each.kept) for each in logs])
         self.share = np.repeat([each.share for each in logs], [len(each.kept) for each in logs])
         self.time = np.concatenate([each.time[each.kept] for each in logs])
+        none = np.zeros(self.torque.shape[1])
+        self.zero_std = np.stack([none if each.zero_std is None else each.zero_std for each in logs])
         ends = np.cumsum([each.time[-1] + float(np.median(np.diff(each.time))) for each in logs])
         self.starts, self.span = np.concatenate([[0.0], ends[:-1]]), float(ends[-1])
 
@@ -126,10 +131,15 @@ def rows_with(
     names: Sequence[str],
     cutoff_hz: float,
     beside: Mapping[str, Beside] | None = None,
+    zero_std: Array | None = None,
 ) -> WearLogs:
     """Logs with the wear on. A counts where both runs move with the same friction, B, the paired estimate and
-    the prior where this run moves steadily. beside: further joints, by log."""
-    return WearLogs([_with(each, approach, cutoff_hz, beside) for each in evidences], joints, names)
+    the prior where this run moves steadily. beside: further joints, by log. zero_std: (D,) [N·m] of one run's constant
+    torque; what compares two runs has that of both."""
+    if zero_std is not None and approach in ("A", "paired"):
+        zero_std = np.sqrt(2.0) * zero_std
+    found = [_with(each, approach, cutoff_hz, beside) for each in evidences]
+    return WearLogs([replace(each, zero_std=zero_std) for each in found], joints, names)
 
 
 def rows_without(
@@ -139,6 +149,7 @@ def rows_without(
     joints: IntArray,
     names: Sequence[str],
     beside: Mapping[str, Sequence[Beside]] | None = None,
+    zero_std: Array | None = None,
 ) -> WearLogs | None:
     """Logs without the wear as if it were on, of the motions of those with it; None where there are none. Each stands
     for its share of them. beside: further joints, by motion in the order of its logs."""
@@ -153,7 +164,8 @@ def rows_without(
             pair = _joined(pair, beside[each.motion][place])
         share = worn.count(each.motion) / sum(other.motion == each.motion for other in nothings)
         unknown, time, kept = np.zeros(0, dtype=np.intp), each.time - each.time[0], np.arange(len(each.time))
-        logs.append(WearLog("", each.motion, time, each.posture, kept, *pair, unknown, None, share=share))
+        own = WearLog("", each.motion, time, each.posture, kept, *pair, unknown, None, share=share, zero_std=zero_std)
+        logs.append(own)
     return WearLogs(logs, joints, names) if logs else None
 
 

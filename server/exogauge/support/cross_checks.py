@@ -21,7 +21,8 @@ from exogauge.devices.result import BandEstimate, CrossCheck, StiffnessResult
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit
-from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own
+from exogauge.support.band_model import NULL, Belief, Fitted, Setting, columns, each_its_own, information
+from exogauge.support.band_offsets import without_offsets
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -128,7 +129,8 @@ def _compared(
         return
     score = np.einsum("ndp,nd,nd->p", split.A, seen.setting.weight, split.e)
     step = np.linalg.lstsq(H * np.outer(size, size), size * score, rcond=1e-12)[0] * size
-    let_differ = replace(split, e=split.e - split.A @ step)  # or a disagreement would count as scatter
+    explained = without_offsets(seen.setting.logs, seen.setting.weight, split.A @ step)
+    let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
     shares = contributions(seen.setting, let_differ, robot, seen.null, seen.joint_weight)
     variance = sum(float(contrast @ each @ contrast) for each in shares.values()) + beside**2
     yield value, CrossCheck(*said, float(contrast @ step), float(np.sqrt(max(variance, 0.0))))
@@ -148,8 +150,7 @@ def _believing_nothing(setting: Setting) -> Setting:
 
 
 def _with_columns(setting: Setting, fitted: Fitted, A: Array) -> Fitted:
-    flat = (A * np.sqrt(setting.weight)[:, :, None]).reshape(-1, A.shape[2])
-    return replace(fitted, A=A, hessian=flat.T @ flat)
+    return replace(fitted, A=A, hessian=information(setting, A))
 
 
 def judged(found: Sequence[StiffnessResult], criteria: Supporting) -> tuple[StiffnessResult, ...]:

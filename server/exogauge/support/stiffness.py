@@ -55,8 +55,11 @@ def identify_bands(
         seen = named.fit
     else:
         columns = np.array([model.robot.tree.joints.index(name) for name in joints])
-        logs = rows_with(evidences, approach, columns, joints, model.cutoff_hz)
-        null = None if approach in ("A", "paired") else rows_without(nothings, evidences, approach, columns, joints)
+        zero = model.robot.torque_zero[columns]
+        logs = rows_with(evidences, approach, columns, joints, model.cutoff_hz, zero_std=zero)
+        null = None
+        if approach not in ("A", "paired"):
+            null = rows_without(nothings, evidences, approach, columns, joints, zero_std=zero)
         wires = band_wires(logs, Routing(model.robot.tree, device.bands))
         robot = robot_doubt
         if named is None:

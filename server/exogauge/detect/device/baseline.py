@@ -75,7 +75,8 @@ def lay_ground(
     if beyond is not None:
         joints, names = np.concatenate([joints, beyond.joints]), [*names, *beyond.names]
     beside = None if beyond is None else beyond.a if approach == "A" else beyond.b
-    logs = rows_with(own, approach, joints, names, model.cutoff_hz, beside)
+    zero = model.robot.torque_zero[joints]
+    logs = rows_with(own, approach, joints, names, model.cutoff_hz, beside, zero)
     if not logs.used.any():
         return None
     wires = band_wires(logs, Routing(model.robot.tree, device.bands))
@@ -93,7 +94,7 @@ def lay_ground(
         fitted = fit(setting, start)
         sigma, memory = spread(logs, fitted.e, floor), memories(logs, fitted.e)
     without = None if beyond is None else beyond.null
-    null = rows_without(gathered.nothings, own, "B", joints, names, without) if approach == "B" else None
+    null = rows_without(gathered.nothings, own, "B", joints, names, without, zero) if approach == "B" else None
     ground = Ground(device, approach, model, setting, fitted, floor, sigma, memory, null)
     return weighed(ground, fitted)
 

@@ -16,6 +16,7 @@ from exogauge.findings.basis import LeftOut
 from exogauge.findings.verdict import Objection, Why
 from exogauge.search.sums import summed, sureness
 from exogauge.support.band_model import Added, Fitted, Setting, Wear, fit, residual
+from exogauge.support.band_offsets import without_offsets
 from exogauge.support.band_rows import BLOCK_S, WearLogs
 
 Array = NDArray[np.float64]
@@ -91,12 +92,14 @@ def folds_of(logs: WearLogs, criteria: Wearing) -> Folds:
 
 
 def left_out_residual(setting: Setting, wear: Wear, folds: Folds, held: Mapping[int, float] | None = None) -> Array:
-    """(N, D) [N·m] each sample by a fit that did not see it; NaN where it does not count or is never left out."""
+    """(N, D) [N·m] each sample by a fit that did not see it, less its log's offset; NaN where it does not count or is
+    never left out."""
     e = np.full(setting.weight.shape, np.nan)
     for left_out in folds.left_out:
         weight = setting.weight * ~left_out[:, None]
         own = fit(replace(setting, weight=weight), wear, held).wear
-        e[left_out] = residual(setting.logs, setting.wires, own)[left_out]
+        left = without_offsets(setting.logs, setting.weight, residual(setting.logs, setting.wires, own))
+        e[left_out] = left[left_out]
     return np.where(setting.weight > 0.0, e, np.nan)
 
 

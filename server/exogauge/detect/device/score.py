@@ -14,6 +14,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.shaped import Shape
 from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_model import Added, Fitted, Setting
+from exogauge.support.band_offsets import whitened
 from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
@@ -43,7 +44,9 @@ class Scorer:
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
         self.setting, self.fitted = setting, fitted
         self._root = np.sqrt(setting.weight)
-        self._A = (fitted.A * self._root[:, :, None]).reshape(-1, fitted.A.shape[2])
+        self._A = (whitened(setting.logs, setting.weight, fitted.A) * self._root[:, :, None]).reshape(
+            -1, fitted.A.shape[2]
+        )
         self._e = (fitted.e * self._root).ravel()
         self._H = fitted.hessian
         self._square = float(self._e @ self._e)
@@ -68,6 +71,8 @@ class Scorer:
                 yield scored
 
     def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
+        pull = (X * self._root[:, :, None]).reshape(-1, X.shape[2]).T @ self._e  # e is without offsets already
+        X = whitened(self.setting.logs, self.setting.weight, X)
         X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
         own, cross = X.T @ X, self._A.T @ X
         if np.any(np.diag(own) <= 0.0):
@@ -77,8 +82,8 @@ class Scorer:
         left = float(np.min(np.linalg.eigvalsh(S)))
         if left < BLIND:
             return None
-        c = _bounded(S, (X.T @ self._e) / size, effect, size)
-        gain = float(2.0 * c @ (X.T @ self._e / size) - c @ S @ c)
+        c = _bounded(S, pull / size, effect, size)
+        gain = float(2.0 * c @ (pull / size) - c @ S @ c)
         chosen = X.shape[1] + len(effect.shapes)
         added = Added(effect, wire, shape, c / size)
         return BandScore(added, gain, evidence(self.setting, gain, self._square, chosen), left)

@@ -272,6 +272,7 @@ class RobotUncertainty(_Part):
     ft_zero_moment: NotNegative | None = None
     kt_drift: NotNegative | None = None
     imu_tilt: NotNegative | None = None
+    torque_zero: NotNegative | dict[Name, NotNegative] | None = None
 
 
 class DeviceUncertainty(_Part):

@@ -117,18 +117,30 @@ def describe(entry: RobotFile, tree: RigidTree, page: _Page, name: str) -> Robot
         axes_from_joints=axes_from_joints(entry),
         noise=entry.noise.model_dump(exclude_none=True),
         inertial_std=_inertial_std(entry.inertial_prior_std, tree, page),
-        declared=_declared(entry),
+        declared=_declared(entry, page),
     )
 
 
-def _declared(entry: RobotFile) -> Declared:
+def _declared(entry: RobotFile, page: _Page) -> Declared:
     """As stated, and what is usual of the rest."""
     if entry.uncertainty == "none":
         return EXACT
-    values = {key: (value, getattr(USUAL, key)) for key, value in entry.uncertainty.model_dump().items()}
+    stated, of_joints = entry.uncertainty.model_dump(), dict[str, float]()
+    if isinstance(stated["torque_zero"], dict):
+        of_joints = stated["torque_zero"]
+        stated["torque_zero"] = of_joints.pop("default", None)
+        names = [joint.name for joint in entry.joints]
+        for name in of_joints:
+            if name not in names:
+                advice = suggestion(name, names)
+                pointer = ("uncertainty", "torque_zero", name)
+                raise page.fault(f"no joint {name!r}", "unknown_joint", pointer, advice)
+    values = {key: (value, getattr(USUAL, key)) for key, value in stated.items()}
     left_out = frozenset(key for key, (value, _) in values.items() if value is None)
     return Declared(
-        **{key: usual if value is None else value for key, (value, usual) in values.items()}, defaulted=left_out
+        **{key: usual if value is None else value for key, (value, usual) in values.items()},
+        torque_zero_of=of_joints,
+        defaulted=left_out,
     )
 
 

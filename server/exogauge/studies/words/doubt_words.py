@@ -16,6 +16,10 @@ SOURCES: dict[str, tuple[str, str]] = {
         "torque per ampere, drifting from log to log",
         "Warm the motors up, record without, with and again without the device, and state what it does as kt_drift.",
     ),
+    "torque_zero": (
+        "constant torques that differ from log to log",
+        "Read currents with the drives off before each log, and state what is left as torque_zero.",
+    ),
     "imu_tilt": ("mounting of the IMU", "Level the base against a spirit level, and state it as imu_tilt."),
     "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),
     "donning": ("how the device was put on", "Mark where straps end, and state what is left as donning."),
