@@ -152,10 +152,10 @@ def moved(rows: Array, first: int, size: int) -> Array:
 
 
 def test_what_cannot_be_watched_says_why(service: Service, payload: str, rows: Array, folder: Path) -> None:
-    line, stream, _ = begun(service, payload)
     with Client(service.url) as opened_:
         other = opened_.upload_payload(folder).id  # equal files: the same
     assert other == payload
+    line, stream, _ = begun(service, payload)
     none = "00000000-0000-0000-0000-000000000000"
     assert refused(service, payload, f"/watch?stream={none}")[0] == 404
     assert refused(service, none, f"/watch?stream={stream}")[0] == 404

@@ -8,7 +8,7 @@ from typing import final
 from exogauge.criteria.criterion import criterion, judgement
 
 USUAL = "docs/decisions/0013-uncertainty-budget.md"
-OFFSETS = "docs/decisions/0015-offsets-of-logs.md"
+OFFSETS = "docs/decisions/0016-offsets-of-logs.md"
 
 
 @final
