@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import json
 import re
 import shutil
 from dataclasses import replace
@@ -19,16 +20,18 @@ from scipy.spatial import ConvexHull
 
 from exogauge.cli import main
 from exogauge.criteria.motion_plan import USUAL
-from exogauge.errors import BadMotion, BadRobot
+from exogauge.errors import BadInput, BadMotion, BadRobot
 from exogauge.motion.files import open_motion
 from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
-from exogauge.motion.plan.asked import Asked
-from exogauge.motion.plan.judge import judge
+from exogauge.motion.plan.asked import Asked, standing
+from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.outcome import motion_table
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import Spline, through
+from exogauge.motion.plan.written import read_written
 from exogauge.motion.robot import MotionRobot, Sole
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.synthetic.urdf import robot_file, robot_urdf
@@ -64,9 +67,7 @@ def bend(robot: MotionRobot, pitch: float, seconds: float) -> Asked:
     stray[:3], stray[3:6] = USUAL.pelvis_m, USUAL.pelvis_rad
     stray[robot.base + np.array(robot.beyond("thorax"))] = USUAL.limb_rad
     stray[robot.base + np.array(robot.torso)] = USUAL.trunk_rad
-    pin.forwardKinematics(robot.model, robot.data, robot.home)
-    feet = tuple(pin.SE3(pin.updateFramePlacement(robot.model, robot.data, robot.frame(s.link))) for s in robot.soles)
-    return Asked(q, stray, step, np.ones((len(time), 2), bool), (feet,) * len(time))
+    return Asked(q, stray, step, np.ones((len(time), 2), bool), (standing(robot),) * len(time))
 
 
 def at(robot: MotionRobot, joint: str) -> int:
@@ -192,7 +193,7 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, ra
     assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
     upper = np.array(robot.beyond("thorax") + robot.torso)
     assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
-    judged = judge(robot, planned, asked, rate=rate)
+    judged = judge(robot, planned.spline, asked.place[0], rate=rate, planned=planned)
     assert judged.broken == ()
     assert judged.inside[1:-1] == pytest.approx(seen.inside, abs=2e-4)
     assert judged.torque[1:-1, upper] == pytest.approx(seen.torque[:, upper], abs=0.05)
@@ -205,8 +206,8 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, ra
 def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:
     """The plan is what keeps the balance: the same bend with the pelvis where it is asked presses outside the soles."""
     asked, planned = bent
-    alone = replace(planned, spline=through(asked.q, asked.step))
-    assert judge(robot, alone, asked).inside.min() < 0.0
+    alone = through(asked.q, asked.step)
+    assert judge(robot, alone, asked.place[0], planned=planned).inside.min() < 0.0
 
 
 def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: MotionRobot) -> None:
@@ -218,7 +219,7 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     weak = robot.limits.torque.copy()
     weak[robot.joints.index("l_knee_pitch")] = 1.0
     limp = replace(robot, limits=replace(robot.limits, torque=weak))
-    said = judge(limp, planned, asked).broken
+    said = judge(limp, planned.spline, asked.place[0], planned=planned).broken
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
 
 
@@ -235,6 +236,87 @@ def test_a_robot_that_cannot_be_planned_for_is_told_why(folder: Path, tmp_path: 
         with pytest.raises(BadRobot) as told:
             load_motion_robot(tmp_path / "robot.yaml")
         assert told.value.faults[0].column == column
+
+
+@pytest.fixture(scope="module")
+def written(robot: MotionRobot, bent, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Judged]:
+    asked, planned = bent
+    judged = judge(robot, planned.spline, asked.place[0], planned=planned)
+    file = tmp_path_factory.mktemp("plan") / "bend.csv"
+    file.write_bytes(motion_table(robot, judged))
+    return file, judged
+
+
+def test_a_written_plan_is_judged_as_it_was_planned(robot: MotionRobot, written, folder: Path, capsys) -> None:
+    file, judged = written
+    assert main(["motion", "check", str(file), "--robot", str(folder / "robot.yaml"), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["broken"] == []
+    inside = float(said["centre of pressure"].split()[0])  # a cubic through samples rounds the nodes' kinks off
+    assert inside == pytest.approx(1e3 * judged.inside.min(), abs=1.0)
+    assert float(said["weight on the feet"].split()[0]) == pytest.approx(judged.carried.min(), abs=0.01)
+
+
+Columns = dict[str, np.ndarray]
+
+
+def columns_of(file: Path) -> Columns:
+    names = file.read_text().splitlines()[0].split(",")
+    return dict(zip(names, np.loadtxt(file, delimiter=",", skiprows=1).T, strict=True))
+
+
+def table(file: Path, columns: Columns) -> Path:
+    rows = np.column_stack(list(columns.values()))
+    file.write_text("\n".join([",".join(columns), *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n")
+    return file
+
+
+def with_cell(columns: Columns, name: str, row: int, value: float) -> Columns:
+    changed = columns[name].copy()
+    changed[row] = value
+    return columns | {name: changed}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: c | {"q.r_ankle_roll": c["q.r_ankle_roll"] + 0.01}, "turn of a standing foot"),
+        (lambda c: c | {"q.torso_pitch": np.degrees(c["q.torso_pitch"])}, "position of torso_pitch"),
+        (lambda c: c | {"t": c["t"] / 20.0}, "torque of torso_pitch"),
+        (lambda c: c | {"t": c["t"] / 20.0}, "centre of pressure"),
+    ],
+)
+def test_a_file_that_breaks_a_bound_is_told_which(written, folder: Path, tmp_path: Path, capsys, change, said) -> None:
+    wrong = table(tmp_path / "wrong.csv", change(columns_of(written[0])))
+    assert main(["motion", "check", str(wrong), "--robot", str(folder / "robot.yaml"), "--json"]) == 1
+    assert any(line.startswith(said) for line in json.loads(capsys.readouterr().out)["broken"])
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (lambda c: {name: x for name, x in c.items() if name != "t"}, (0, "t")),
+        (lambda c: {name.replace("q.", "angle."): x for name, x in c.items()}, (0, "q.")),
+        (lambda c: with_cell(c, "q.neck_yaw", 6, np.nan), (7, "q.neck_yaw")),
+        (lambda c: with_cell(c, "t", 9, 0.0), (10, "t")),
+        (lambda c: {name: x[:1] for name, x in c.items()}, (1, "t")),
+    ],
+)
+def test_a_file_that_is_no_motion_is_refused_where_it_is_wrong(written, robot, tmp_path: Path, change, place) -> None:
+    wrong = table(tmp_path / "wrong.csv", change(columns_of(written[0])))
+    with pytest.raises(BadInput) as told:
+        read_written(robot, wrong)
+    fault = told.value.faults[0]
+    assert fault.row == place[0]
+    assert fault.column.startswith(place[1])
+
+
+def test_joints_that_a_file_does_not_name_stay_at_home(written, robot: MotionRobot, tmp_path: Path) -> None:
+    columns = columns_of(written[0])
+    del columns["q.neck_yaw"]
+    less = read_written(robot, table(tmp_path / "less.csv", columns))
+    assert less.held == ("neck_yaw",)
+    assert np.abs(less.q[:, at(robot, "neck_yaw")]).max() == 0.0
 
 
 def test_a_jump_is_refused_with_its_time(robot: MotionRobot) -> None:
@@ -294,7 +376,8 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
         amc.write_bytes(packed.read())
     asked, missed = ask(other, person_of(open_motion(amc, skeleton=CAPTURES / "02.asf")).cut(0.0, 4.0))
     assert missed.max() < 1e-3  # three joints express any turn
-    assert judge(other, plan(other, asked), asked).broken == ()
+    planned = plan(other, asked)
+    assert judge(other, planned.spline, asked.place[0], planned=planned).broken == ()
 
 
 @pytest.mark.slow
@@ -312,7 +395,7 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
         assert seen.inside.min() >= 0.015
         assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
         assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
-        assert judge(robot, planned, asked, rate=rate).broken == ()
+        assert judge(robot, planned.spline, asked.place[0], rate=rate, planned=planned).broken == ()
     out = tmp_path / "bend.csv"
     assert main(["motion", "retarget", str(amc), "--skeleton", str(CAPTURES / "02.asf"), "--to", "3",
                  "--robot", str(folder / "robot.yaml"), "--out", str(out)]) == 0  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from exogauge.cli.endings import Commands
@@ -39,6 +40,34 @@ def add_commands(commands: Commands) -> None:
     plan.add_argument("--out", type=Path, metavar="FILE.csv", help="write t and q.<joint> there, at 200 Hz")
     plan.set_defaults(command=retarget_motion)
 
+    check = steps.add_parser("check", help="judge a file of joint angles: every bound, balance, still feet")
+    check.add_argument("file", type=Path, help="a table with t [s] and q.<joint> [rad or m]")
+    check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles and home")
+    check.add_argument("--json", action="store_true", help="as JSON")
+    check.set_defaults(command=check_motion)
+
+
+def check_motion(args: argparse.Namespace) -> int:
+    """1 where a bound is broken."""
+    from exogauge.motion.plan.asked import standing
+    from exogauge.motion.plan.judge import judge
+    from exogauge.motion.plan.outcome import margins
+    from exogauge.motion.plan.written import read_written
+    from exogauge.motion.robot_file import load_motion_robot
+
+    robot = load_motion_robot(args.robot)
+    written = read_written(robot, args.file)
+    judged = judge(robot, written, standing(robot))
+    said = {"robot": robot.name, "motion": args.file.name, "seconds": round(written.duration, 3)}
+    if written.held:
+        said["held at home"] = ", ".join(written.held)
+    _print(said | margins(robot, judged), args.json)
+    return 1 if judged.broken else 0
+
+
+def _print(said: Mapping[str, object], as_json: bool) -> None:
+    print(json.dumps(said, indent=2) if as_json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
+
 
 def retarget_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
@@ -60,12 +89,12 @@ def retarget_motion(args: argparse.Namespace) -> int:
     person = person_of(motion).cut(args.begin, args.end).slowed(args.slow)
     asked, missed = ask(robot, person)
     planned = plan(robot, asked, report=tell)
-    judged = judge(robot, planned, asked)
+    judged = judge(robot, planned.spline, asked.place[0], planned=planned)
     said = summarise(robot, person, asked, missed, planned, judged)
     if args.out is not None and (args.despite or not judged.broken):
         args.out.write_bytes(motion_table(robot, judged))
         said["written"] = args.out.name
-    print(json.dumps(said, indent=2) if args.json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
+    _print(said, args.json)
     return 1 if judged.broken else 0
 
 
@@ -83,5 +112,5 @@ def import_motion(args: argparse.Namespace) -> int:
     said = summarise(motion)
     if args.out is not None:
         write_arrays(motion, args.out)
-    print(json.dumps(said, indent=2) if args.json else "\n".join(f"{key:14} {value}" for key, value in said.items()))
+    _print(said, args.json)
     return 0

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.interpolate import interp1d
 from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
-from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.solve import Planned
+from exogauge.motion.plan.spline import Trajectory
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
@@ -25,9 +25,9 @@ SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 
 @dataclass(frozen=True)
 class Judged:
     """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
-    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; of the legs, where
-    two feet share the load as planned. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as
-    time, place, value and bound in words.
+    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
+    two feet share the load. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
+    place, value and bound in words.
     """
 
     time: Array
@@ -42,22 +42,24 @@ class Judged:
 
 
 def judge(
-    robot: MotionRobot, planned: Planned, asked: Asked, criteria: MotionPlan = USUAL, rate: float | None = None
-) -> Judged:
-    """rate: [Hz], `judged_hz` where none is given. All feet stand throughout."""
-    rate, spline = rate or criteria.judged_hz, planned.spline
-    time = np.arange(int(spline.duration * rate + 1e-6) + 1) / rate
-    q, v, a = spline.at(time)
+    robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,
+    rate: float | None = None, planned: Planned | None = None,
+) -> Judged:  # fmt: skip
+    """place: of the soles' links, where all stand throughout. rate: [Hz], `judged_hz` where none is given.
+
+    planned: how two feet share the load; without it, so that the loads are smallest.
+    """
+    rate = rate or criteria.judged_hz
+    time = np.arange(int(motion.duration * rate + 1e-6) + 1) / rate
+    q, v, a = motion.at(time)
     model, data, base = robot.model, robot.data, robot.base
     frames = [robot.frame(sole.link) for sole in robot.soles]
-    place = asked.place[0]
     corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
                               for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
     edges = ConvexHull(corners[:, :2]).equations  # outward normals and offsets
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
-    held = planned.wrench.reshape(len(planned.wrench), -1)
-    shared = interp1d(asked.time, held, axis=0)(np.minimum(time, asked.time[-1]))
+    shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
     inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(np.repeat(SHARES, 3), len(frames))
     for t in range(T):

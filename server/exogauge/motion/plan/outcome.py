@@ -44,11 +44,17 @@ def summarise(
         f"{np.degrees(np.sqrt(np.mean(missed**2))):.3g}° rms, {np.degrees(missed.max()):.3g}° at most, "
         "in directions in which the torso has no joint"
     )
-    said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
-    said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
     if person.contacts is not None:
         lifts = 100.0 * float((person.contacts.left ^ person.contacts.right).mean())
         said["person's feet"] = f"one is up in {lifts:.2g} % of frames; the robot's stay where they are"
+    return said | margins(robot, judged)
+
+
+def margins(robot: MotionRobot, judged: Judged) -> Told:
+    """What is left of every bound, and what is broken."""
+    said: Told = {}
+    said["centre of pressure"] = f"{1e3 * judged.inside.min():.1f} mm inside the soles at least"
+    said["weight on the feet"] = f"{judged.carried.min():.2f} of the weight at least"
     said["feet"] = f"move by {1e3 * judged.feet_m:.3f} mm and {np.degrees(judged.feet_rad):.4f}° at most"
     shares = {
         "velocity": np.abs(judged.dq[:, robot.base :]) / robot.limits.velocity,

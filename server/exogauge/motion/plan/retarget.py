@@ -12,7 +12,7 @@ from exogauge.errors import BadMotion, BadRobot, Fault
 from exogauge.logs.findings import runs
 from exogauge.motion.human import Segment
 from exogauge.motion.person import LIMBS, Person
-from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.asked import Asked, home_of, standing
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
@@ -25,7 +25,12 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     """What the person does, asked of the robot between rests at its home, feet where they are there; and the angle
     [rad] (N,) of the trunk's turn that no angles of the robot's joints express, bounds aside.
     """
-    home = _home(robot)
+    home = home_of(robot)
+    for part in ("pelvis", "thorax"):
+        if part not in robot.segments:
+            raise _unmapped(robot, f"no link stands for the {part}", part)
+    if not robot.torso:
+        raise _unmapped(robot, "no joint lies between pelvis and thorax", "thorax")
     _refuse_flight(person)
     step = 1.0 / criteria.nodes_per_s
     count = int(person.time[-1] / step) + 1
@@ -37,8 +42,7 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     q = np.tile(home, (count, 1))
     model, data = robot.model, robot.data
     facing = _facing(robot)
-    pin.forwardKinematics(model, data, home)
-    feet = tuple(pin.SE3(pin.updateFramePlacement(model, data, robot.frame(sole.link))) for sole in robot.soles)
+    feet = standing(robot)
     heading = float(turn[0].as_euler("ZXY")[0])  # the person's first pelvis faces where the robot does
     level = Rotation.from_euler("z", -heading)
     q[:, 3:6] = np.unwrap((level * turn * Rotation.from_matrix(facing.T)).as_euler("ZXY"), axis=0)
@@ -73,20 +77,9 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     return Asked(q, stray, step, stands, (feet,) * len(q)), missed
 
 
-def _home(robot: MotionRobot) -> Array:
-    """Raises BadRobot where a robot lacks what standing needs."""
-    for key, there in (("soles", robot.soles), ("home", robot.home is not None)):
-        if not there:
-            raise BadRobot(Fault(f"the robot has no {key}", f"no_{key}", f"Add `{key}` to robot.yaml", robot.name))
-    lost = [part for part in ("pelvis", "thorax") if part not in robot.segments]
-    if lost:
-        raise BadRobot(Fault(f"no link stands for the {lost[0]}", "no_human_map", "Add it to `human_map` of robot.yaml",
-                             robot.name, None, f"human_map.{lost[0]}"))  # fmt: skip
-    if not robot.torso:
-        raise BadRobot(Fault("no joint lies between pelvis and thorax", "no_torso", "Name other links in `human_map`",
-                             robot.name, None, "human_map.thorax"))  # fmt: skip
-    assert robot.home is not None
-    return robot.home
+def _unmapped(robot: MotionRobot, detail: str, part: str) -> BadRobot:
+    advice = "Name its link in `human_map` of robot.yaml"
+    return BadRobot(Fault(detail, "no_human_map", advice, robot.name, None, f"human_map.{part}"))
 
 
 def _refuse_flight(person: Person) -> None:

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 import piqp
 from numpy.typing import NDArray
+from scipy.interpolate import interp1d
 from scipy.sparse import coo_matrix, csc_matrix, diags
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
@@ -47,6 +48,12 @@ class Planned:
     excess: Array
     rounds: int
     last_step: float
+
+    def loads(self, time: Array) -> Array:
+        """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
+        nodes = self.spline.step * np.arange(len(self.wrench))
+        whole = interp1d(nodes, self.wrench.reshape(len(nodes), -1), axis=0)
+        return np.asarray(whole(np.minimum(time, nodes[-1])))
 
 
 def plan(

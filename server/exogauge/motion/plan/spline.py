@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 Array = NDArray[np.float64]
+
+
+class Trajectory(Protocol):
+    """duration: [s]."""
+
+    @property
+    def duration(self) -> float: ...
+
+    def at(self, time: Array) -> tuple[Array, Array, Array]:
+        """q, q̇, q̈ (T, n) at times (T,) from 0 to `duration`."""
+        ...
 
 
 @final
