@@ -41,7 +41,7 @@ def schema(tmp_path: Path, unchecked: None) -> Iterator[Any]:
     document = schemathesis.openapi.from_asgi("/api/v1/openapi.json", app)
     document.config.checks.negative_data_rejection.expected_statuses.append("412")  # another version of tus
     yield document
-    storage.close()
+    app.state.installation.close()
 
 
 @pytest.mark.slow
