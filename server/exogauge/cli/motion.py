@@ -16,10 +16,7 @@ def add_commands(commands: Commands) -> None:
     motion = commands.add_parser("motion", help="captured motion of a person")
     steps = motion.add_subparsers(dest="step", required=True, metavar="STEP")
     read = steps.add_parser("import", help="read a file of markers or of a skeleton, and say what it is")
-    read.add_argument("file", type=Path, help="C3D, TRC, MOT, STO, BVH or AMC")
-    read.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
-    read.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
-    read.add_argument("--unit", metavar="UNIT", help="m, cm, mm or in, where the file is silent or wrong")
+    _add_capture(read, "C3D, TRC, MOT, STO, BVH or AMC")
     read.add_argument("--subject", metavar="PREFIX", help="which one of several people")
     read.add_argument("--fill", action="store_true", help="close gaps: short ones by splines, others by rigid segments")
     read.add_argument("--json", action="store_true", help="as JSON")
@@ -27,11 +24,8 @@ def add_commands(commands: Commands) -> None:
     read.set_defaults(command=import_motion)
 
     plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
-    plan.add_argument("file", type=Path, help="BVH or AMC")
-    plan.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
+    _add_capture(plan, "BVH or AMC")
     plan.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles, human_map and home")
-    plan.add_argument("--up", metavar="AXIS", help="as for import")
-    plan.add_argument("--unit", metavar="UNIT", help="as for import")
     plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")
     plan.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="where it ends")
     plan.add_argument("--slow", type=float, default=1.0, metavar="FACTOR", help="take that many times the time")
@@ -45,6 +39,13 @@ def add_commands(commands: Commands) -> None:
     check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles and home")
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
+
+
+def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
+    step.add_argument("file", type=Path, help=formats)
+    step.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
+    step.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
+    step.add_argument("--unit", metavar="UNIT", help="m, cm, mm or in, where the file is silent or wrong")
 
 
 def check_motion(args: argparse.Namespace) -> int:
