@@ -72,7 +72,7 @@ def slopes(body: HumanBody, at: Pose, points: Points, place: Array) -> Array:
         axis = body.axis[k, a] * at.rotation[:, k, :, a]
         moved = np.flatnonzero(body.above[points.joint, k])
         if body.prismatic[k]:
-            J[:, moved, :, k] = axis[:, None]
+            J[..., k][:, moved] = axis[:, None]
             continue
         x, y, z = np.moveaxis(place[:, moved] - at.position[:, None, k], 2, 0)
         u, v, w = axis.T[:, :, None]
