@@ -13,6 +13,7 @@ class MotionFit:
 
     scale_sd: of a segment's length about its share of 1.75 m; statures of adults differ by 4 % (one sd), their shares
     by some more, children by far more. least_scale, largest_scale: from a child of 1 m to the tallest.
+    depth_sd: of the lumbar joint behind the hips, 3 cm at scale 1; a spine bends over its whole length.
     landmark_sd: bony points are palpated to 1 to 2 cm (Della Croce et al., Gait & Posture 21, 2005), nominal places of
     another person's add as much. loose_sd: a marker on a segment's side, at no landmark. unknown_sd: one of no known
     place. joint_sd: a skeleton's own joint centre. start_noise: skin moves by 1 to 2 cm (Leardini et al., Gait & Posture
@@ -30,6 +31,7 @@ class MotionFit:
     """
 
     scale_sd: float = 0.15
+    depth_sd: float = 1.0
     least_scale: float = 0.5
     largest_scale: float = 1.6
     landmark_sd: float = 0.02
@@ -52,6 +54,10 @@ class MotionFit:
     shared_steps: int = 30
     track_steps: int = 8
     settled: float = 1e-9
+    nearly: float = 1e-4
+    same_noise: float = 1e-3
+    longest_memory: float = 0.95
+    far_off: float = 0.05
     track_settled: float = 1e-4
     fewest: int = 3
     rigid_line: float = 0.01

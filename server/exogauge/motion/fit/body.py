@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 SCALES = (
-    "pelvis_width", "pelvis_height", "trunk", "shoulder_width", "head", "upper_arm", "forearm", "hand", "thigh",
+    "pelvis_width", "pelvis_height", "lumbar_depth", "trunk", "shoulder_width", "head", "upper_arm", "forearm", "hand", "thigh",
     "shank", "foot",
 )  # fmt: skip
 STATURE = 1.75  # m, of the body whose scales are all 1
@@ -101,6 +101,8 @@ def human_body() -> HumanBody:
             axis.append(about)
             offset.append(place if n == 0 else zero)
             stretch.append(OF_SEGMENT[(on or "pelvis").removeprefix("l_").removeprefix("r_")])
+        if segment == "thorax":
+            stretch[-len(turns)] = ("lumbar_depth", *OF_SEGMENT["pelvis"][1:])
         part[segment] = len(names) - 1
 
     add("pelvis", "", zero, *zip(PELVIS, (x, y, z, z, x, y), strict=True))

@@ -46,7 +46,11 @@ def shared_fit(body: HumanBody, observed: Observed, q: Array, scale: Array, crit
     seen = np.isfinite(observed.position).all(axis=2)
     target = np.where(seen[..., None], observed.position, 0.0)
     rows = np.repeat(seen, 3, axis=1).astype(np.float64)
-    prior = np.concatenate([np.full(S, criteria.scale_sd**-2), np.repeat(observed.offset_sd**-2.0, 3)])
+    depth = SCALES.index("lumbar_depth")
+    sd = np.where(np.arange(S) == depth, criteria.depth_sd, criteria.scale_sd)
+    least = np.where(np.arange(S) == depth, -np.inf, criteria.least_scale)
+    largest = np.where(np.arange(S) == depth, np.inf, criteria.largest_scale)
+    prior = np.concatenate([sd**-2.0, np.repeat(observed.offset_sd**-2.0, 3)])
     z_0 = np.concatenate([np.ones(S), np.zeros(3 * M)])
     z = np.concatenate([scale, np.zeros(3 * M)])
     P_q = observed.weight + criteria.angle_sd**-2.0
@@ -82,7 +86,7 @@ def shared_fit(body: HumanBody, observed: Observed, q: Array, scale: Array, crit
         before, share = cost(q, z, noise), 1.0
         while share > 1e-3:
             tried = z + share * dz
-            tried[:S] = np.clip(tried[:S], criteria.least_scale, criteria.largest_scale)
+            tried[:S] = np.clip(tried[:S], least, largest)
             if cost(q + share * dq, tried, noise) <= before:
                 break
             share *= 0.5
@@ -91,16 +95,29 @@ def shared_fit(body: HumanBody, observed: Observed, q: Array, scale: Array, crit
         inverse = np.linalg.inv(C)
         spent = F * K + len(z) - noise**2 * float(prior @ np.diag(inverse)) - _stated(A, P_q, noise)
         free = max(1.0, 3.0 * seen.sum() - spent)
-        found = max(criteria.least_noise, float(np.sqrt(np.sum(left(q, z) ** 2) / free)))
+        e = left(q, z)
+        found = max(criteria.least_noise, float(np.sqrt(np.sum(e**2) / free * _memory(e, rows, criteria))))
         step = max(np.abs(moved).max(), np.abs(share * dq).max())
         changed, noise = abs(found / noise - 1.0), found
-        if n > 1 and ((step < criteria.settled) or (step < 1e-6 and changed < 1e-4)):
+        if n > 1 and (step < criteria.settled or (step < criteria.nearly and changed < criteria.same_noise)):
             settled = True
             break
     covariance = noise**2 * inverse
     own = noise**2 * np.einsum("tkk->tk", np.linalg.inv(A))
     q_sd = np.sqrt(own + np.einsum("tkz,tkz->tk", AB @ covariance, AB))
     return Shared(z[:S], z[S:].reshape(M, 3), noise, q, covariance, q_sd, settled)
+
+
+def _memory(e: Array, rows: Array, criteria: MotionFit) -> float:
+    """How many of the frames (F, 3 M) say the same: (1 + ρ) / (1 − ρ) of a first-order process (Bartlett 1946).
+
+    Skin slides with the posture and not from frame to frame. Of white noise this is 1.
+    """
+    both = rows[1:] * rows[:-1]
+    power = np.sum(both * (e[1:] ** 2 + e[:-1] ** 2)) / 2.0
+    rho = float(np.sum(both * e[1:] * e[:-1]) / power) if power > 0.0 else 0.0
+    rho = min(max(rho, 0.0), criteria.longest_memory)
+    return (1.0 + rho) / (1.0 - rho)
 
 
 def _stated(A: Array, P_q: Array, noise: float) -> float:
