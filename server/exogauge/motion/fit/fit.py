@@ -1,0 +1,123 @@
+"""The recipe: what is observed, first postures, what all frames share, then every frame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_fit import USUAL, MotionFit
+from exogauge.motion.fit.body import SCALES, human_body
+from exogauge.motion.fit.kinematics import Points, places, pose
+from exogauge.motion.fit.observed import Observed, observe, standing, untracked
+from exogauge.motion.fit.result import HumanFit
+from exogauge.motion.fit.shared import Shared, shared_fit
+from exogauge.motion.fit.start import postures, without_jumps
+from exogauge.motion.fit.track import track
+from exogauge.motion.human import HumanMotion
+
+Array = NDArray[np.float64]
+ENDS = {"l_hand": (0.0, 0.0, -0.189), "r_hand": (0.0, 0.0, -0.189), "l_foot": (0.21, 0.0, -0.06),
+        "r_foot": (0.21, 0.0, -0.06)}  # m, at scales 1: .108 and .152 of the stature (Winter 2009)  # fmt: skip
+
+
+def fit_human(motion: HumanMotion, static: HumanMotion | None = None, criteria: MotionFit = USUAL) -> HumanFit:
+    """The body that fits the motion. Raises BadMotion where none can be known.
+
+    static: the same person standing straight with the same markers; its trunk is the zero of the trunk's angles.
+    """
+    body = human_body()
+    observed = observe(motion, body, criteria)
+    chosen = _spread(observed, criteria.frames)
+    few = _at(observed, chosen)
+    if static is not None:
+        upright = standing(observe(static, body, criteria), body, criteria)
+        few = _joined(few, _at(upright, _spread(upright, criteria.static_frames)))
+    ones = np.ones(len(SCALES))
+    shared = shared_fit(body, few, postures(body, few, ones, criteria), ones, criteria)
+    kept = [few.labels.index(label) for label in observed.labels]
+    offset = shared.offset[kept]
+    F = len(chosen)
+    knots = without_jumps(body, shared.q[:F])
+    T = len(motion.time)
+    q, sd = (np.stack([np.interp(np.arange(T), chosen, column) for column in each.T], axis=1)
+             for each in (knots, shared.q_sd[:F]))  # fmt: skip
+    q = track(body, observed, q, shared.scale, offset, shared.noise, motion.rate, criteria)
+    at = pose(body, q, shared.scale)
+    miss = observed.position - places(at, observed.points, shared.scale, offset)
+    residual = np.sqrt(np.nanmean(np.sum(miss**2, axis=2), axis=0))
+    ends = Points(
+        np.array([body.part[part] for part in ENDS], dtype=np.intp), np.array(list(ENDS.values())),  # type: ignore[index]
+        np.array([[SCALES.index(part[2:])] * 3 for part in ENDS]),
+    )  # fmt: skip
+    far = places(at, ends, shared.scale, np.zeros((len(ENDS), 3)))
+    deviation = np.sqrt(np.diag(shared.covariance)[: len(SCALES)])
+    return HumanFit(
+        motion.name, body, motion.time, q, sd, _named(shared.scale), _named(deviation),
+        {part: at.rotation[:, k] for part, k in body.part.items()},
+        {part: at.position[:, k] for part, k in body.part.items()},
+        {part: far[:, n] for n, part in enumerate(ENDS)},  # type: ignore[misc]
+        observed.labels, offset, residual, shared.noise, _told(observed, shared, offset, residual, criteria),
+    )  # fmt: skip
+
+
+def _named(values: Array) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(SCALES, values, strict=True)}
+
+
+def _spread(observed: Observed, count: int) -> NDArray[np.intp]:
+    """Frames over the whole motion, of each stretch the one in which most points are seen."""
+    seen = np.isfinite(observed.position[..., 0]).sum(axis=1)
+    parts = np.array_split(np.arange(len(seen)), min(count, len(seen)))
+    return np.array([part[int(seen[part].argmax())] for part in parts], dtype=np.intp)
+
+
+def _at(observed: Observed, frames: NDArray[np.intp]) -> Observed:
+    return replace(observed, position=observed.position[frames], mean=observed.mean[frames],
+                   weight=observed.weight[frames])  # fmt: skip
+
+
+def _joined(first: Observed, then: Observed) -> Observed:
+    """Frames of both, over the points of either."""
+    more = [m for m, label in enumerate(then.labels) if label not in first.labels]
+    labels = first.labels + tuple(then.labels[m] for m in more)
+    position = np.full((len(first.position) + len(then.position), len(labels), 3), np.nan)
+    position[: len(first.position), : len(first.labels)] = first.position
+    for m, label in enumerate(then.labels):
+        position[len(first.position) :, labels.index(label)] = then.position[:, m]
+    one, other = first.points, then.points
+    points = Points(*(np.concatenate([a, b[more]]) for a, b in (
+        (one.joint, other.joint), (one.nominal, other.nominal), (one.stretch, other.stretch))))  # fmt: skip
+    return Observed(
+        labels, first.segment + tuple(then.segment[m] for m in more), points, position,
+        np.concatenate([first.offset_sd, then.offset_sd[more]]), np.concatenate([first.known, then.known[more]]),
+        np.concatenate([first.mean, then.mean]), np.concatenate([first.weight, then.weight]),
+    )  # fmt: skip
+
+
+def _told(observed: Observed, shared: Shared, offset: Array, residual: Array, criteria: MotionFit) -> dict[str, str]:
+    told = {}
+    bound = [f"{name} {value:.2f}" for name, value in _named(shared.scale).items()
+             if not criteria.least_scale < value < criteria.largest_scale]  # fmt: skip
+    if bound:
+        told["scale_at_bound"] = f"{', '.join(bound)}: unit, labels or a part without markers"
+    bad = [m for m in np.argsort(-residual) if residual[m] > criteria.bad_rms]
+    if bad:
+        told["fits_badly"] = ", ".join(f"{observed.labels[m]} {100 * residual[m]:.1f} cm" for m in bad)
+    far = np.linalg.norm(offset, axis=1)
+    moved = [m for m in np.argsort(-far) if observed.known[m] and far[m] > 3.0 * observed.offset_sd[m]]
+    if moved:
+        told["elsewhere"] = ", ".join(
+            f"{observed.labels[m]} {100 * far[m]:.0f} cm from where its name says" for m in moved
+        )
+    lost = untracked(observed)
+    if lost:
+        told["not_tracked"] = f"no points on {', '.join(lost)}: nothing says their joints' angles"
+    few = [f"{part} {observed.segment.count(part)}" for part in dict.fromkeys(observed.segment)
+           if observed.segment.count(part) < criteria.fewest]  # fmt: skip
+    if few:
+        told["few_points"] = ", ".join(few)
+    if not shared.settled:
+        told["not_settled"] = f"scales and places still moved after {criteria.shared_steps} steps"
+    return told

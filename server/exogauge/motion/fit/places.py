@@ -1,0 +1,51 @@
+"""Where markers of a known name sit on the body: metres in their part, left side, at scales 1.
+
+Landmarks are bony points; the places of pelvis, knee and ankle follow Delp et al. 1990, the others a body of 1.75 m in
+the proportions of `body`. A loose marker is on a segment's side, where it was stuck.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from exogauge.motion.fit.body import FOREARM, HIP, SHANK, THIGH, UPPER_ARM
+
+Place = tuple[float, float, float]
+
+LANDMARKS: Mapping[str, Place] = {
+    "{s}ASI {s}.ASIS": (0.08, 0.128, 0.07), "{s}PSI {s}.PSIS": (-0.09, 0.05, 0.10), "SACR": (-0.10, 0.0, 0.10),
+    "{s}FWT": (0.09, 0.12, 0.08), "{s}BWT": (-0.10, 0.06, 0.10), "{s}_HJC {s}_HJC_REG": HIP,
+    "C7": (-0.06, 0.0, 0.43), "CLAV": (0.06, 0.0, 0.36), "STRN": (0.10, 0.0, 0.21), "T10": (-0.10, 0.0, 0.19),
+    "{s}SHO {s}_SHOULDER": (-0.01, 0.17, 0.40), "{s}_STERNUM": (0.06, 0.025, 0.36),
+    "{s}FHD": (0.10, 0.07, 0.17), "{s}BHD": (-0.08, 0.07, 0.17), "ARIEL": (0.0, 0.0, 0.24),
+    "{s}ELB {s}_ELBOW_LAT": (0.0, 0.04, -UPPER_ARM), "{s}IEL {s}_ELBOW_MED": (0.0, -0.04, -UPPER_ARM),
+    "{s}WRA {s}_WRIST_RADIUS {s}IWR": (0.03, 0.0, -FOREARM), "{s}WRB {s}_WRIST_ULNA {s}OWR": (-0.03, 0.0, -FOREARM),
+    "{s}FIN": (0.0, 0.02, -0.085), "{s}IHAND": (0.04, 0.0, -0.08), "{s}OHAND": (-0.04, 0.0, -0.08),
+    "{s}KNE {s}_KNEE": (0.0, 0.055, -THIGH), "{s}KNI {s}_MKNEE": (0.0, -0.055, -THIGH),
+    "{s}ANK {s}_ANKLE": (-0.01, 0.04, -SHANK), "{s}_MANKLE": (0.0, -0.04, -SHANK),
+    "{s}HEE {s}HEL {s}_CALC": (-0.06, 0.0, -0.03), "{s}TOE {s}_TOE": (0.14, 0.0, -0.035),
+    "{s}MT5 {s}_5META": (0.10, 0.045, -0.05), "{s}MT1": (0.12, -0.04, -0.045), "{s}LATFOOT": (0.05, 0.045, -0.05),
+}  # fmt: skip
+LOOSE: Mapping[str, Place] = {
+    "{s}MWT": (0.0, 0.16, 0.11), "{s}FSH": (0.06, 0.17, 0.36), "{s}BSH": (-0.06, 0.17, 0.36), "{s}BAC": (-0.1, 0.1, 0.3),
+    "{s}UPA {s}_HUMERUS": (0.0, 0.05, -0.15), "{s}FRM {s}_FOREARM {s}WRE": (0.0, 0.04, -0.12),
+    "{s}THI": (0.0, 0.09, -0.2), "{s}HIP": (0.0, 0.08, -0.1), "{s}TIB {s}SHN": (0.03, 0.03, -0.2),
+    "{s}_SHANK_ANTSUP": (0.045, 0.0, -0.09),
+}  # fmt: skip
+
+
+def place_of(label: str) -> tuple[Place, bool] | None:
+    """Nominal place of a marker and whether it is a landmark; None where its name says no place."""
+    return _PLACES.get(label.upper())
+
+
+def _sides(table: Mapping[str, Place], landmark: bool) -> dict[str, tuple[Place, bool]]:
+    return {
+        label.format(s=letter): ((x, side * y, z), landmark)
+        for labels, (x, y, z) in table.items()
+        for label in labels.split()
+        for letter, side in (("L", 1.0), ("R", -1.0))
+    }
+
+
+_PLACES = _sides(LANDMARKS, True) | _sides(LOOSE, False)
