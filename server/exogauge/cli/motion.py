@@ -23,8 +23,16 @@ def add_commands(commands: Commands) -> None:
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
     read.set_defaults(command=import_motion)
 
+    fit = steps.add_parser("fit", help="fit a body to markers or to a skeleton: trunk, hip, knee angles over time")
+    _add_capture(fit, "C3D, TRC, BVH or AMC")
+    fit.add_argument("--static", type=Path, metavar="FILE", help="the same person and markers, standing straight")
+    fit.add_argument("--json", action="store_true", help="as JSON")
+    fit.add_argument("--out", type=Path, metavar="FILE.mot", help="write the angles there, as OpenSim's tables are")
+    fit.set_defaults(command=fit_motion)
+
     plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
-    _add_capture(plan, "BVH or AMC")
+    _add_capture(plan, "C3D, TRC, BVH or AMC")
+    plan.add_argument("--static", type=Path, metavar="FILE", help="of markers: the same person, standing straight")
     plan.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles, human_map and home")
     plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")
     plan.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="where it ends")
@@ -46,6 +54,21 @@ def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
     step.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
     step.add_argument("--up", metavar="AXIS", help="x, y, z or -x, -y, -z, where the file is silent or wrong")
     step.add_argument("--unit", metavar="UNIT", help="m, cm, mm or in, where the file is silent or wrong")
+
+
+def fit_motion(args: argparse.Namespace) -> int:
+    """The body, and how well it fits."""
+    from exogauge.motion.files import open_motion
+    from exogauge.motion.fit.fit import fit_human
+    from exogauge.motion.fit.told import angle_table, summarise
+
+    motion = open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit)
+    static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
+    fit = fit_human(motion, static)
+    if args.out is not None:
+        args.out.write_bytes(angle_table(fit))
+    _print(summarise(fit), args.json)
+    return 0
 
 
 def check_motion(args: argparse.Namespace) -> int:
@@ -74,7 +97,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
-    from exogauge.motion.person import person_of
+    from exogauge.motion.fit.fit import fit_human
+    from exogauge.motion.person import person_of, person_of_fit
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import motion_table, summarise
     from exogauge.motion.plan.retarget import ask
@@ -87,7 +111,12 @@ def retarget_motion(args: argparse.Namespace) -> int:
 
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
-    person = person_of(motion).cut(args.begin, args.end).slowed(args.slow)
+    if motion.markers is None:
+        person = person_of(motion)
+    else:
+        static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
+        person = person_of_fit(fit_human(motion, static), motion.contacts)
+    person = person.cut(args.begin, args.end).slowed(args.slow)
     asked, missed = ask(robot, person)
     planned = plan(robot, asked, report=tell)
     judged = judge(robot, planned.spline, asked.place[0], planned=planned)

@@ -16,8 +16,8 @@ class MotionFit:
     depth_sd: of the lumbar joint behind the hips, 3 cm at scale 1; a spine bends over its whole length.
     landmark_sd: bony points are palpated to 1 to 2 cm (Della Croce et al., Gait & Posture 21, 2005), nominal places of
     another person's add as much. loose_sd: a marker on a segment's side, at no landmark. unknown_sd: one of no known
-    place. joint_sd: a skeleton's own joint centre. start_noise: skin moves by 1 to 2 cm (Leardini et al., Gait & Posture
-    21, 2005). least_noise: below any camera's.
+    place. joint_sd: a skeleton's own joint centre. start_noise: skin moves by 1 to 2 cm (Leardini et al., Gait &
+    Posture 21, 2005). least_noise: below any camera's.
     frames: that decide the shared unknowns; static_frames of them from a static trial. still_rad: how straight the
     trunk is in it; that defines its zero. tilt_rad: how upright the pelvis, how straight the legs.
     bone_rad: how exactly a skeleton's bones say pelvis, trunk and head.

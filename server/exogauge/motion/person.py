@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.errors import BadMotion, Fault
+from exogauge.motion.fit.result import HumanFit
 from exogauge.motion.human import Contacts, HumanMotion, JointTree, Segment
 
 Array = NDArray[np.float64]
@@ -83,6 +84,19 @@ def person_of(motion: HumanMotion) -> Person:
         motion.name, motion.time, tree.position[:, bones["pelvis"]], pelvis,
         np.einsum("tji,tjk->tik", pelvis, thorax), limbs, float(hips[2] - ankles[2]), motion.contacts, motion.told,
     )  # fmt: skip
+
+
+def person_of_fit(fit: HumanFit, contacts: Contacts | None = None) -> Person:
+    """Of a body that was fitted to markers."""
+    turn, thorax, place = fit.rotation["pelvis"], fit.rotation["thorax"], fit.position
+    limbs = {}
+    for part, beyond in LIMBS:
+        along = place[beyond] - place[part]
+        limbs[part] = np.einsum("tji,tj->ti", thorax, along / np.linalg.norm(along, axis=1, keepdims=True))
+    bones = (("l_thigh", "l_shank"), ("l_shank", "l_foot"))
+    leg = sum((float(np.linalg.norm(place[b][0] - place[a][0])) for a, b in bones), 0.0)  # type: ignore[index]
+    trunk = np.einsum("tji,tjk->tik", turn, thorax)
+    return Person(fit.name, fit.time, place["pelvis"], turn, trunk, limbs, leg, contacts, fit.told)
 
 
 def _bones(tree: JointTree) -> dict[Segment, int]:

@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 SCALES = (
-    "pelvis_width", "pelvis_height", "lumbar_depth", "trunk", "shoulder_width", "head", "upper_arm", "forearm", "hand", "thigh",
-    "shank", "foot",
+    "pelvis_width", "pelvis_height", "lumbar_depth", "trunk", "shoulder_width", "head", "upper_arm", "forearm", "hand",
+    "thigh", "shank", "foot",
 )  # fmt: skip
 STATURE = 1.75  # m, of the body whose scales are all 1
 THIGH, SHANK = 0.245 * STATURE, 0.246 * STATURE  # Drillis & Contini 1966, as in Winter 2009, figure 4.1
@@ -86,8 +86,8 @@ class HumanBody:
 
 
 def human_body() -> HumanBody:
-    """Pelvis (6), trunk (3), head (3), shoulders (3), elbows with pronation (2), wrists (2), hips (3), knees (1), ankles
-    (2)."""
+    """Pelvis (6), trunk (3), head (3), shoulders (3), elbows with pronation (2), wrists (2), hips (3), knees (1),
+    ankles (2)."""
     x, y, z = np.eye(3)
     zero = (0.0, 0.0, 0.0)
     names: list[str] = []

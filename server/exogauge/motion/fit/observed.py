@@ -12,7 +12,18 @@ from scipy.spatial.transform import Rotation
 from exogauge.criteria.motion_fit import MotionFit
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.body import (
-    FOREARM, HIP, NECK, OF_SEGMENT, PELVIS, SHANK, SHOULDER, THIGH, TRUNK, UPPER_ARM, HumanBody, scales_of,
+    FOREARM,
+    HIP,
+    NECK,
+    OF_SEGMENT,
+    PELVIS,
+    SHANK,
+    SHOULDER,
+    THIGH,
+    TRUNK,
+    UPPER_ARM,
+    HumanBody,
+    scales_of,
 )  # fmt: skip
 from exogauge.motion.fit.kinematics import Points
 from exogauge.motion.fit.places import place_of
@@ -64,7 +75,7 @@ def observe(motion: HumanMotion, body: HumanBody, criteria: MotionFit) -> Observ
         if enough.mean() < criteria.least_seen:
             raise _fault(motion, f"{criteria.fewest} markers of the {part} are seen in {100 * enough.mean():.3g} % of "
                          f"frames, {100 * criteria.least_seen:.3g} % are needed", "gaps",
-                         "Close the gaps first: fill=True, or in the program that captured it", column=part)  # fmt: skip
+                         "Close the gaps first: fill=True, or where it was captured", column=part)  # fmt: skip
     sd = [criteria.unknown_sd if each is None else criteria.landmark_sd if each[1] else criteria.loose_sd
           for each in found]  # fmt: skip
     nominal = [each[0] if each is not None else (0.0, 0.0, 0.0) for each in found]
@@ -117,7 +128,7 @@ def _of_tree(motion: HumanMotion, tree: JointTree, body: HumanBody, criteria: Mo
                 add(f"{s}_{name}", on, place, tree.position[:, bone[below]], spread)  # type: ignore[arg-type]
         for part, place in ((f"{s}_foot", (0.14, 0.0, -0.04)), (f"{s}_hand", (0.0, 0.0, -0.09))):
             if part in bone:
-                add(f"{part}_end", part, place, tree.end[:, bone[part]], loose)  # type: ignore[arg-type]
+                add(f"{part}_end", part, place, tree.end[:, bone[part]], loose)
     if "head" in bone:
         add("neck", "thorax", NECK, tree.position[:, bone["head"]], loose)
     observed = _observed(body, labels, tuple(segment), nominal, np.stack(where, axis=1), np.array(sd),
@@ -133,7 +144,7 @@ def _of_tree(motion: HumanMotion, tree: JointTree, body: HumanBody, criteria: Mo
         stated.append((HEAD, "YXZ", _inverse(turned["thorax"]) @ turned["head"]))
     for names, order, rotation in stated:
         at = [body.index(name) for name in names]
-        mean[:, at] = continuous(Rotation.from_matrix(rotation).as_euler(order))
+        mean[:, at] = continuous(Rotation.from_matrix(rotation).as_euler(order))  # type: ignore[call-overload]
         weight[:, at] = criteria.bone_rad**-2
     return observed
 

@@ -43,7 +43,7 @@ def shared_fit(body: HumanBody, observed: Observed, q: Array, scale: Array, crit
     """
     F, K = q.shape
     S, M = len(SCALES), len(observed.labels)
-    seen = np.isfinite(observed.position).all(axis=2)
+    seen = np.asarray(np.isfinite(observed.position).all(axis=2))
     target = np.where(seen[..., None], observed.position, 0.0)
     rows = np.repeat(seen, 3, axis=1).astype(np.float64)
     depth = SCALES.index("lumbar_depth")
@@ -102,9 +102,9 @@ def shared_fit(body: HumanBody, observed: Observed, q: Array, scale: Array, crit
         if n > 1 and (step < criteria.settled or (step < criteria.nearly and changed < criteria.same_noise)):
             settled = True
             break
-    covariance = noise**2 * inverse
+    covariance = np.asarray(noise**2 * inverse, np.float64)
     own = noise**2 * np.einsum("tkk->tk", np.linalg.inv(A))
-    q_sd = np.sqrt(own + np.einsum("tkz,tkz->tk", AB @ covariance, AB))
+    q_sd = np.asarray(np.sqrt(own + np.einsum("tkz,tkz->tk", AB @ covariance, AB)), np.float64)
     return Shared(z[:S], z[S:].reshape(M, 3), noise, q, covariance, q_sd, settled)
 
 
