@@ -21,6 +21,7 @@ from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
+from exogauge.identification.thinned import thinned
 from exogauge.logs.derivatives import differentiate
 from exogauge.robots.description import Robot
 from exogauge.robots.ends import carries_nothing, takes_payload
@@ -32,7 +33,6 @@ from exogauge.robots.tree import RigidTree
 Array = NDArray[np.float64]
 
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
-PER_PERIOD = 6  # samples in a period of the cut-off frequency, at which a response is computed
 
 
 @final
@@ -271,8 +271,7 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
     samples = prepared.motion.samples
     if not change.acc.any() and change.first_torque is not None:
         return np.zeros((samples, len(equations.layout.told)))
-    stride = max(1, int(prepared.log.rate_hz / (PER_PERIOD * cutoff_hz)))
-    at = np.unique(np.append(np.arange(0, samples, stride), samples - 1))
+    at = thinned(samples, prepared.log.rate_hz, cutoff_hz)
     m = prepared.motion.rows(at)
     acc, gyro, gyro_dot = (each[at] for each in (change.acc, change.gyro, change.gyro_dot))
 
@@ -285,4 +284,4 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
         found = -equations.of_bodies(Motion(m.q, still, still, acc, gyro, gyro_dot), phi)
     else:
         found = (moved(-STEP) - moved(STEP)) / (2.0 * STEP)
-    return found if stride == 1 else np.asarray(CubicSpline(at, found)(np.arange(samples)))
+    return found if len(at) == samples else np.asarray(CubicSpline(at, found)(np.arange(samples)))

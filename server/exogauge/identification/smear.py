@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from exogauge.identification.thinned import thinned
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
@@ -20,8 +21,6 @@ from exogauge.robots.motion import Motion
 from exogauge.robots.regressor import cut_wrench, inverse_dynamics
 
 Array = NDArray[np.float64]
-
-PER_PERIOD = 6  # samples in a period of the cut-off frequency, at which a load is computed
 
 
 def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
@@ -45,10 +44,9 @@ def smeared(robot: Robot, log: Log, low_pass: LowPass, motion: Motion) -> Array:
 
 def _asked(robot: Robot, phi: Array, motion: Motion, low_pass: LowPass) -> Array:
     """Computed at some of the samples, with a cubic spline between: a load moves little faster than the motion."""
-    stride = max(1, int(low_pass.rate_hz / (PER_PERIOD * low_pass.cutoff_hz)))
-    at = np.unique(np.append(np.arange(0, motion.samples, stride), motion.samples - 1))
+    at = thinned(motion.samples, low_pass.rate_hz, low_pass.cutoff_hz)
     some = _asked_at(robot, phi, motion.rows(at))
-    return some if stride == 1 else np.asarray(CubicSpline(at, some)(np.arange(motion.samples)))
+    return some if len(at) == motion.samples else np.asarray(CubicSpline(at, some)(np.arange(motion.samples)))
 
 
 def _asked_at(robot: Robot, phi: Array, motion: Motion) -> Array:

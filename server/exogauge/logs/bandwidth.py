@@ -17,7 +17,7 @@ FASTEST = 0.2  # of the sampling rate: the second derivative is still better tha
 SEGMENT_S = 8.0  # per spectrum: resolves 0.5 Hz
 FLOOR_BAND = (0.3, 0.45)  # of the sampling rate, where a position holds nothing but noise
 FAST_JOINTS = 0.75  # which quantile of the joints decides
-ROUND_OFF = 1e-9  # relative; a joint that varies less does not vary
+ROUND_OFF = 1e-9  # relative; what varies less does not vary
 FALSE_ALARM = 1e-3  # chance that noise alone is taken for motion, per joint
 
 
@@ -49,6 +49,11 @@ def suggest_cutoff(values: Array, rate_hz: float, order: int = 2) -> float:
     return float(np.quantile(candidates[np.argmin(error, axis=0)], FAST_JOINTS))
 
 
+def varies(values: Array) -> NDArray[np.bool_]:
+    """values: (T, K) -> (K,) whether each does more than round."""
+    return np.asarray(np.ptp(values, axis=0) > ROUND_OFF * np.max(np.abs(values), axis=0))
+
+
 def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     """frequency (F,), motion (F, K) and noise floor (K,): power spectra of position [unit^2/Hz].
 
@@ -65,6 +70,5 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     in_floor = frequency > FLOOR_BAND[0] * rate_hz
     noise = np.median(spectrum[in_floor], axis=0) / (chi2.median(freedom) / freedom)
     stands_out = chi2.isf(FALSE_ALARM / frequency.size, freedom) / freedom
-    varies = np.ptp(values, axis=0) > ROUND_OFF * np.max(np.abs(values), axis=0)
-    motion = np.where(varies & (spectrum > stands_out * noise), spectrum - noise, 0.0)
+    motion = np.where(varies(values) & (spectrum > stands_out * noise), spectrum - noise, 0.0)
     return frequency, motion, noise

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
+from exogauge.logs.bandwidth import varies
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
@@ -27,7 +28,6 @@ FALL_DB = 50.0  # in those; friction that turns round falls by 9, as it builds u
 LIKE_OTHERS_DB = 40.0  # the same of a log whose fellows end
 BIN = 1.15  # half width, as a factor, of what one level is the median of
 HIGHEST = 0.1  # of the sampling rate: an edge above is the anti-aliasing that every log should have
-ROUND_OFF = 1e-9  # relative; a channel that varies less does not vary
 SHARE = 0.5  # of a log's varying efforts that must end alike
 ALIKE = 2.0  # ratio of their edges
 POSITIONS = "q."
@@ -136,7 +136,7 @@ def _noise_fall(values: Array, rate_hz: float) -> Array:
 
 def _varies(values: Array) -> bool:
     finite = bool(np.isfinite(values).all()) and values.size >= SHORTEST
-    return finite and bool(np.ptp(values) > ROUND_OFF * np.max(np.abs(values)))
+    return finite and bool(varies(values[:, None])[0])
 
 
 def _steepest(efforts: Array, rate_hz: float) -> tuple[Edge, ...]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.judging import Judging
 from exogauge.effects.flags import along_motion
 from exogauge.findings.basis import Continued, OfRobot
+from exogauge.findings.binned import binned
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place
 from exogauge.findings.verdict import Objection, Why
 from exogauge.identification.equations import Equations
@@ -119,9 +120,6 @@ def _held_out(channel: str, before: Identification, after: Identification, judge
 
 Array = NDArray[np.float64]
 
-BINS = 40  # at most
-FEWEST = 8  # samples in a bin
-USUAL = 12  # samples in a bin of a short log
 UNITS = {
     "velocity": "rad/s", "position": "rad", "load": "N·m", "time": "s", "acceleration": "rad/s²", "drive": "N·m",
     "temperature": "°C", "motor_velocity": "rad/s",
@@ -150,21 +148,9 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     if along_motion(effect):
         way = np.concatenate([np.sign(each.seen.signals.velocity[each.rows[kind].samples]) for each in shown])
         before, after, torque = way * before, way * after, way * torque
-    bins = int(np.clip(len(at) // USUAL, 1, BINS))
-    edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
-    if name in VELOCITIES:  # friction turns round at zero: no bin may hold both sides
-        edges = np.unique([*edges, np.clip(0.0, edges[0], edges[-1])])
-    place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
-    count = np.bincount(place, minlength=len(edges) - 1)
-    full = count >= FEWEST
-
-    def mean(values: Array) -> Array:
-        return np.asarray(np.bincount(place, values, minlength=len(count))[full] / count[full])
-
-    spread = np.sqrt(np.maximum(mean(before**2) - mean(before) ** 2, 0.0) / count[full])
     unit = UNITS.get(name) or candidate.site.in_si(model, name, candidate.shape)[1]
-    binned = (mean(at), mean(before), mean(after), spread, mean(torque))
-    return Evidence(name, unit, *binned, along_motion=along_motion(effect))
+    means = binned(at, before, after, torque, name in VELOCITIES)  # friction turns round at zero
+    return Evidence(name, unit, *means, along_motion=along_motion(effect))
 
 
 def continued(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows]) -> Continued | None:
