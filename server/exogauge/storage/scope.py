@@ -16,11 +16,11 @@ OF_ALL_LABS = {"of_all_labs": True}
 
 @final
 class LabSession(Session):
-    """Closed as any session; the queue's own statements pass as they are."""
+    """Closed as any session; the queue's own statements pass as they are. actor: who the audit names."""
 
-    def __init__(self, engine: Engine, lab_id: str) -> None:
+    def __init__(self, engine: Engine, lab_id: str, actor: str) -> None:
         super().__init__(engine)
-        self.lab_id = lab_id
+        self.lab_id, self.actor = lab_id, actor
 
 
 @event.listens_for(LabSession, "do_orm_execute")
@@ -45,3 +45,8 @@ def add_within_lab(session: Session, *_: Any) -> None:
 def lab_of(session: Session) -> str:
     assert isinstance(session, LabSession)
     return session.lab_id
+
+
+def actor_of(session: Session) -> str:
+    assert isinstance(session, LabSession)
+    return session.actor

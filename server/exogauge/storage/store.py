@@ -32,11 +32,14 @@ from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
+from exogauge.storage.members import Audit, Invitations, Members, Tokens
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import LabSession
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
+
+LOCAL = "local"  # who does what where there are no accounts
 
 
 @final
@@ -59,6 +62,10 @@ class Store:
         self.keys = Keys(lab)
         self.uploads = Uploads(lab)
         self.mappings = Mappings(lab)
+        self.members = Members(lab)
+        self.invitations = Invitations(lab)
+        self.tokens = Tokens(lab)
+        self.audit = Audit(lab)
 
     def study_of(self, job: JobRecord) -> StudyRecord:
         """NotFound for a job of a payload."""
@@ -70,20 +77,22 @@ class Store:
 @final
 @dataclass(frozen=True)
 class Storage:
-    """What one lab has of an installation; safe to share between threads, and cheap to make."""
+    """What one lab has of an installation; safe to share between threads, and cheap to make. actor: who does what is
+    done with it, for the audit."""
 
     engine: Engine
     blobs: BlobStore
     lab_id: str
+    actor: str = LOCAL
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session, session.begin():
+        with serving("answer"), LabSession(self.engine, self.lab_id, self.actor) as session, session.begin():
             yield Store(session, self.blobs, self.lab_id)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session:
+        with serving("answer"), LabSession(self.engine, self.lab_id, self.actor) as session:
             session.connection(execution_options=READONLY)
             yield Store(session, self.blobs, self.lab_id)
 
@@ -99,8 +108,8 @@ class Installation:
     engine: Engine
     blobs: BlobStore
 
-    def of_lab(self, lab_id: str) -> Storage:
-        return Storage(self.engine, self.blobs, lab_id)
+    def of_lab(self, lab_id: str, actor: str = LOCAL) -> Storage:
+        return Storage(self.engine, self.blobs, lab_id, actor)
 
     @contextmanager
     def session(self) -> Iterator[Session]:
@@ -108,10 +117,16 @@ class Installation:
         with serving("answer"), Session(self.engine) as session, session.begin():
             yield session
 
-    def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
-        """How many workers have given a sign of life on the database's clock; they serve all labs."""
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """The same for reading only; it never waits for the writer."""
         with serving("answer"), Session(self.engine) as session:
             session.connection(execution_options=READONLY)
+            yield session
+
+    def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
+        """How many workers have given a sign of life on the database's clock; they serve all labs."""
+        with self.reading() as session:
             since = database_now(session) - within
             alive = sa.select(sa.func.count()).select_from(WorkerLease).where(WorkerLease.beat_at >= since)
             return session.scalar(alive) or 0
