@@ -13,6 +13,8 @@ import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError
 
 from exogauge.storage.database import UtcDateTime
+from exogauge.storage.row_security import ALL, see
+from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import Base
 
@@ -74,15 +76,16 @@ def test_the_database_refuses_a_reference_into_another_lab(
     storage: Storage, table: sa.Table, key: sa.ForeignKeyConstraint
 ) -> None:
     with storage.engine.begin() as connection:
+        see(connection, ALL)
         north, south = (filled(connection, lab) for lab in ("north", "south"))
         if table not in {each.referred_table for _, each in KEYS}:
             connection.execute(sa.delete(table))  # some are one to one
     right = row_of(table, "north", north, key)
     for wrong in ({names(key): south[key.referred_table.name]}, {"lab_id": "south"}):
-        with pytest.raises(IntegrityError, match=r"(?i)foreign key"), storage.engine.begin() as connection:
-            connection.execute(sa.insert(table).values(right | wrong))
-    with storage.engine.begin() as connection:
-        connection.execute(sa.insert(table).values(right))  # nothing else of it was wrong
+        with pytest.raises(IntegrityError, match=r"(?i)foreign key"), AllLabsSession(storage.engine) as session:
+            session.execute(sa.insert(table).values(right | wrong))
+    with AllLabsSession(storage.engine) as session:
+        session.execute(sa.insert(table).values(right))  # nothing else of it was wrong
 
 
 def filled(connection: sa.Connection, lab: str) -> dict[str, str]:

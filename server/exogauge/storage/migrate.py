@@ -100,7 +100,7 @@ def known_or_raise(found: str | None) -> None:
 def connected(url: str) -> Iterator[Connection]:
     """A connection for migrations only: foreign keys off on SQLite, where altering a table drops and renames it
     (with them on, ON DELETE CASCADE empties the children), and checked before the end."""
-    engine = make_engine(url, foreign_keys=False)
+    engine = make_engine(url, migrating=True)
     try:
         with serving("be migrated"), engine.connect() as connection:
             yield connection

@@ -35,7 +35,7 @@ from exogauge.storage.mappings import Mappings
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
-from exogauge.storage.scope import LabSession
+from exogauge.storage.scope import AllLabsSession, LabSession
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
 
@@ -114,13 +114,13 @@ class Installation:
     @contextmanager
     def session(self) -> Iterator[Session]:
         """One transaction that sees all labs: for the queue, for sweeping, and for nothing that a request names."""
-        with serving("answer"), Session(self.engine) as session, session.begin():
+        with serving("answer"), AllLabsSession(self.engine) as session, session.begin():
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """The same for reading only; it never waits for the writer."""
-        with serving("answer"), Session(self.engine) as session:
+        with serving("answer"), AllLabsSession(self.engine) as session:
             session.connection(execution_options=READONLY)
             yield session
 
