@@ -10,6 +10,7 @@ from datetime import timedelta
 from exogauge.cli.endings import Commands
 
 NOT_SOUND = 1
+KINDS = {"study": "studies", "robot": "robots", "device": "devices", "log": "logs", "payload": "payloads"}
 
 
 def add_commands(commands: Commands) -> None:
@@ -24,6 +25,21 @@ def add_commands(commands: Commands) -> None:
         "--stopped", action="store_true", help="no server and no worker runs: nothing is on its way, wait for nothing"
     )
     gc.set_defaults(command=sweep_all)
+
+    delete = commands.add_parser("delete", help="delete something that a service keeps, with all that hangs on it")
+    delete.add_argument("kind", choices=sorted(KINDS))
+    delete.add_argument("id")
+    delete.add_argument("--server", metavar="URL", required=True, help="address of the service")
+    delete.set_defaults(command=delete_one)
+
+
+def delete_one(options: argparse.Namespace) -> int:
+    from exogauge.client import Client
+
+    with Client(options.server) as client:
+        client.delete_by_id(KINDS[options.kind], options.id)
+    print(f"{options.kind} {options.id} is deleted")
+    return 0
 
 
 def check_all(options: argparse.Namespace) -> int:
