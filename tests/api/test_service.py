@@ -19,6 +19,8 @@ from exogauge.storage.migrate import WrongSchema
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import WorkerLease
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 V1 = "/api/v1"
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
