@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
+
 import psycopg
 import pytest
 import sqlalchemy as sa
+from sqlalchemy.orm import Session
 
+from exogauge.storage import orphans
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.migrate import downgrade, upgrade
 from exogauge.storage.row_security import ALL, ROLE, see
-from exogauge.storage.scope import OF_ALL_LABS
+from exogauge.storage.scope import OF_ALL_LABS, LabSession
 from exogauge.storage.store import Installation, Storage
 from exogauge.storage.tables import Base, Study
 
@@ -18,7 +22,7 @@ OWNED = sorted(name for name, table in Base.metadata.tables.items() if "lab_id" 
 
 
 @pytest.fixture
-def installation(storage: Storage) -> Installation:
+def installation(storage: Storage, without_bytes: None) -> Installation:
     """North and south have a study each."""
     made = Installation(storage.engine, storage.blobs)
     for lab in ("north", "south"):
@@ -92,6 +96,18 @@ def test_a_savepoint_that_is_taken_back_leaves_the_lab_as_it_was(installation: I
 
 
 @on_postgresql
+def test_what_one_lab_does_not_see_is_not_taken_for_an_orphan(installation: Installation) -> None:
+    with installation.session() as session:
+        assert orphans.named(session, "1") == {"1" * 64}
+    for sort in (Session(installation.engine), LabSession(installation.engine, "west", "x", installation.blobs)):
+        with sort as session:
+            with pytest.raises(AssertionError):
+                orphans.named(session, "1")
+            with pytest.raises(AssertionError):
+                orphans.condemn(session, timedelta(0))
+
+
+@on_postgresql
 def test_what_the_service_works_as_may_not_take_the_guard_away(storage: Storage) -> None:
     for statement in (
         "ALTER TABLE studies DISABLE ROW LEVEL SECURITY",
@@ -115,7 +131,7 @@ def test_a_login_that_is_no_superuser_serves_and_is_told_where_it_may_make_no_ro
     mine = postgres_url.replace("//postgres@", f"//{login}@").replace("//root@", f"//{login}@")
     upgrade(mine)
     upgrade(mine)
-    downgrade(mine, "0011")
+    downgrade(mine, "0012")
     with psycopg.connect(postgres_url, autocommit=True) as connection:
         connection.execute(f'REVOKE {ROLE} FROM "{login}"')
         connection.execute(f'ALTER ROLE "{login}" NOCREATEROLE')

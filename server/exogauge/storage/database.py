@@ -96,7 +96,10 @@ def make_engine(text: str, *, migrating: bool = False) -> Engine:
             url,
             pool_pre_ping=True,
             pool_size=10,
-            connect_args={"connect_timeout": 5, "options": f"-c timezone=UTC {role}"},
+            connect_args={
+                "connect_timeout": 5,
+                "options": f"-c timezone=UTC -c idle_in_transaction_session_timeout=600000 {role}",
+            },
         )
     assert url.database is not None
     Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)

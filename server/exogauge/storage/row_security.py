@@ -40,6 +40,13 @@ def see(connection: Connection, lab: str) -> None:
         connection.execute(sa.text(f"SELECT set_config('{SETTING}', :lab, true)"), {"lab": lab})
 
 
+def sees_all(connection: Connection) -> bool:
+    """Whether the transaction sees the rows of all labs: what is not seen is no proof that nothing is there."""
+    if connection.dialect.name != "postgresql":
+        return True
+    return bool(connection.execute(sa.text(f"SELECT {NAMED} = '{ALL}'")).scalar())
+
+
 def make_role(connection: Connection) -> None:
     """Where it is not there yet; and what comes after needs no word for it."""
     kept = "SELECT, INSERT, UPDATE, DELETE"

@@ -3,12 +3,16 @@ say so. What has to see all labs (the queue) says that, with `OF_ALL_LABS` or in
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, final
 
+import sqlalchemy as sa
 from sqlalchemy import event
 from sqlalchemy.engine import Connection, Engine, Result
 from sqlalchemy.orm import ORMExecuteState, Session, with_loader_criteria
 
+from exogauge.storage.blobs import BlobStore
+from exogauge.storage.orphans import names_a_blob, spare
 from exogauge.storage.row_security import ALL, see
 from exogauge.storage.tables import Owned
 
@@ -17,11 +21,12 @@ OF_ALL_LABS = {"of_all_labs": True}
 
 @final
 class LabSession(Session):
-    """Closed as any session; the queue's own statements pass as they are. actor: who the audit names."""
+    """Closed as any session; the queue's own statements pass as they are. Rows that name blobs spare them. actor: who
+    the audit names."""
 
-    def __init__(self, engine: Engine, lab_id: str, actor: str) -> None:
+    def __init__(self, engine: Engine, lab_id: str, actor: str, blobs: BlobStore) -> None:
         super().__init__(engine)
-        self.lab_id, self.actor = lab_id, actor
+        self.lab_id, self.actor, self.blobs = lab_id, actor, blobs
 
 
 @final
@@ -68,6 +73,20 @@ def add_within_lab(session: Session, *_: Any) -> None:
             if row.lab_id not in (None, lab_id):
                 raise ValueError(f"a row of lab {row.lab_id!a} in a session of lab {lab_id!a}")
             row.lab_id = lab_id
+
+
+@event.listens_for(LabSession, "before_flush")
+def spare_what_is_named(session: Session, *_: Any) -> None:
+    keys = {row: sa.inspect(type(row)).column_attrs.keys() for row in session.new}
+    named = (getattr(row, key) for row in keys for key in keys[row] if names_a_blob(key))
+    spare_blobs(session, {name for name in named if name is not None})
+
+
+def spare_blobs(session: Session, names: Collection[str]) -> None:
+    """For an UPDATE that names blobs; rows that are added do it themselves."""
+    assert isinstance(session, LabSession)
+    if names:
+        spare(session, session.blobs, names)
 
 
 def lab_of(session: Session) -> str:

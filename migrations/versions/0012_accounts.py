@@ -1,6 +1,6 @@
 """Labs, accounts, sessions, members, tokens, invitations; the audit is only ever added to.
 
-Revision: 0011, after: 0010.
+Revision: 0012, after: 0011.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from alembic import op
 
 from exogauge.storage.database import UtcDateTime
 
-revision = "0011"
-down_revision = "0010"
+revision = "0012"
+down_revision = "0011"
 branch_labels = None
 depends_on = None
 

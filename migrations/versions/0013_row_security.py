@@ -1,6 +1,6 @@
 """PostgreSQL guards the rows of labs by itself, and from a role that is not their owner.
 
-Revision: 0012, after: 0011.
+Revision: 0013, after: 0012.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from alembic import op
 
 from exogauge.storage.row_security import ROLE, guard, make_role, unguard
 
-revision = "0012"
-down_revision = "0011"
+revision = "0013"
+down_revision = "0012"
 branch_labels = None
 depends_on = None
 
