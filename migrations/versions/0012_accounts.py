@@ -108,10 +108,10 @@ def upgrade() -> None:
     op.create_index("ix_invitations_lab_id_created_at_id", "invitations", ["lab_id", "created_at", "id"])
     op.create_table(
         "sign_in_tries",
-        sa.Column("key", SHA256, nullable=False),
+        sa.Column("key_hash", SHA256, nullable=False),
         sa.Column("tries", sa.Integer(), nullable=False),
         sa.Column("since", UtcDateTime(), nullable=False),
-        sa.PrimaryKeyConstraint("key", name="pk_sign_in_tries"),
+        sa.PrimaryKeyConstraint("key_hash", name="pk_sign_in_tries"),
     )
     op.add_column("audit", sa.Column("said", sa.Text(), nullable=False, server_default=sa.text("''")))
     for statement in ONLY_ADDED[op.get_bind().dialect.name]:

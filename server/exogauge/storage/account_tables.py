@@ -129,9 +129,9 @@ class Invitation(Owned, Base):
 
 @final
 class SignInTries(Base):
-    """How often somebody tried a password. key: a hash of the address, the account's name, or both."""
+    """How often somebody tried a password. key_hash: of the address, the account's name, or both."""
 
     __tablename__ = "sign_in_tries"
-    key: Mapped[str] = mapped_column(SHA256, primary_key=True)
+    key_hash: Mapped[str] = mapped_column(SHA256, primary_key=True)
     tries: Mapped[int]
     since: Mapped[datetime] = mapped_column(UtcDateTime)

@@ -175,17 +175,17 @@ class Accounts:
         found = []
         for key in sorted(keys):  # always in one order: two that wait for each other would wait for ever
             table = SignInTries
-            new = made.insert(table).values(key=key, tries=1, since=now)
+            new = made.insert(table).values(key_hash=key, tries=1, since=now)
             old = table.since <= now - within
             again = {"tries": sa.case((old, 1), else_=table.tries + 1), "since": sa.case((old, now), else_=table.since)}
-            counted = new.on_conflict_do_update(index_elements=[table.key], set_=again).returning(table.tries)
+            counted = new.on_conflict_do_update(index_elements=[table.key_hash], set_=again).returning(table.tries)
             found.append((key, self.session.execute(counted).scalar_one()))
         counts = dict(found)
         return [counts[key] for key in keys]
 
     def forget_tries(self, keys: Sequence[str], before: timedelta) -> None:
         """Of these keys, and what is older."""
-        old = sa.or_(SignInTries.key.in_(keys), SignInTries.since <= utc_now() - before)
+        old = sa.or_(SignInTries.key_hash.in_(keys), SignInTries.since <= utc_now() - before)
         self.session.execute(sa.delete(SignInTries).where(old))
 
     def _one(self, which: sa.ColumnElement[bool], said: str) -> AccountRecord:
