@@ -144,16 +144,16 @@ def test_the_cookie_is_for_this_host_alone_and_new_with_each_sign_in(people: Peo
         assert key != before.lower()
     with people.browser(before) as old:
         assert old.get(f"{V1}/studies").status_code == 401
-    with TestClient(people.app, base_url=ORIGIN, cookies={"exogauge-443": people.session(account)}) as tossed:
-        assert tossed.get(f"{V1}/studies").status_code == 401  # one that a page without encryption could have set
+    tossed = TestClient(people.app, base_url=ORIGIN, cookies={"exogauge-443": people.session(account)})
+    assert tossed.get(f"{V1}/studies").status_code == 401  # one that a page without encryption could have set
 
 
 @on_sqlite
 def test_a_password_does_not_go_over_an_open_line(people: People) -> None:
     people.person("ada@example.org", "north", password=PASSWORD)
-    with TestClient(people.app, base_url="http://exo.example") as browser:
-        answer = browser.post(f"{V1}/session", json={"email": "ada@example.org", "password": PASSWORD})
-        assert (answer.status_code, "set-cookie" in answer.headers) == (403, False)
+    browser = TestClient(people.app, base_url="http://exo.example")
+    answer = browser.post(f"{V1}/session", json={"email": "ada@example.org", "password": PASSWORD})
+    assert (answer.status_code, "set-cookie" in answer.headers) == (403, False)
 
 
 @on_sqlite
@@ -164,13 +164,13 @@ def test_what_a_cookie_may_change_comes_from_our_own_page(people: People) -> Non
         {"Sec-Fetch-Site": "same-site", "Origin": ORIGIN},
     ]  # fmt: skip
     for headers in foreign:
-        with TestClient(people.app, base_url=ORIGIN, cookies={COOKIE: key}, headers=headers) as browser:
-            for ask in (browser.post, browser.put, browser.patch, browser.delete):
-                assert ask(f"{V1}/lab").status_code == 403, headers
-            assert browser.post(f"{V1}/lab/invitations", json={"email": "a@b", "role": "admin"}).status_code == 403
+        browser = TestClient(people.app, base_url=ORIGIN, cookies={COOKIE: key}, headers=headers)
+        for ask in (browser.post, browser.put, browser.patch, browser.delete):
+            assert ask(f"{V1}/lab").status_code == 403, headers
+        assert browser.post(f"{V1}/lab/invitations", json={"email": "a@b", "role": "admin"}).status_code == 403
     for headers in ({"Origin": ORIGIN}, {"Sec-Fetch-Site": "same-origin"}):
-        with TestClient(people.app, base_url=ORIGIN, cookies={COOKIE: key}, headers=headers) as browser:
-            assert browser.post(f"{V1}/lab/invitations", json={"email": "a@b.c", "role": "admin"}).status_code == 201
+        browser = TestClient(people.app, base_url=ORIGIN, cookies={COOKIE: key}, headers=headers)
+        assert browser.post(f"{V1}/lab/invitations", json={"email": "a@b.c", "role": "admin"}).status_code == 201
 
 
 @on_sqlite

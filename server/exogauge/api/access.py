@@ -26,7 +26,6 @@ from exogauge.api.dependencies import CALLER
 from exogauge.api.problems import of_error, problem_response
 from exogauge.api.rights import SAFE, refusal, right_of
 from exogauge.errors import Unavailable
-from exogauge.settings import Settings
 from exogauge.storage import callers
 from exogauge.storage.callers import Caller
 from exogauge.storage.secrets import is_token
@@ -41,17 +40,18 @@ TITLES = {401: "Not signed in", 403: "Not allowed"}
 
 @final
 class Access:
-    """ASGI middleware. accounts: whether there are any; without, all who reach the server may do all, in one lab."""
+    """ASGI middleware. Where the app has no accounts, all who reach the server may do all, in the settings' lab."""
 
-    def __init__(self, app: ASGIApp, installation: Installation, settings: Settings, accounts: bool) -> None:
-        self.app, self.installation, self.settings, self.accounts = app, installation, settings, accounts
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
             return
-        if not self.accounts:
-            scope[CALLER] = Caller(LOCAL, self.settings.lab, "admin")
+        state = scope["app"].state
+        if not state.accounts:
+            scope[CALLER] = Caller(LOCAL, state.settings.lab, "admin")
             await self.app(scope, receive, send)
             return
         method = scope.get("method", WEBSOCKET)
@@ -80,13 +80,14 @@ class Access:
         key = bearer[len(BEARER) :].strip() if by_token else session_key(HTTPConnection(scope))
         if key is None or (by_token and not is_token(key)):
             return None
-        with self.installation.reading() as session:
+        installation: Installation = scope["app"].state.installation
+        with installation.reading() as session:
             found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
         if found is None:
             return None
         caller, to_note = found
         if to_note:
-            with contextlib.suppress(Unavailable), self.installation.session() as session:
+            with contextlib.suppress(Unavailable), installation.session() as session:
                 callers.note(session, caller)
         return caller
 

@@ -87,7 +87,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(Idempotency)
     app.add_middleware(BodyLimit, limit=settings.max_upload_bytes, piece_limit=settings.max_bundle_bytes)
     app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
-    app.add_middleware(Access, installation=installation, settings=settings, accounts=app.state.accounts)
+    app.add_middleware(Access)
     app.add_middleware(Guard, local_only=settings.local_only)
     for router in (
         robots.router,

@@ -130,7 +130,7 @@ def sign_out(request: Request, installation: InstallationDep) -> Response:
     if key is not None:
         with installation.session() as session:
             Accounts(session).end_session(key)
-    response = Response(status_code=204)
+    response = Response(status_code=204, headers={"Clear-Site-Data": '"cache"'})  # of whoever comes next
     end_session(response, request)
     return response
 
