@@ -1,0 +1,214 @@
+"""The motion that tells most within every bound: Fourier series, exact gradients, excesses ever dearer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from exogauge.criteria.motion_excite import USUAL, MotionExcite
+from exogauge.errors import NotIdentifiable
+from exogauge.experiment.information import Information, Told
+from exogauge.motion.excite.base import BaseTurn
+from exogauge.motion.excite.stance import OutOfReachError, Stance, Three
+from exogauge.motion.excite.strain import Bounds, Part, Pull
+from exogauge.robots.motion import Motion
+from exogauge.robots.series import Series
+
+Array = NDArray[np.float64]
+Report = Callable[[str, int, float, float], None]
+
+OUT = 1e6  # cost of what cannot be had at all
+
+
+@final
+@dataclass(frozen=True)
+class Task:
+    """What is planned, for whom, by which bounds. order: as `Bounds`. home: (free,) where motions are shrunk to."""
+
+    stance: Stance
+    series: Series
+    information: Information
+    bounds: Bounds
+    criteria: MotionExcite = USUAL
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        return self.bounds.order
+
+    @cached_property
+    def home(self) -> Array:
+        robot = self.stance.robot
+        assert robot.home is not None
+        return np.asarray(robot.home[self.stance.free])
+
+    @property
+    def home_joints(self) -> Array:
+        """(J,) of all joints."""
+        robot = self.stance.robot
+        assert robot.home is not None
+        return np.asarray(robot.home[robot.base :])
+
+    @cached_property
+    def sizes(self) -> Array:
+        """(free, 1) [rad/s or m/s] speeds that count alike."""
+        robot = self.stance.robot
+        fast = np.where(np.isfinite(robot.limits.velocity), robot.limits.velocity, 3.0)
+        base = np.array([0.1, 0.1, 0.1, 0.5, 0.5, 0.5])[: robot.base]
+        return np.asarray(np.concatenate([base, fast])[self.stance.free][:, None])
+
+    @cached_property
+    def still(self) -> Array:
+        """(free, 2N-2) at home throughout."""
+        x = np.zeros((len(self.stance.free), self.series.size))
+        x[:, -1] = self.home
+        return x
+
+    @cached_property
+    def time(self) -> Array:
+        count = self.criteria.per_period * self.series.harmonics
+        return np.arange(count) * self.series.duration / count
+
+    def motion(self, whole: Three) -> Motion:
+        """As the identification sees it."""
+        q, v, a = whole
+        columns = self.stance.robot.base + self.order
+        joints = q[:, columns], v[:, columns], a[:, columns]
+        if not self.stance.robot.floating:
+            none = np.zeros((len(q), 3))
+            return Motion(*joints, np.tile(self._up, (len(q), 1)), none, none)
+        return Motion(*joints, *BaseTurn.of(q[:, 3:6], v[:, 3:6], a[:, 3:6]).felt(a[:, :3]))
+
+    @cached_property
+    def _up(self) -> Array:
+        return -np.asarray(self.stance.robot.model.gravity.linear)
+
+    def told(self, x: Array) -> Told:
+        """x: (free, 2N-2)."""
+        return self.information.of(self.motion(self.stance.whole(*self.series.motion(x, self.time))), self.series.duration)
+
+    def shares(self, x: Array, time: Array) -> list[Part]:
+        """Of every bound at these times."""
+        whole = self.stance.whole(*self.series.motion(x, time))
+        return self.bounds.parts(*whole, self.information.loads(self.motion(whole)))
+
+    def largest(self, x: Array, rate_hz: float | None = None) -> tuple[float, str]:
+        """Share of the bound that is nearest, at any sample, and which."""
+        rate = rate_hz or self.criteria.check_hz
+        time = np.arange(round(rate * self.series.duration) + 1) / rate
+        try:
+            parts = self.shares(x, time)
+        except OutOfReachError:
+            return np.inf, "reach of a standing leg"
+        tops = [(float(each), name) for part in parts
+                for each, name in zip(part.share.max(axis=0), part.names, strict=True)]  # fmt: skip
+        return max(tops)
+
+
+def point(task: Task, x: Array, dear: float) -> tuple[float, Array, float]:
+    """Cost with excesses, its gradient (free, 2N-2), and the largest share."""
+    columns = task.series.columns(task.time)
+    try:
+        whole = task.stance.whole(*np.einsum("ktp,np->ktn", columns, x))
+    except OutOfReachError:
+        return OUT, np.zeros_like(x), np.inf
+    told = task.information.of(task.motion(whole), task.series.duration)
+    T, n = whole[0].shape
+    pull = Pull.none(T, n, told.loads.shape[1])
+    cost, largest = told.cost, 0.0
+    for part in task.bounds.parts(*whole, told.loads):
+        excess = np.maximum(part.share - task.criteria.kept, 0.0)
+        cost += dear * float(np.sum(excess**2)) / T
+        largest = max(largest, float(part.share.max(initial=0.0)))
+        part.pull(2.0 * dear / T * excess, pull)
+    by = told.slopes(loads=pull.loads)
+    joints = task.stance.robot.base + task.order
+    for at, slopes in ((pull.q, by.q), (pull.v, by.dq), (pull.a, by.ddq)):
+        at[:, joints] += slopes
+    if task.stance.robot.floating:
+        q, v, a = whole
+        base = BaseTurn.of(q[:, 3:6], v[:, 3:6], a[:, 3:6]).back(a[:, :3], by.acc, by.gyro, by.gyro_dot)
+        for at, slopes in zip((pull.q, pull.v, pull.a), base, strict=True):
+            at[:, :6] += slopes
+    free = task.stance.back(whole, (pull.q, pull.v, pull.a))
+    return cost, np.asarray(np.einsum("ktp,ktn->np", columns, np.stack(free))), largest
+
+
+def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> Array:
+    """(free, 2N-2) of random numbers, every joint as large as its own bounds bear, then all together as large
+    as the others do; `share` of that. Raises NotIdentifiable where home itself is outside."""
+    x = rng.standard_normal(task.still.shape) * task.sizes
+    x[:, -1] = task.home
+    x = _alone(task, x, rng)
+    rest, name = task.largest(task.still, 1.0)
+    if rest > 1.0:
+        raise NotIdentifiable(f"home is outside a bound while nothing moves ({name}): choose another posture", ())
+    rate = len(task.time) / task.series.duration
+    low, high = 0.0, 1.0
+    while task.largest(task.still + high * (x - task.still), rate)[0] <= 1.0:
+        low, high = high, 2.0 * high
+    for _ in range(task.criteria.halvings):
+        middle = (low + high) / 2
+        inner = task.largest(task.still + middle * (x - task.still), rate)[0] <= 1.0
+        low, high = (middle, high) if inner else (low, middle)
+    return within(task, task.still + share * low * (x - task.still))
+
+
+def _alone(task: Task, x: Array, rng: np.random.Generator) -> Array:
+    """x with every joint as large as its own bounds on position, velocity and acceleration bear, somewhere in its
+    range; the base as large as its sizes."""
+    robot = task.stance.robot
+    u, du, ddu = task.series.motion(x, task.time)
+    own = task.stance.free - robot.base
+    joints, limits, x = own >= 0, robot.limits, x.copy()
+    low, high = limits.lower[own[joints]], limits.upper[own[joints]]
+    share = np.abs(du / task.sizes[:, 0]).max(axis=0)
+    for each, size in (
+        (np.ptp(u[:, joints], axis=0), high - low),
+        (np.abs(ddu[:, joints]).max(axis=0), limits.acceleration[own[joints]]),
+    ):
+        share[joints] = np.maximum(share[joints], each / size)
+    x[:, :-1] /= share[:, None]
+    u = task.series.motion(x, task.time)[0][:, joints]
+    least, most = low - (u.min(axis=0) - x[joints, -1]), high - (u.max(axis=0) - x[joints, -1])
+    x[joints, -1] = least + rng.uniform(size=len(low)) * (most - least)
+    return x
+
+
+def within(task: Task, x: Array) -> Array:
+    """As it is, or shrunk towards home and rest until every bound holds at `check_hz`."""
+    for _ in range(task.criteria.shrinks):
+        share, _ = task.largest(x)
+        if share <= 1.0:
+            return x
+        rest = task.largest(task.still, 1.0)[0]
+        if not np.isfinite(share):
+            x = task.still + 0.7 * (x - task.still)
+            continue
+        x = task.still + min(0.999, 0.999 * (1.0 - min(rest, 0.9)) / (share - min(rest, 0.9))) * (x - task.still)
+    return x if task.largest(x)[0] <= 1.0 else task.still
+
+
+def improve(task: Task, x: Array, report: Report | None = None) -> Array:
+    """From a start x (free, 2N-2): the motion of least cost near it, within all bounds."""
+    scale = np.tile(task.sizes, (1, task.series.size))
+    for stage, dear in enumerate(task.criteria.costs):
+        evaluations = 0
+
+        def at(y: Array, dear: float = dear, stage: int = stage) -> tuple[float, Array]:
+            nonlocal evaluations
+            evaluations += 1
+            cost, gradient, largest = point(task, y.reshape(x.shape) * scale, dear)
+            if report is not None:
+                report(f"stage {stage + 1}", evaluations, cost, largest)
+            return cost, (gradient * scale).ravel()
+
+        found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",
+                         options={"maxfun": task.criteria.steps, "maxcor": 20})  # fmt: skip
+        x = np.asarray(found.x).reshape(x.shape) * scale
+    return within(task, x)
