@@ -13,7 +13,8 @@ class MotionExcite:
     per_period: samples per period of the fastest harmonic while planning. kept: share of every bound that is used
     then: what lies between samples. margin_m, friction, least_weight: of standing feet, as `MotionPlan`'s; 30 mm, for
     a motion that nobody has tried. turn_s: so near to a turn an axis counts half: .7 periods of a cut-off of 10 Hz.
-    slow_share: of the top speed, at which an axis counts half. starts: random motions that the search begins from.
+    slow_share: of the top speed, at which an axis counts half. starts: searches; each begins from the best of
+    drawn random motions.
     costs: weights of excess, one after the other; steps: of the search at each. check_hz: at which every bound holds.
     halvings: of the amplitude of a random motion. shrinks: at most, of what is found, until it is within all bounds.
     approach_s: from home to the motion's begin, and back. rest_s: at home before and after: what a joint's friction
@@ -30,7 +31,8 @@ class MotionExcite:
     least_weight: float = 0.3
     turn_s: float = 0.07
     slow_share: float = 0.01
-    starts: int = 2
+    starts: int = 1
+    drawn: int = 6
     costs: tuple[float, ...] = (1e2, 1e3, 1e4)
     steps: int = 40
     check_hz: float = 1000.0

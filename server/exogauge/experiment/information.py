@@ -31,8 +31,8 @@ TOLD = {"motor_gain", "viscous", "coulomb", "static_friction", "motor_offset", "
 class Information:
     """Of base parameters and joint parameters, from rows of the base's wrench and of every axis in steady motion.
 
-    Rows of sensors that carry bodies are left out. prior: its own part is always there. known: (P, P) information that
-    earlier logs hold. weights: (rows,) 1/variance of a sample of each base and axis row. per_s: samples that a log has
+    Rows of sensors that carry bodies are left out. prior: what is known before. known: (P, P) the same where earlier logs
+    hold more. weights: (rows,) 1/variance of a sample of each base and axis row. per_s: samples that a log has
     per second. turn_s: so near to a turn an axis counts half. slow: (A,) [rad/s] so slow it does, too.
     """
 
@@ -47,8 +47,7 @@ class Information:
         self.per_s, self.turn_s, self.slow = per_s, turn_s, slow
         self.kinematics = Kinematics(equations.robot.tree)
         self.free: IntArray = prior.free.astype(np.intp)
-        before = prior.information(1.0)
-        self.before: Array = before if known is None else before + known[np.ix_(self.free, self.free)]
+        self.before: Array = prior.information(1.0) if known is None else known[np.ix_(self.free, self.free)]
         self.names = [effect.name for effect in equations.effects]
         self.at = split(equations, prior.mean)
 

@@ -65,7 +65,8 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     at = np.searchsorted(free, columns)
     others = np.setdiff1d(np.arange(len(free)), at)
     of_maker = ~np.isin(others, prior.measured_free)
-    H_inverse = np.linalg.inv(H)
+    size = np.sqrt(np.diag(H))  # columns of one length: a slow motion leaves few digits otherwise
+    H_inverse = np.linalg.inv(H / np.outer(size, size)) / np.outer(size, size)
     V = H_inverse[np.ix_(at, at)]
     response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
     number = 1.0 + _decided_by(statistics, weights, kinds, free[others], H[np.ix_(others, others)], of_maker)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import final
 
 import numpy as np
@@ -16,12 +16,12 @@ from exogauge.errors import NotIdentifiable
 from exogauge.experiment.information import Information, Told
 from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.excite.stance import OutOfReachError, Stance, Three
-from exogauge.motion.excite.strain import Bounds, Part, Pull
+from exogauge.motion.excite.strain import Bounds, Pull
 from exogauge.robots.motion import Motion
 from exogauge.robots.series import Series
 
 Array = NDArray[np.float64]
-Report = Callable[[str, int, float, float], None]
+Report = Callable[[int, int, float, float], None]
 
 OUT = 1e6  # cost of what cannot be had at all
 
@@ -92,22 +92,21 @@ class Task:
         """x: (free, 2N-2)."""
         return self.information.of(self.motion(self.stance.whole(*self.series.motion(x, self.time))), self.series.duration)
 
-    def shares(self, x: Array, time: Array) -> list[Part]:
-        """Of every bound at these times."""
-        whole = self.stance.whole(*self.series.motion(x, time))
-        return self.bounds.parts(*whole, self.information.loads(self.motion(whole)))
-
     def largest(self, x: Array, rate_hz: float | None = None) -> tuple[float, str]:
         """Share of the bound that is nearest, at any sample, and which."""
         rate = rate_hz or self.criteria.check_hz
         time = np.arange(round(rate * self.series.duration) + 1) / rate
+        return self.largest_of(self.series.motion(x, time))
+
+    def largest_of(self, free: Three) -> tuple[float, str]:
+        """The same of the free coordinates' (T, free) u, u̇, ü."""
         try:
-            parts = self.shares(x, time)
+            whole = self.stance.whole(*free)
         except OutOfReachError:
             return np.inf, "reach of a standing leg"
-        tops = [(float(each), name) for part in parts
-                for each, name in zip(part.share.max(axis=0), part.names, strict=True)]  # fmt: skip
-        return max(tops)
+        parts = self.bounds.parts(*whole, self.information.loads(self.motion(whole)))
+        return max((float(each), name) for part in parts
+                   for each, name in zip(part.share.max(axis=0), part.names, strict=True))  # fmt: skip
 
 
 def point(task: Task, x: Array, dear: float) -> tuple[float, Array, float]:
@@ -156,7 +155,17 @@ def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> A
         middle = (low + high) / 2
         inner = task.largest(task.still + middle * (x - task.still), rate)[0] <= 1.0
         low, high = (middle, high) if inner else (low, middle)
-    return within(task, task.still + share * low * (x - task.still))
+    return task.still + share * low * (x - task.still)
+
+
+def best_motion(task: Task, rng: np.random.Generator, report: Report | None = None) -> Array:
+    """(free, 2N-2) the best of several searches, each from the best of some random motions. Raises NotIdentifiable."""
+    found = []
+    for k in range(task.criteria.starts):
+        drawn = [random_motion(task, rng, 0.8) for _ in range(task.criteria.drawn)]
+        start = min(drawn, key=lambda x: task.told(x).cost)
+        found.append(improve(task, start, None if report is None else partial(report, k + 1)))
+    return min(found, key=lambda x: task.told(x).cost)
 
 
 def _alone(task: Task, x: Array, rng: np.random.Generator) -> Array:
@@ -194,18 +203,21 @@ def within(task: Task, x: Array) -> Array:
     return x if task.largest(x)[0] <= 1.0 else task.still
 
 
-def improve(task: Task, x: Array, report: Report | None = None) -> Array:
-    """From a start x (free, 2N-2): the motion of least cost near it, within all bounds."""
-    scale = np.tile(task.sizes, (1, task.series.size))
-    for stage, dear in enumerate(task.criteria.costs):
-        evaluations = 0
+def improve(task: Task, x: Array, report: Callable[[int, float, float], None] | None = None) -> Array:
+    """From a start x (free, 2N-2): the motion of least cost near it, within all bounds.
 
-        def at(y: Array, dear: float = dear, stage: int = stage) -> tuple[float, Array]:
+    report: told how often the motion was computed, its cost and the largest share of a bound.
+    """
+    scale = np.tile(task.sizes, (1, task.series.size))
+    evaluations = 0
+    for dear in task.criteria.costs:
+
+        def at(y: Array, dear: float = dear) -> tuple[float, Array]:
             nonlocal evaluations
             evaluations += 1
             cost, gradient, largest = point(task, y.reshape(x.shape) * scale, dear)
             if report is not None:
-                report(f"stage {stage + 1}", evaluations, cost, largest)
+                report(evaluations, cost, largest)
             return cost, (gradient * scale).ravel()
 
         found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",

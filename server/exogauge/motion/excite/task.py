@@ -1,8 +1,6 @@
-"""From robot.yaml to what is planned: the robot as it is identified, and as it moves."""
+"""A robot as it is identified and as it moves becomes what is planned for it."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,26 +16,18 @@ from exogauge.motion.excite.search import Task
 from exogauge.motion.excite.stance import Fixed, Standing
 from exogauge.motion.excite.strain import Bounds
 from exogauge.motion.robot import MotionRobot
-from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.series import Series
-from exogauge.studies.intake.robot_file import load_robot
 
 Array = NDArray[np.float64]
-
-
-def open_task(path: Path, seconds: float, criteria: MotionExcite = USUAL) -> tuple[Task, Robot]:
-    """path: robot.yaml. Raises BadRobot."""
-    robot, moving = load_robot(path.parent, path.name), load_motion_robot(path)
-    return task_of(robot, moving, seconds, criteria), robot
 
 
 def task_of(
     robot: Robot, moving: MotionRobot, seconds: float, criteria: MotionExcite = USUAL, known: Array | None = None
 ) -> Task:
-    """known: (P, P) information of earlier logs. Raises BadRobot."""
+    """known: (P, P) information before, where there is more than the maker's. Raises BadRobot."""
     order = np.array([moving.joints.index(joint.name) for joint in robot.joints], dtype=np.intp)
     stance = Standing(moving) if robot.floating else Fixed(moving)
     if robot.floating and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name:
