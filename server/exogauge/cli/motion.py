@@ -48,17 +48,18 @@ def add_commands(commands: Commands) -> None:
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
 
-
     excite = steps.add_parser("excite", help="plan a motion from which a robot is identified well, within every bound")
     excite.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="fixed, or with soles and home")
     excite.add_argument("--seconds", type=float, default=10.0, metavar="S", help="of the motion itself")
     before = excite.add_mutually_exclusive_group()
     before.add_argument("--study", type=Path, metavar="study.yaml", help="whose logs are known already")
-    before.add_argument("--from", dest="result", type=Path, metavar="results.json", help="what it says is known already")
+    before.add_argument(
+        "--from", dest="result", type=Path, metavar="results.json", help="what it says is known already"
+    )
     excite.add_argument("--seed", type=int, default=0, help="of the random motions that the search begins from")
     excite.add_argument("--json", action="store_true", help="as JSON")
-    excite.add_argument("--out", type=Path, metavar="FILE.csv", help="write t and q.<joint> there, at 200 Hz; and FILE.json: "
-                        "the standard deviation that every parameter will have")  # fmt: skip
+    beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: how well every parameter will be known"
+    excite.add_argument("--out", type=Path, metavar="FILE.csv", help=beside)
     excite.set_defaults(command=excite_robot)
 
 

@@ -5,8 +5,6 @@ The rows are the identification's own, by its regressor, in its base parameters:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
@@ -31,8 +29,8 @@ TOLD = {"motor_gain", "viscous", "coulomb", "static_friction", "motor_offset", "
 class Information:
     """Of base parameters and joint parameters, from rows of the base's wrench and of every axis in steady motion.
 
-    Rows of sensors that carry bodies are left out. prior: what is known before. known: (P, P) the same where earlier logs
-    hold more. weights: (rows,) 1/variance of a sample of each base and axis row. per_s: samples that a log has
+    Rows of sensors that carry bodies are left out. prior: what is known before. known: (P, P) the same where earlier
+    logs hold more. weights: (rows,) 1/variance of a sample of each base and axis row. per_s: samples that a log has
     per second. turn_s: so near to a turn an axis counts half. slow: (A,) [rad/s] so slow it does, too.
     """
 
@@ -186,12 +184,10 @@ class Told:
             weighted.append(WeightedRow(along, -1, np.arange(len(tree.bodies)), phi[r]))
         sweep = information.kinematics.sweep(motion)
         for j in range(A):
-            total = sum(mixed[a, j] * phi[base + a] for a in range(A) if mixed[a, j])
-            body = int(np.flatnonzero(tree.dof == j)[0])
+            total = np.sum([mixed[a, j] * phi[base + a] for a in range(A) if mixed[a, j]], axis=0)
+            link = int(np.flatnonzero(tree.dof == j)[0])
             carried = information.beyond[j]
-            weighted.append(WeightedRow(sweep.S[body].T, body, carried, np.asarray(total)[carried]))
+            weighted.append(WeightedRow(sweep.S[link].T, link, carried, total[carried]))
         found = row_slopes(information.kinematics, motion, sweep, weighted)
         return MotionSlopes(found.q, found.dq + by_v @ of_joints, found.ddq + by_a @ of_joints, found.acc, found.gyro,
                             found.gyro_dot)  # fmt: skip
-
-

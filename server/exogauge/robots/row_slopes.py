@@ -53,7 +53,9 @@ def row_slopes(kinematics: Kinematics, motion: Motion, sweep: Sweep, rows: Seque
     n, J = len(tree.bodies), len(tree.joints)
     R, S = np.moveaxis(sweep.R, 3, 1), np.moveaxis(sweep.S, 2, 1)
     p, w, dw, b = (np.moveaxis(each, 2, 1) for each in (sweep.p, sweep.omega, sweep.alpha, sweep.b))
-    dq, ddq = (np.concatenate([x, np.zeros((samples, 1))], axis=1).T[tree.dof][..., None] for x in (motion.dq, motion.ddq))
+    dq, ddq = (
+        np.concatenate([x, np.zeros((samples, 1))], axis=1).T[tree.dof][..., None] for x in (motion.dq, motion.ddq)
+    )
     V, A = np.empty((n + 1, samples, 6)), np.empty((n + 1, samples, 6))
     none = np.zeros((samples, 3))
     V[n], A[n] = np.concatenate([none, motion.gyro], axis=1), np.concatenate([motion.acc, motion.gyro_dot], axis=1)
@@ -78,7 +80,9 @@ def row_slopes(kinematics: Kinematics, motion: Motion, sweep: Sweep, rows: Seque
         E[own] += force_cross(row.axis, wrench)
         D[row.body] += force_cross(row.axis, wrench.sum(axis=0))
 
-    by_b, by_dw, by_w = ((R @ each[..., None])[..., 0] for each in _state_slopes(M, *((in_body @ x[..., None])[..., 0] for x in (dw, w))))
+    by_b, by_dw, by_w = (
+        (R @ each[..., None])[..., 0] for each in _state_slopes(M, *((in_body @ x[..., None])[..., 0] for x in (dw, w)))
+    )
     v = V[:n, :, :3] + np.cross(w, p)
     turning = np.cross(by_b, w)
     Q = np.concatenate([by_b, by_dw + np.cross(p, by_b)], axis=-1)
@@ -122,7 +126,7 @@ def force_cross(V: Array, F: Array) -> Array:
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return np.einsum("...k,...k->...", a, b)
+    return np.asarray(np.einsum("...k,...k->...", a, b))
 
 
 def _state_slopes(M: Array, dw: Array, w: Array) -> tuple[Array, Array, Array]:
@@ -165,7 +169,7 @@ def _inertia(x: Array) -> Array:
 
 def _by_inertia(K: Array) -> Array:
     """(..., 3) x with ⟨K, L(u)⟩ = x · u."""
-    out = np.zeros(K.shape[:-2] + (3,))
+    out = np.zeros((*K.shape[:-2], 3))
     for row, column, component in PLACES:
         out[..., component] += K[..., row, column]
     return out

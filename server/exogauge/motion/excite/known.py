@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray

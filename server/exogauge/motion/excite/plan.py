@@ -61,8 +61,9 @@ def plan_excitation(
     Raises BadInput; NotIdentifiable where no motion is within the bounds.
     """
     if not SHORTEST_S <= seconds <= LONGEST_S:
-        raise BadMotion(Fault(f"a motion of {seconds:g} s is not planned", "bad_seconds",
-                              f"From {SHORTEST_S:g} to {LONGEST_S:g} s", column="seconds", value=f"{seconds:g}"))  # fmt: skip
+        advice = f"From {SHORTEST_S:g} to {LONGEST_S:g} s"
+        raise BadMotion(Fault(f"a motion of {seconds:g} s is not planned", "bad_seconds", advice,
+                              column="seconds", value=f"{seconds:g}"))  # fmt: skip
     robot, moving = load_robot(path.parent, path.name), load_motion_robot(path)
     task = task_of(robot, moving, seconds, criteria)
     known: Known | None = None
@@ -111,7 +112,7 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
     """In a few lines."""
     begins, ends = plan.planned.edges[1:3]
     base = [k for k, each in enumerate(plan.promise.parameters) if each.name.startswith("base[")]
-    joints = {joint for joint in plan.robot.joints}
+    joints = set(plan.robot.joints)
     own = [k for k, each in enumerate(plan.promise.parameters)
            if each.name.rpartition("[")[2].rstrip("]") in joints and each.prior_std > 0.0]  # fmt: skip
     share, name = plan.nearest

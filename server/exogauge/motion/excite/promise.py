@@ -62,12 +62,12 @@ def planned_log(robot: Robot, planned: Excited, rng: np.random.Generator, name: 
             for name_, column in zip(wrench_channels(sensor.name), sensor.sign * wrench.T, strict=True):
                 channels[name_] = column
     noise = {each: robot.noise.get(noise_kind(each), 0.0) for each in channels}
-    heavy = {joint: limit for joint, limit in zip(robot.tree.joints, robot.tree.effort_limit, strict=True)}
+    heavy = dict(zip(robot.tree.joints, robot.tree.effort_limit, strict=True))
     for each in channels:
-        kind, _, joint = each.partition(".")
-        if not noise[each] and kind in ("tau", "i") and np.isfinite(heavy[joint]):
-            gain = 1.0 if kind == "tau" else told.gain[robot.tree.joints.index(joint)]
-            noise[each] = task.criteria.unknown_noise * heavy[joint] / gain
+        kind, _, own = each.partition(".")
+        if not noise[each] and kind in ("tau", "i") and np.isfinite(heavy[own]):
+            gain = 1.0 if kind == "tau" else told.gain[robot.tree.joints.index(own)]
+            noise[each] = task.criteria.unknown_noise * heavy[own] / gain
     noisy = {each: values + noise[each] * rng.standard_normal(len(time)) for each, values in channels.items()}
     return Log(name, time, noisy)
 

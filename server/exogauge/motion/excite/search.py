@@ -90,7 +90,9 @@ class Task:
 
     def told(self, x: Array) -> Told:
         """x: (free, 2N-2)."""
-        return self.information.of(self.motion(self.stance.whole(*self.series.motion(x, self.time))), self.series.duration)
+        return self.information.of(
+            self.motion(self.stance.whole(*self.series.motion(x, self.time))), self.series.duration
+        )
 
     def largest(self, x: Array, rate_hz: float | None = None) -> tuple[float, str]:
         """Share of the bound that is nearest, at any sample, and which."""
@@ -215,12 +217,12 @@ def improve(task: Task, x: Array, report: Callable[[int, float, float], None] | 
         def at(y: Array, dear: float = dear) -> tuple[float, Array]:
             nonlocal evaluations
             evaluations += 1
-            cost, gradient, largest = point(task, y.reshape(x.shape) * scale, dear)
+            cost, gradient, largest = point(task, y.reshape(scale.shape) * scale, dear)
             if report is not None:
                 report(evaluations, cost, largest)
             return cost, (gradient * scale).ravel()
 
         found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",
                          options={"maxfun": task.criteria.steps, "maxcor": 20})  # fmt: skip
-        x = np.asarray(found.x).reshape(x.shape) * scale
+        x = np.asarray(found.x).reshape(scale.shape) * scale
     return within(task, x)

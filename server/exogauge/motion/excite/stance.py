@@ -27,8 +27,11 @@ class OutOfReachError(ValueError):
 class Stance(Protocol):
     """free: columns of the robot's coordinates that a motion is made of; all others follow."""
 
-    robot: MotionRobot
-    free: IntArray
+    @property
+    def robot(self) -> MotionRobot: ...
+
+    @property
+    def free(self) -> IntArray: ...
 
     def whole(self, u: Array, du: Array, ddu: Array) -> Three:
         """(T, n) each q, q̇, q̈ of the robot, from (T, free). Raises OutOfReachError."""
@@ -84,7 +87,7 @@ class Standing:
             q[t, legs] = before[t] if before is not None else q[max(t - 1, 0), legs]
             q[t] = on_its_feet(robot, q[t], self.place, both)
             pin.computeJointJacobians(model, data, q[t])
-            own = []
+            own = list[Array]()
             for frame, leg in zip(self.frames, self.legs, strict=True):
                 at = pin.updateFramePlacement(model, data, frame)
                 if np.abs(pin.log6(self.place[len(own)].inverse() * at).vector).max() > FAR:

@@ -32,7 +32,8 @@ class Pull:
 
     @classmethod
     def none(cls, samples: int, coordinates: int, rows: int) -> Pull:
-        return cls(*(np.zeros((samples, coordinates)) for _ in range(3)), np.zeros((samples, rows)))
+        q, v, a = (np.zeros((samples, coordinates)) for _ in range(3))
+        return cls(q, v, a, np.zeros((samples, rows)))
 
 
 @final
@@ -72,8 +73,9 @@ class Bounds:
             ("acceleration", a, np.zeros(len(names)), limits.acceleration),
         ):
             on = np.flatnonzero(np.isfinite(half))
-            found.append(self._both((values[:, joints[on]] - middle[on]) / half[on], [f"{what} of {names[k]}" for k in on],
-                                    what[0], joints[on], half[on]))  # fmt: skip
+            labels = [f"{what} of {names[k]}" for k in on]
+            share = (values[:, joints[on]] - middle[on]) / half[on]
+            found.append(self._both(share, labels, what[0], joints[on], half[on]))
         torque = limits.torque[self.order]
         on = np.flatnonzero(np.isfinite(torque) & ~self._carrying)
         rows = base + on

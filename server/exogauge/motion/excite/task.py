@@ -30,7 +30,10 @@ def task_of(
     """known: (P, P) information before, where there is more than the maker's. Raises BadRobot."""
     order = np.array([moving.joints.index(joint.name) for joint in robot.joints], dtype=np.intp)
     stance = Standing(moving) if robot.floating else Fixed(moving)
-    if robot.floating and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name:
+    if (
+        robot.floating
+        and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name
+    ):
         raise BadRobot(Fault("the base link is not the URDF's root", "base_not_root", "Name the root", moving.name))
     limits = moving.limits
     for name, fast in zip(moving.joints, limits.velocity, strict=True):
@@ -59,7 +62,7 @@ def task_of(
 
 
 def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: MotionExcite) -> Array:
-    """(rows,) 1/variance of a sample: of the feet's sensors and the IMU, carried to the base; of currents or torques."""
+    """(rows,) 1/variance of a sample: of feet and IMU, carried to the base; of currents or torques."""
     noise = robot.noise
     std = []
     for k, joint in enumerate(robot.joints):
