@@ -65,8 +65,9 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     at = np.searchsorted(free, columns)
     others = np.setdiff1d(np.arange(len(free)), at)
     of_maker = ~np.isin(others, prior.measured_free)
-    size = np.sqrt(np.diag(H))  # columns of one length: a slow motion leaves few digits otherwise
-    H_inverse = np.linalg.inv(H / np.outer(size, size)) / np.outer(size, size)
+    unit = np.zeros((P, len(free)))
+    unit[free, np.arange(len(free))] = 1.0
+    H_inverse = solved.divided(unit)[free]  # not of H itself: squared, a short or slow log leaves no digit
     V = H_inverse[np.ix_(at, at)]
     response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
     number = 1.0 + _decided_by(statistics, weights, kinds, free[others], H[np.ix_(others, others)], of_maker)
@@ -83,9 +84,10 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
             break
     step, doubt = np.zeros(P), np.zeros((P, P))
     step[free] = response @ (k - k_hat)
-    known = H_inverse @ (G + prior.information(strength**2)) @ H_inverse
     added = _less_known(
-        known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2, equations.criteria.identifying.gain_known
+        solved.covariance()[np.ix_(columns, columns)],
+        np.maximum(distance, 0.0) / k**2,
+        equations.criteria.identifying.gain_known,
     )
     doubt[np.ix_(free, free)] = response @ added @ response.T
     return GainScale(tuple(axes), columns, step, doubt)

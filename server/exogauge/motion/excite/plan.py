@@ -18,7 +18,9 @@ from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
 from exogauge.motion.excite.promise import promised
 from exogauge.motion.excite.search import Report, best_motion, within
+from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
+from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.description import Robot
@@ -28,6 +30,7 @@ from exogauge.studies.intake.robot_file import load_robot
 Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
+SMALLER = 0.95  # of a motion that breaks a bound
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
 
 
@@ -44,11 +47,15 @@ class Promise:
 @final
 @dataclass(frozen=True)
 class ExcitationPlan:
-    """nearest: share of the bound that is nearest, at `MotionExcite.check_hz` from rest to rest, and which."""
+    """nearest: share of the bound that is nearest, at `MotionExcite.check_hz` from rest to rest, and which.
+
+    judged: what `plan.judge` says is broken of a standing robot, whose legs share the load.
+    """
 
     robot: MotionRobot
     planned: Excited
     nearest: tuple[float, str]
+    judged: tuple[str, ...]
     promise: Promise
 
 
@@ -75,13 +82,22 @@ def plan_excitation(
     if known is not None:
         task = task_of(robot, moving, seconds, criteria, known.information)
     x = best_motion(task, np.random.default_rng(seed), report)
-    planned = Excited(task, x)
-    nearest = planned.largest()
-    while nearest[0] > 1.0 and np.abs(planned.x - task.still).max() > 0.0:  # the way there and back has bounds too
-        planned = Excited(task, within(task, task.still + 0.9 * (planned.x - task.still)))
-        nearest = planned.largest()
+    say("every bound from rest to rest")
+    for _ in range(criteria.shrinks):
+        planned = Excited(task, x)
+        nearest, judged = planned.largest(), _judged(planned)
+        if nearest[0] <= 1.0 and not judged:
+            break
+        x = within(task, task.still + SMALLER * (x - task.still))  # the way there and back has bounds too
     say("what will be known")
-    return ExcitationPlan(moving, planned, nearest, _promise(robot, planned, known))
+    return ExcitationPlan(moving, planned, nearest, judged, _promise(robot, planned, known))
+
+
+def _judged(planned: Excited) -> tuple[str, ...]:
+    stance = planned.task.stance
+    if not isinstance(stance, Standing):
+        return ()
+    return judge(stance.robot, planned, stance.place, rate=planned.task.criteria.check_hz).broken
 
 
 def _promise(robot: Robot, planned: Excited, known: Known | None) -> Promise:
@@ -121,6 +137,7 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
         "seconds": round(plan.planned.duration, 3),
         "motion": f"{begins:.2f} to {ends:.2f} s; before and after it, rest at home and the way there",
         "nearest bound": f"{100 * share:.1f} % of {name}, at {plan.planned.task.criteria.check_hz:g} Hz",
+        "not looked at": "collisions of the robot with itself",
         "identified up to": f"{plan.promise.cutoff_hz:.1f} Hz",
     }
     for what, which in (("base parameters", base), ("joint parameters", own)):
@@ -130,6 +147,7 @@ def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
         said[what] = f"{decided} of {len(which)} will be decided{left}"
     said["undecided"] = [plan.promise.parameters[k].name for k in (*base, *own)
                          if not plan.promise.parameters[k].identifiable]  # fmt: skip
-    if share > 1.0:
-        said["broken"] = [f"{name}: {100 * share:.1f} % of its bound"]
+    broken = [*([f"{name}: {100 * share:.1f} % of its bound"] if share > 1.0 else []), *plan.judged]
+    if broken:
+        said["broken"] = broken
     return said

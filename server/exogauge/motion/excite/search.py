@@ -23,6 +23,7 @@ from exogauge.robots.series import Series
 Array = NDArray[np.float64]
 Report = Callable[[int, int, float, float], None]
 
+TIGHT = 0.999  # of a bound that has been exceeded
 OUT = 1e6  # cost of what cannot be had at all
 
 
@@ -102,13 +103,19 @@ class Task:
 
     def largest_of(self, free: Three) -> tuple[float, str]:
         """The same of the free coordinates' (T, free) u, u̇, ü."""
+        return max((share, name) for name, share in self.shares(free).items())
+
+    def shares(self, free: Three) -> dict[str, float]:
+        """Of every bound, by name, the largest."""
         try:
             whole = self.stance.whole(*free)
         except OutOfReachError:
-            return np.inf, "reach of a standing leg"
-        parts = self.bounds.parts(*whole, self.information.loads(self.motion(whole)))
-        return max((float(each), name) for part in parts
-                   for each, name in zip(part.share.max(axis=0), part.names, strict=True))  # fmt: skip
+            return {"reach of a standing leg": np.inf}
+        found = dict[str, float]()
+        for part in self.bounds.parts(*whole, self.information.loads(self.motion(whole))):
+            for share, name in zip(part.share.max(axis=0), part.names, strict=True):
+                found[name] = max(float(share), found.get(name, 0.0))
+        return found
 
 
 def point(task: Task, x: Array, dear: float) -> tuple[float, Array, float]:
@@ -173,35 +180,54 @@ def best_motion(task: Task, rng: np.random.Generator, report: Report | None = No
 def _alone(task: Task, x: Array, rng: np.random.Generator) -> Array:
     """x with every joint as large as its own bounds on position, velocity and acceleration bear, somewhere in its
     range; the base as large as its sizes."""
-    robot = task.stance.robot
-    u, du, ddu = task.series.motion(x, task.time)
-    own = task.stance.free - robot.base
-    joints, limits, x = own >= 0, robot.limits, x.copy()
-    low, high = limits.lower[own[joints]], limits.upper[own[joints]]
-    share = np.abs(du / task.sizes[:, 0]).max(axis=0)
-    for each, size in (
-        (np.ptp(u[:, joints], axis=0), high - low),
-        (np.abs(ddu[:, joints]).max(axis=0), limits.acceleration[own[joints]]),
-    ):
-        share[joints] = np.maximum(share[joints], each / size)
-    x[:, :-1] /= share[:, None]
-    u = task.series.motion(x, task.time)[0][:, joints]
-    least, most = low - (u.min(axis=0) - x[joints, -1]), high - (u.max(axis=0) - x[joints, -1])
-    x[joints, -1] = least + rng.uniform(size=len(low)) * (most - least)
+    joints = task.stance.free >= task.stance.robot.base
+    x = x.copy()
+    x[:, :-1] /= _shares_of(task, x, task.time)[:, None]
+    low, high = _room(task, x, task.time)
+    x[joints, -1] += low + rng.uniform(size=len(low)) * (high - low)
     return x
 
 
+def _shares_of(task: Task, x: Array, time: Array) -> Array:
+    """(free,) of a joint's range, speed or acceleration that it would fill by itself; of the base, of its sizes."""
+    limits, own = task.stance.robot.limits, task.stance.free - task.stance.robot.base
+    joints, own = own >= 0, own[own >= 0]
+    u, du, ddu = task.series.motion(x, time)
+    share = np.abs(du / task.sizes[:, 0]).max(axis=0)
+    for each, size in (
+        (np.ptp(u[:, joints], axis=0), limits.upper[own] - limits.lower[own]),
+        (np.abs(ddu[:, joints]).max(axis=0), limits.acceleration[own]),
+    ):
+        share[joints] = np.maximum(share[joints], each / size)
+    return np.asarray(share)
+
+
+def _room(task: Task, x: Array, time: Array) -> tuple[Array, Array]:
+    """(joints,) how far each may be moved down and up as a whole until it meets its range."""
+    limits, own = task.stance.robot.limits, task.stance.free - task.stance.robot.base
+    joints, own = own >= 0, own[own >= 0]
+    u = task.series.motion(x, time)[0][:, joints]
+    return limits.lower[own] - u.min(axis=0), limits.upper[own] - u.max(axis=0)
+
+
 def within(task: Task, x: Array) -> Array:
-    """As it is, or shrunk towards home and rest until every bound holds at `check_hz`."""
+    """As it is, or each joint shrunk and moved into its own bounds, and then all towards home and rest until every
+    other bound holds at `check_hz`."""
+    rate = task.criteria.check_hz
+    time = np.arange(round(rate * task.series.duration) + 1) / rate
+    joints, x = task.stance.free >= task.stance.robot.base, x.copy()
+    filled = _shares_of(task, x, time)
+    x[joints, :-1] *= (TIGHT / np.maximum(filled[joints], TIGHT))[:, None]
+    low, high = _room(task, x, time)
+    x[joints, -1] += np.clip(0.0, low, high)
+    at_rest = task.shares(task.series.motion(task.still, time[:1]))
     for _ in range(task.criteria.shrinks):
-        share, _ = task.largest(x)
+        share, name = task.largest(x)
         if share <= 1.0:
             return x
-        rest = task.largest(task.still, 1.0)[0]
-        if not np.isfinite(share):
-            x = task.still + 0.7 * (x - task.still)
-            continue
-        x = task.still + min(0.999, 0.999 * (1.0 - min(rest, 0.9)) / (share - min(rest, 0.9))) * (x - task.still)
+        rest = at_rest.get(name, 0.0)
+        kept = TIGHT * (1.0 - rest) / (share - rest) if np.isfinite(share) else 0.0
+        x = task.still + min(TIGHT, max(kept, 0.7)) * (x - task.still)
     return x if task.largest(x)[0] <= 1.0 else task.still
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.plan.asked import on_its_feet, standing
+from exogauge.motion.plan.asked import standing
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
@@ -17,7 +17,8 @@ IntArray = NDArray[np.intp]
 Three = tuple[Array, Array, Array]
 
 
-FAR = 1e-7  # [m or rad] of a standing foot that counts as out of reach
+EXACT, ROUNDS = 1e-9, 20  # [m or rad] of a standing foot; of Newton's steps until it counts as out of reach
+WILD = 1e4  # [rad/s²] of a leg that is all but straight
 
 
 class OutOfReachError(ValueError):
@@ -80,28 +81,48 @@ class Standing:
         robot, T = self.robot, len(u)
         model, data, base = robot.model, robot.data, np.arange(robot.base)
         q, v, a = np.tile(self.home, (T, 1)), np.zeros((T, model.nq)), np.zeros((T, model.nq))
-        legs, both = np.concatenate(self.legs), np.ones(len(self.legs), dtype=bool)
+        legs = np.concatenate(self.legs)
         q[:, self.free], v[:, self.free], a[:, self.free] = u, du, ddu
         before = self._last.get(T)
         for t in range(T):
             q[t, legs] = before[t] if before is not None else q[max(t - 1, 0), legs]
-            q[t] = on_its_feet(robot, q[t], self.place, both)
-            pin.computeJointJacobians(model, data, q[t])
-            own = list[Array]()
-            for frame, leg in zip(self.frames, self.legs, strict=True):
-                at = pin.updateFramePlacement(model, data, frame)
-                if np.abs(pin.log6(self.place[len(own)].inverse() * at).vector).max() > FAR:
-                    self._last.pop(T, None)
-                    raise OutOfReachError
-                J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)
-                own.append(J[:, leg])
+            feet = self._reach(q[t])
+            if feet is None:
+                self._last.pop(T, None)
+                raise OutOfReachError
+            for J, leg in zip(feet, self.legs, strict=True):
                 v[t, leg] = -np.linalg.solve(J[:, leg], J[:, base] @ v[t, base])
             pin.forwardKinematics(model, data, q[t], v[t], a[t])
-            for frame, leg, J_leg in zip(self.frames, self.legs, own, strict=True):
+            for frame, leg, J in zip(self.frames, self.legs, feet, strict=True):
                 left = pin.getFrameAcceleration(model, data, frame, pin.LOCAL).vector
-                a[t, leg] = -np.linalg.solve(J_leg, left)
+                a[t, leg] = -np.linalg.solve(J[:, leg], left)
+        if np.abs(a[:, legs]).max() > WILD:
+            self._last.pop(T, None)
+            raise OutOfReachError
         self._last[T] = q[:, legs]
         return q, v, a
+
+    def _reach(self, q: Array) -> list[Array] | None:
+        """The feet's Jacobians once q's legs are turned so that they stand; None where they cannot. Joints' bounds are
+        not looked at: an excess is to be seen."""
+        model, data = self.robot.model, self.robot.data
+        for _ in range(ROUNDS):
+            pin.computeJointJacobians(model, data, q)
+            feet, far = list[Array](), 0.0
+            for frame, leg, place in zip(self.frames, self.legs, self.place, strict=True):
+                error = pin.log6(place.inverse() * pin.updateFramePlacement(model, data, frame)).vector
+                J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)
+                size = float(np.abs(error).max())
+                far = max(far, size)
+                if size > EXACT:
+                    step = J[:, leg].T @ np.linalg.solve(
+                        J[:, leg] @ J[:, leg].T + min(1e-3, size**2) * np.eye(6), error
+                    )
+                    q[leg] -= step
+                feet.append(J)
+            if far <= EXACT:
+                return feet
+        return None
 
     def back(self, whole: Three, slopes: Three) -> Three:
         model, data, base = self.robot.model, self.robot.data, np.arange(self.robot.base)
