@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, generator
 
 from exogauge.cli import main
-from exogauge.errors import ExogaugeError
+from exogauge.criteria.criteria import Criteria
+from exogauge.errors import ExogaugeError, NotIdentifiable
 from exogauge.payload.compute import identify
 from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
 from exogauge.payload.contract import LogEntry
@@ -415,3 +417,18 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
     assert evaluation.stages.excitation is not None
     truth = json.loads((sample / "truth.json").read_text())
     assert evaluation.stages.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
+
+
+def test_what_decided_stands_in_the_results_and_other_numbers_decide_otherwise(sample: Path) -> None:
+    folder_payload = open_payload(sample)
+    usual = Criteria()
+    told = {each.name: each for each in results(evaluate(folder_payload)).criteria}
+    assert told["payload_dynamic.decided"].value == usual.payload_dynamic.decided
+    assert len(told["payload.hangs_hz"].why) > 20
+    assert {name.partition(".")[0] for name in told} >= {"judging", "payload", "payload_static", "payload_dynamic"}
+    looser = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.5))
+    found = results(evaluate(folder_payload, criteria=looser))
+    assert {each.name: each.value for each in found.criteria}["payload_dynamic.decided"] == 0.5
+    never = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.0))
+    with pytest.raises(NotIdentifiable):
+        evaluate(folder_payload, criteria=never)

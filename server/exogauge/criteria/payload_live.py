@@ -55,6 +55,9 @@ class Streaming:
         "of jerk, where no log tells: what robots' motions have, 1 to 10",
         judgement(RULES),
     )
+    late_s: float = criterion(
+        0.1, "s", "behind the quickest sample so far: more than the smoother waits for", derived("its lag, 0.1 s")
+    )
     judged_s: float = criterion(20.0, "s", "of a log, by which the density of its jerk is chosen", judgement(RULES))
 
 

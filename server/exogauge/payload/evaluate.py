@@ -115,7 +115,7 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if payload.file.imu is not None and postures:
         progress(0.08, Stage.POSTURES, Doing.PLACING_IMU)
         imu = _imu(payload, postures, gravity, criteria)
-    excitation, test, contact = (_moved(payload, role, gravity, imu, progress) for role in MOVED)
+    excitation, test, contact = (_moved(payload, role, gravity, imu, progress, criteria) for role in MOVED)
     logs = _Logs(holds, acceleration, excitation, test, contact)
     if excitation:
         progress(0.3, Stage.EXCITATION, Doing.IDENTIFYING_MOVED)
@@ -144,12 +144,14 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     )  # fmt: skip
 
 
-def _moved(payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, progress: Staged) -> list[Moved]:
+def _moved(
+    payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, progress: Staged, criteria: Criteria
+) -> list[Moved]:
     out = list[Moved]()
     for recording in payload.of(role):
         done = MOVED.index(role) + len(out) / len(payload.of(role))
         progress(0.1 + 0.2 * done / len(MOVED), Stage.KINEMATICS, Doing.SMOOTHING_MOTION, recording.name)
-        out.append(moving(payload, recording, gravity, imu))
+        out.append(moving(payload, recording, gravity, imu, criteria.payload_dynamic))
     return out
 
 
@@ -204,13 +206,13 @@ def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria:
 
     def stretches(role: Role, moved: Sequence[Moved]) -> list[Stretch]:
         return [
-            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std)
+            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std, criteria.payload)
             for recording, each in zip(payload.of(role), moved, strict=True)
         ]
 
     fitted, held_out = stretches("excitation", logs.excitation), stretches("test", logs.test)
     others = stretches("contact", logs.contact)
-    still = [still_stretch(postures.holds, gravity, sign)] if postures else []
+    still = [still_stretch(postures.holds, gravity, sign, criteria.payload)] if postures else []
     frame = Frame(gravity, sign, body)
     inclined = postures is not None and postures.chosen.inclined
     whole = find_missing([*still, *fitted], held_out, others, frame, inclined, criteria)
@@ -329,7 +331,10 @@ def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteri
 
     def rows(lag: float) -> list[Array]:
         """Of the logs one by one: each has its own zero, and all share the stamps of one IMU."""
-        moved = (moving(payload, recording, gravity, replace(frame, lag_s=lag)) for recording in carrying)
+        moved = (
+            moving(payload, recording, gravity, replace(frame, lag_s=lag), criteria.payload_dynamic)
+            for recording in carrying
+        )
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
     return find_lag(frame, rows, criteria.payload_static) if carrying else frame

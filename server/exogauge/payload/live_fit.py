@@ -51,7 +51,7 @@ class LiveFit:
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
         self._surer = criteria.payload_dynamic.decided
         self._known = prior_information(prior)
-        self.recursion = Recursion(16, prior.rows, start=prior.value)
+        self.recursion = Recursion(16, prior.rows, start=prior.value, criteria=criteria.payload_dynamic)
         self.used = 0
         kept = (self._says.blocks, 17, 17)
         self._sums, self._noise = np.zeros(kept), np.zeros(kept)
