@@ -17,7 +17,6 @@ from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.excite.excited import Excited
-from exogauge.motion.excite.plan import motion_table, plan_excitation, summarise
 from exogauge.motion.excite.search import Task, point, random_motion, within
 from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
