@@ -24,10 +24,7 @@ from exogauge.settings import Settings, packaged_folder
 
 router = APIRouter(include_in_schema=False)
 
-PLACES = (  # the first part of a page's address
-    "", "studies", "import", "robots", "devices", "payloads", "compare",
-    "sign-in", "set-up", "invited", "account", "lab",
-)  # fmt: skip
+PLACES = ("", "studies", "import", "robots", "devices", "payloads", "compare")  # the first part of a page's address
 BASE, NONCE, LIMITS = '<base href="/" />', 'nonce=""', 'name="limits" content=""'
 FOREVER = "public, max-age=31536000, immutable"  # names hold a hash of the content
 MEDIA_TYPES = {

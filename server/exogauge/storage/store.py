@@ -139,5 +139,6 @@ class Installation:
         self.engine.dispose()
 
 
-def open_installation(settings: Settings) -> Installation:
-    return Installation(make_engine(settings.database_url), FolderBlobs(settings.blobs))
+def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
+    """migrating: as the tables' owner, at whatever revision, and with the rows of all labs: for backups."""
+    return Installation(make_engine(settings.database_url, migrating=migrating), FolderBlobs(settings.blobs))
