@@ -72,7 +72,7 @@ def test_a_lab_is_set_up_shared_and_looked_after(
     expect(bob.get_by_text("Who did what")).to_have_count(0)
 
     page.goto("/account")
-    page.get_by_label("Name", exact=True).fill("bench")
+    page.get_by_placeholder("what it is for").fill("bench")
     page.get_by_label("It may").select_option("write")
     page.get_by_role("button", name="Make a token").click()
     token = page.get_by_test_id("secret").inner_text().strip()
