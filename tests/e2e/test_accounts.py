@@ -94,7 +94,7 @@ def test_a_lab_is_set_up_shared_and_looked_after(
     page.get_by_role("button", name="Remove Bob").click()
     expect(page.get_by_role("button", name="Remove Bob")).to_have_count(0)
     bob.goto("/studies")
-    expect(bob.get_by_role("alert").first).to_contain_text("you are of no lab")
+    expect(bob.get_by_role("alert").first).to_contain_text("of no lab; ask an admin")
     context.close()
 
     page.goto("/account")

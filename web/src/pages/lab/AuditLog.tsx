@@ -1,4 +1,4 @@
-import { Button, Stack, Table, Text } from "@mantine/core";
+import { Button, Group, Stack, Table, Text } from "@mantine/core";
 import { Link } from "react-router";
 
 import { useAudit, type AuditEntry } from "../../api/lab";
@@ -22,7 +22,9 @@ export function AuditLog() {
       <Text size="sm" c="dimmed">
         Who did what, newest first. Lines are only ever added: the database refuses to change or delete one.
       </Text>
-      <SearchBox what="the audit" placeholder="An action, a sort of thing, an id" sought={sought} />
+      <Group>
+        <SearchBox what="the audit" placeholder="An action, a sort of thing, an id" sought={sought} />
+      </Group>
       {entries.length === 0 ? (
         <NothingFound sentence="Nothing of it." clear={sought.clear} />
       ) : (
