@@ -1,4 +1,4 @@
-"""A real server with accounts that encrypts, the commands beside its database, and a client that signs in by a terminal."""
+"""A real server with accounts that encrypts, the commands beside its database, and a client that signed in."""
 
 from __future__ import annotations
 
