@@ -18,10 +18,10 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
     """folder: the study's files. series: the log's series file, if it has one. results: results.json."""
     import json
 
-    from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.recording import record
     from exogauge.scene.take import take
     from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.series.recorded_motion import read_logged
 
     logged = read_logged(Bundle(Path(folder), "study.yaml"), log)
@@ -32,10 +32,10 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
 
 def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
     """The robot that robot_folder/robot.yaml describes, wearing what device_folder/device.yaml does."""
-    from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.still import draw_still
     from exogauge.studies.intake.bundle import Bundle
     from exogauge.studies.intake.device_file import read_device
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.intake.robot_file import read_robot
 
     robot, _, urdf = read_robot(Bundle(Path(robot_folder), "robot.yaml"), "robot.yaml")
@@ -57,8 +57,8 @@ def payload(folder: str, results: str | None, postures: str | None) -> dict[str,
     from exogauge.payload.planning.plan import caps_of
     from exogauge.robots.description import Joint, Robot
     from exogauge.robots.urdf import load_tree
-    from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.payload_view import draw_payload
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.intake.yaml_file import load_yaml
 
     here = Path(folder)

@@ -15,8 +15,8 @@ from exogauge.scene.colours import UNKNOWN, VIA_POINT, as_hex
 from exogauge.scene.poses import quaternions
 from exogauge.scene.recording import aim
 from exogauge.scene.robot_view import BASE_WORDS, RobotView, draw_robot
-from exogauge.scene.shapes import Opener
 from exogauge.scene.stage import Stage
+from exogauge.studies.intake.mesh_files import Opener
 
 BALL, HANDLE = 0.009, 0.09  # of the robot's size: a via point, the arrows to drag it by
 

@@ -22,6 +22,10 @@ class Trajectory(Protocol):
         """q, q̇, q̈ (T, n) at times (T,) from 0 to `duration`."""
         ...
 
+    def jerk(self, time: Array) -> Array:
+        """(T, n) from each time to the next."""
+        ...
+
 
 @final
 @dataclass(frozen=True)
@@ -51,6 +55,28 @@ class Spline:
         count = len(self.control)
         whole = BSpline(self.step * (np.arange(count + 4) - 3.0), self.control, 3)
         return whole(time), whole(time, 1), whole(time, 2)
+
+    def jerk(self, time: Array) -> Array:
+        """(T, n) at times (T,), even between two nodes."""
+        each = np.minimum((time / self.step + 1e-9).astype(np.intp), len(self.control) - 4)
+        return np.asarray(np.diff(self.control, 3, axis=0)[each] / self.step**3)
+
+    def refined(self, count: int) -> Spline:
+        """The same trajectory with `count` nodes in place of one; count: a power of two."""
+        control, step = self.control, self.step
+        while count > 1:
+            fine = np.empty((2 * len(control) - 3, control.shape[1]))
+            fine[1::2] = (control[:-2] + 6.0 * control[1:-1] + control[2:]) / 8.0
+            fine[::2] = 0.5 * (control[:-1] + control[1:])
+            control, step, count = fine, 0.5 * step, count // 2
+        return Spline(control, step)
+
+
+def controls_of(q: Array, v: Array, a: Array, step: float) -> Array:
+    """(3, n) control points of a node with q, q̇, q̈ (n,)."""
+    middle = q - a * step**2 / 6.0
+    half = 0.5 * a * step**2
+    return np.stack([middle + half - v * step, middle, middle + half + v * step])
 
 
 def through(nodes: Array, step: float) -> Spline:

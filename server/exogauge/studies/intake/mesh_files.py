@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Callable
 from itertools import takewhile
 from pathlib import Path, PurePosixPath
 
-from exogauge.scene.shapes import MESHES, Opener
+import numpy as np
+import trimesh
 
+Opener = Callable[[str], bytes | None]
+
+MESHES = (".stl", ".obj", ".ply")
+MESH_BYTES = 20_000_000  # of one mesh file; a larger one is left out
 ALL_BYTES = 150_000_000  # of all meshes of a robot; what comes after is left out
 
 
@@ -34,6 +41,21 @@ def mesh_opener(root: Path) -> Opener:
         return files[best].read_bytes()
 
     return open_mesh
+
+
+def load_mesh(name: str, open_mesh: Opener) -> trimesh.Trimesh | None:
+    """A mesh file as it is; None where it is missing, too large, of another kind, or broken."""
+    kind = PurePosixPath(name).suffix.lower()
+    data = open_mesh(name) if kind in MESHES else None
+    if data is None or len(data) > MESH_BYTES:
+        return None
+    try:
+        mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind[1:], process=False, skip_materials=True)
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError, UnicodeError):
+        return None  # one does without it
+    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
+        return None
+    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
 def shared_end(one: tuple[str, ...], other: tuple[str, ...]) -> int:
