@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Sequence
 from typing import final
 
@@ -19,6 +20,7 @@ from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.supervisor import Supervisor, leave_with_parent
 from exogauge.settings import Settings
 from exogauge.storage import migrate
+from exogauge.storage.held_files import own_folder
 
 WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
 MOST_OF_A_MESSAGE = 1024 * 1024  # bytes on a websocket; what is too large is told up to this, and ends the line beyond
@@ -90,6 +92,7 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)
     with listening(settings.host, settings.port) as bound:
+        tempfile.tempdir = str(own_folder(settings.scratch).path)  # swept where this process is killed
         supervisor = Supervisor(worker_command, settings.workers)
         config = uvicorn.Config(
             create_app(settings),

@@ -60,8 +60,18 @@ class Settings(BaseSettings):
 
     @property
     def scratch(self) -> Path:
-        """Folder for what is being received or unpacked; nothing in it outlives a request."""
+        """Folder for what is being received or unpacked: one folder per process; nothing in it outlives that."""
         return self.data_dir / "scratch"
+
+    @property
+    def work(self) -> Path:
+        """Folder of what workers compute: one folder per worker."""
+        return self.data_dir / "work"
+
+    @property
+    def live(self) -> Path:
+        """Folder of open live streams: one folder per stream."""
+        return self.data_dir / "live"
 
     @property
     def uploads(self) -> Path:

@@ -9,8 +9,7 @@ import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from exogauge.effects.catalogue import all_effects, shaped_effects
-from exogauge.effects.scales import in_si
-from exogauge.effects.shaped import AxisSignals
+from exogauge.effects.shaped import AxisSignals, in_si
 
 COORDINATES = {"velocity", "position", "load", "time", "acceleration", "drive", "temperature"}
 MOST_COLUMNS = 64  # of one effect on one axis, over all shapes: each is made for every joint and log of a robot, and

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from exogauge.errors import BadLog
-from exogauge.logs.decimating import LANES, low_passed_at
-from exogauge.logs.filtering import LowPass, StoredPass
+from exogauge.logs.filtering import LANES, LowPass, StoredPass, low_passed_at
 
 
 def wandering(channels: int, samples: int) -> np.ndarray:

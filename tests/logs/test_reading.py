@@ -18,9 +18,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
-from exogauge.logs.canonical import write_log
 from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
+from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
 
 ROWS = [(k / 10.0, k / 4.0 - 1.0) for k in range(12)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 import sqlalchemy as sa
 
 from exogauge.storage import migrate
@@ -10,6 +11,8 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.search import folded
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import Job
+
+pytestmark = pytest.mark.usefixtures("without_bytes")
 
 SUMMARY = {"robot": {"name": "HRP-4"}, "devices": [{"name": "Smart Suit"}, {"name": "Rückenband"}]}
 LETTERS = {  # a name, and how another hand writes a part of it

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import APIRouter, FastAPI
+from starlette.concurrency import run_in_threadpool
 
 from exogauge import __version__
 from exogauge.api import (
@@ -35,11 +36,12 @@ from exogauge.api import (
 from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
-from exogauge.api.uploads_resumable import TusHeaders, sweep
+from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.settings import Settings
-from exogauge.storage.blobs import remove_abandoned
+from exogauge.storage.held_files import own_folder
 from exogauge.storage.migrate import prepare
 from exogauge.storage.store import open_installation
+from exogauge.upkeep.hourly import Housekeeping
 
 PREFIX = "/api/v1"
 ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
@@ -50,17 +52,16 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or Settings()
     prepare(settings.database_url)
     installation = open_installation(settings)
-    settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
-    remove_abandoned(settings.scratch)
-    sweep(installation, settings)
-
-    hub = Hub(installation, settings)
+    hub, housekeeping = Hub(installation, settings), Housekeeping(installation, settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         hub.begin()
+        housekeeping.start()
         yield
         hub.close()
+        await run_in_threadpool(housekeeping.stop)
+        own_folder(settings.scratch).close()
         installation.close()
 
     app = FastAPI(

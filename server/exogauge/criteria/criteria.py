@@ -6,21 +6,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
-from exogauge.criteria.contact import Touching
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.detecting import Contradicting, StoredFilter, Touching
 from exogauge.criteria.examining import Comparing, Examining
-from exogauge.criteria.identifying import Identifying, Resting
+from exogauge.criteria.identifying import Declaring, Identifying, Resting
 from exogauge.criteria.judging import Carrying, Judging
-from exogauge.criteria.nominal import Contradicting
 from exogauge.criteria.payload_doctor import Complaining
 from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_live import Streaming
 from exogauge.criteria.payload_static import Standing
 from exogauge.criteria.planning import Planning, Telling
 from exogauge.criteria.searching import Searching
-from exogauge.criteria.stored_filter import StoredFilter
-from exogauge.criteria.supporting import Supporting
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import Supporting, Wearing
 
 
 @final

@@ -1,11 +1,13 @@
-"""Supporting torque: which estimate a headline number comes from, and when two estimates contradict each other."""
+"""Supporting torque and bands: which estimate a headline number comes from, when two estimates contradict each
+other, and when a band has an effect.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import convention, criterion, derived, judgement
 
 RULES = "docs/decisions/0004-supporting-torque.md"
 
@@ -42,4 +44,94 @@ class Supporting:
         "1",
         "probability that any of a device's cross-checks fails by chance; each has its share of it, both sides",
         derived("normal distribution, Bonferroni"),
+    )
+
+
+BANDS = "docs/decisions/0008-effects-of-bands.md"
+
+
+@final
+@dataclass(frozen=True)
+class Wearing:
+    """What is asked of any name is in `Judging`."""
+
+    most_folds: int = criterion(5, "folds", "repetitions or motions, each left out in turn", judgement(BANDS))
+    parts: int = criterion(3, "parts", "of a single log, each left out in turn", judgement(BANDS))
+    shortest_part_s: float = criterion(6.0, "s", "that such a part lasts at least", judgement(BANDS))
+    evidence_once: float = criterion(
+        40.0,
+        "evidence",
+        "asked of an effect of one moment, which nothing that was left out can confirm",
+        judgement(BANDS),
+    )
+    spread_once: float = criterion(
+        2.0, "z", "asked of its gain by blocks: it must not be one moment's alone", judgement(BANDS)
+    )
+    acts: float = criterion(
+        0.3, "1", "of an effect's torque on the joint that feels it most, from which a joint is asked", judgement(BANDS)
+    )
+    of_support: float = criterion(
+        0.02, "1", "of the supporting torque: a smaller effect is not worth a name", judgement(BANDS)
+    )
+    beyond: float = criterion(
+        1.3, "std", "stated doubts within which a value is no news: a maker's catalogue is no better", judgement(BANDS)
+    )
+    trials: int = criterion(14, "fits", "of a search for a shape, per shape", judgement(BANDS))
+    shape_worth: float = criterion(4.0, "1", "of the cost, in independent errors: less is chance", judgement(BANDS))
+    first_step: float = criterion(0.08, "1", "of a shape's range, with which its search begins", judgement(BANDS))
+    fine: int = criterion(
+        12, "values", "of a grid, beyond which the first step is half of one of its steps", judgement(BANDS)
+    )
+    joint_moves: float = criterion(
+        0.05, "rad or m", "travel of a joint from which it can show what pulls at it", judgement(BANDS)
+    )
+    most_crossed: int = criterion(4, "joints", "between the ends of a wire that is tried", judgement(BANDS))
+    lightest: float = criterion(
+        0.01, "1", "of the robot's mass, of a link whose inertia says how large it is", judgement(BANDS)
+    )
+    least_travel_m: float = criterion(0.005, "m", "of a wire that motions stretch", judgement(BANDS))
+    likely: int = criterion(3, "1", "joints that are followed up, and wires that are judged", judgement(BANDS))
+    furthest_m: float = criterion(0.2, "m", "by which the ends of a wire are led better", judgement(BANDS))
+    wire_worth: float = criterion(
+        6.0,
+        "evidence",
+        "of a wire that nobody declared, beyond what the number of tries gives by chance",
+        derived("2 ln 20 = 5.99"),
+    )
+    most_effects: int = criterion(
+        4, "effects", "that are named of one device: beyond, the formulas fit what others leave", judgement(BANDS)
+    )
+    worth_judging: float = criterion(
+        6.0, "evidence", "of a candidate from which the fits that judge it are spent on it", derived("2 ln 20 = 5.99")
+    )
+    judged: int = criterion(8, "candidates", "with most evidence that are judged in a round", judgement(BANDS))
+    remainder: float = criterion(
+        0.2,
+        "1",
+        "of what a named effect explained on a joint: less may be what its formula leaves of a real band",
+        judgement(BANDS),
+    )
+    remainder_of_wire: float = criterion(
+        0.5,
+        "1",
+        "the same of a wire that nobody declared: it can run anywhere, and so fits what any formula leaves",
+        judgement(BANDS),
+    )
+    clear: float = criterion(
+        1.5,
+        "floors",
+        "that a further band may leave on its joint for others to be looked at beside it",
+        judgement(BANDS),
+    )
+    tell_apart: float = criterion(
+        2.0,
+        "std errors",
+        "by which the winner must explain more than a rival that is told not to be it",
+        convention("two standard errors, 95 %"),
+    )
+    nearly_sure: float = criterion(
+        2.0,
+        "std errors",
+        "from which a rival is no worse an answer, though it could not be claimed alone",
+        convention("two standard errors, 95 %"),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from exogauge.effects.effect import Quantity
 from exogauge.effects.order import one_log
-from exogauge.effects.sensor import Array, SensorSignals
+from exogauge.effects.places import Array, SensorSignals
 from exogauge.effects.shaped import Shape
 
 LEAST_DURATION = 5.0  # [s]

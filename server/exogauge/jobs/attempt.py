@@ -22,8 +22,10 @@ from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import next_jobs
+from exogauge.storage import held_files
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.orphans import BlobGone
 from exogauge.storage.records import JobRecord
 from exogauge.storage.store import Installation, Storage, Store
 
@@ -75,6 +77,7 @@ class Runner:
 
     def __init__(self, installation: Installation, worker_id: str, scratch: Path) -> None:
         self._installation, self._worker, self._scratch = installation, worker_id, scratch
+        self.temporary = scratch / "tmp"
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
@@ -140,7 +143,8 @@ class Runner:
             failure = {"class": type(error).__name__, "faults": [], "defect": True}
             self._fail(job, f"unexpected error ({type(error).__name__}): {error}", failure=failure)
         finally:
-            shutil.rmtree(folder, ignore_errors=True)
+            for left in (folder, *(self.temporary.iterdir() if self.temporary.is_dir() else ())):
+                held_files.remove(left)
 
     def _compute_and_save(self, job: JobRecord, folder: Path) -> None:
         """A full disk is waited for: a computation that met one begins anew, what one made is kept until it fits."""
@@ -152,7 +156,15 @@ class Runner:
         self._progress, self._unsaid = 0.0, None
         until_it_works(lambda: self._compute(job, folder, out, wait), DISK_PATIENCE_S, wait, LONGEST_DISK_PAUSE_S)
         files = until_it_works(lambda: keep_folder(self._installation.blobs, out), DISK_PATIENCE_S, wait)
-        until_it_works(lambda: self._succeed(job, files))
+
+        def save() -> None:
+            try:
+                self._succeed(job, files)
+            except BlobGone:  # of an equal file that nothing needed
+                keep_folder(self._installation.blobs, out)
+                raise
+
+        until_it_works(save)
 
     def _compute(self, job: JobRecord, folder: Path, out: Path, wait: Callable[[float, Unavailable], None]) -> None:
         recipe, source = recipe_for(job.kind), folder / "study"

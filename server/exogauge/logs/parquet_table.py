@@ -1,4 +1,6 @@
-"""Parquet through pyarrow; what the footer declares is checked before a value is read."""
+"""Parquet through pyarrow: read, after what the footer declares was checked, and written in the one form in which
+logs are kept: `t` and the channels as float64, in row groups of one chunk.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ import pyarrow.parquet as pq
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_cells
-from exogauge.logs.model import Note
+from exogauge.logs.model import Log, Note
 from exogauge.logs.tables import RawArray, broken
 
 BATCH_ROWS = 1 << 16
@@ -108,3 +110,19 @@ def _values(column: Any, kind: Any, name: str, row: int, file: str) -> RawArray:
             raise BadLog(Fault("a time stamp is missing", "missing_value", "", file, row + first + 1, shorten(name)))
         return np.asarray(pc.cast(column, pa.int64()).to_numpy(zero_copy_only=False))
     return np.asarray(pc.cast(column, pa.float64(), safe=False).to_numpy(zero_copy_only=False), np.float64)
+
+
+ROW_GROUP = 12_000
+
+
+def write_log(log: Log, path: Path) -> None:
+    """Write the log; the same log gives the same bytes. `reading.read_log` reads it back exactly."""
+    names = ["t", *log.channels]
+    schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
+    with pq.ParquetWriter(
+        path, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True, write_statistics=False
+    ) as writer:
+        for start in range(0, log.samples, ROW_GROUP):
+            chunk = slice(start, start + ROW_GROUP)
+            arrays = [pa.array(values[chunk]) for values in (log.time, *log.channels.values())]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=ROW_GROUP)

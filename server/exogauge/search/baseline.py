@@ -9,9 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.flags import of_logged_torque
 from exogauge.effects.order import about, begins_among
-from exogauge.effects.shaped import AxisSignals
+from exogauge.effects.shaped import AxisSignals, of_logged_torque
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite, seen_by

@@ -14,7 +14,7 @@ from exogauge.effects.order import bounded, whatever_log
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import AxisSite, BaseSite, LinkSite, PairSite, SensorSite, end_links, neighbours
-from exogauge.logs.decimating import low_passed_at
+from exogauge.logs.filtering import low_passed_at
 
 Array = NDArray[np.float64]
 

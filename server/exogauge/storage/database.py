@@ -90,7 +90,13 @@ def make_engine(text: str, *, foreign_keys: bool = True) -> Engine:
     url = database_url(text)
     if url.get_backend_name() == "postgresql":
         return sa.create_engine(
-            url, pool_pre_ping=True, pool_size=10, connect_args={"connect_timeout": 5, "options": "-c timezone=UTC"}
+            url,
+            pool_pre_ping=True,
+            pool_size=10,
+            connect_args={
+                "connect_timeout": 5,
+                "options": "-c timezone=UTC -c idle_in_transaction_session_timeout=600000",
+            },
         )
     assert url.database is not None
     Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)

@@ -68,9 +68,10 @@ class Lab:
                 return found, False
             try:
                 with self.session.begin_nested():
-                    for row in make():
-                        self.session.add(row)
-                        self.session.flush()
+                    first, *rest = make()
+                    self.session.add(first)  # what the others refer to
+                    self.session.flush()
+                    self.session.add_all(rest)
             except IntegrityError:
                 continue
             if (made := find()) is not None:

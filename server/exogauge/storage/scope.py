@@ -3,12 +3,16 @@ say so. What has to see all labs (the queue) says that, with `OF_ALL_LABS` or in
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, final
 
+import sqlalchemy as sa
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
 from sqlalchemy.orm import ORMExecuteState, Session, with_loader_criteria
 
+from exogauge.storage.blobs import BlobStore
+from exogauge.storage.orphans import names_a_blob, spare
 from exogauge.storage.tables import Owned
 
 OF_ALL_LABS = {"of_all_labs": True}
@@ -16,11 +20,11 @@ OF_ALL_LABS = {"of_all_labs": True}
 
 @final
 class LabSession(Session):
-    """Closed as any session; the queue's own statements pass as they are."""
+    """Closed as any session; the queue's own statements pass as they are. Rows that name blobs spare them."""
 
-    def __init__(self, engine: Engine, lab_id: str) -> None:
+    def __init__(self, engine: Engine, lab_id: str, blobs: BlobStore) -> None:
         super().__init__(engine)
-        self.lab_id = lab_id
+        self.lab_id, self.blobs = lab_id, blobs
 
 
 @event.listens_for(LabSession, "do_orm_execute")
@@ -40,6 +44,20 @@ def add_within_lab(session: Session, *_: Any) -> None:
             if row.lab_id not in (None, lab_id):
                 raise ValueError(f"a row of lab {row.lab_id!a} in a session of lab {lab_id!a}")
             row.lab_id = lab_id
+
+
+@event.listens_for(LabSession, "before_flush")
+def spare_what_is_named(session: Session, *_: Any) -> None:
+    keys = {row: sa.inspect(type(row)).column_attrs.keys() for row in session.new}
+    named = (getattr(row, key) for row in keys for key in keys[row] if names_a_blob(key))
+    spare_blobs(session, {name for name in named if name is not None})
+
+
+def spare_blobs(session: Session, names: Collection[str]) -> None:
+    """For an UPDATE that names blobs; rows that are added do it themselves."""
+    assert isinstance(session, LabSession)
+    if names:
+        spare(session, session.blobs, names)
 
 
 def lab_of(session: Session) -> str:

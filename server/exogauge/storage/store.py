@@ -78,12 +78,12 @@ class Storage:
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session, session.begin():
+        with serving("answer"), LabSession(self.engine, self.lab_id, self.blobs) as session, session.begin():
             yield Store(session, self.blobs, self.lab_id)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session:
+        with serving("answer"), LabSession(self.engine, self.lab_id, self.blobs) as session:
             session.connection(execution_options=READONLY)
             yield Store(session, self.blobs, self.lab_id)
 

@@ -375,6 +375,28 @@ class WorkerLease(Base):
 
 
 @final
+class Orphan(Base):
+    """A blob of the installation that no row named (`storage.orphans`). condemned_at: since when it is to go."""
+
+    __tablename__ = "orphans"
+    sha256: Mapped[str] = mapped_column(SHA256, primary_key=True)
+    found_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    condemned_at: Mapped[datetime | None] = mapped_column(UtcDateTime, index=True)
+
+
+@final
+class Chore(Base):
+    """What is done for the whole installation now and then, by one process at a time (`storage.chores`)."""
+
+    __tablename__ = "chores"
+    name: Mapped[str] = mapped_column(sa.String(64), primary_key=True)
+    holder: Mapped[str | None] = mapped_column(sa.String(200))
+    held_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    due_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    outcome: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
+
+
+@final
 class AuditEntry(Owned, Base):
     """Who did what to what; rows are only ever added."""
 

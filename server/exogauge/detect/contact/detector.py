@@ -18,7 +18,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.contact import Touching
+from exogauge.criteria.detecting import Touching
 from exogauge.detect.contact.fit import Push, explain
 from exogauge.detect.contact.rows import LogRows, force_columns, log_rows, reaches
 from exogauge.detect.contact.scan import bursts, gains, level
@@ -33,12 +33,11 @@ from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.identification.validate import unit_of
-from exogauge.progress import Doing, Progress, unwatched
+from exogauge.progress import Doing, Progress, still, unwatched
 from exogauge.robots.description import Robot
 from exogauge.robots.rows import RowType
 from exogauge.search.judge import refused
 from exogauge.search.locate import pooled
-from exogauge.search.rising import still
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.criteria.contact import Touching
+from exogauge.criteria.detecting import Touching
 from exogauge.detect.contact.rows import LogRows
 from exogauge.detect.contact.scan import bump
 

@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, whitened
 from exogauge.detect.device.judge import BandJudgement
 from exogauge.detect.device.score import BandScore, Scorer

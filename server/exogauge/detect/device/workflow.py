@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
-from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
+from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse, with_best_shape
 from exogauge.detect.device.nominal import contradicted
 from exogauge.detect.device.score import BandScore, Scorer, candidates
-from exogauge.detect.device.shape import with_best_shape
 from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.detect.so_far import descendant
 from exogauge.devices.device import Device

@@ -10,7 +10,7 @@ from typing import Any, TypeVar, final
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.identifying import Declaring
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import law_faults

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.identifying import Declaring
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.declared import EXACT, Declared
 from exogauge.robots.description import Joint, Robot, WrenchSensor
