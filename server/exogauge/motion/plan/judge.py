@@ -88,7 +88,7 @@ def judge(
         cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
         inside[t] = -(edges[:, :2] @ cop + edges[:, 2]).max()
         carried[t] = force[2] / robot.weight
-    limits, jerk = robot.limits, motion.jerk(time)[:, base:]
+    limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
     angle = q[:, base:]
     sizes = (  # what, share of the bound, what is counted
         ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),

@@ -22,10 +22,6 @@ class Trajectory(Protocol):
         """q, q̇, q̈ (T, n) at times (T,) from 0 to `duration`."""
         ...
 
-    def jerk(self, time: Array) -> Array:
-        """(T, n) from each time to the next."""
-        ...
-
 
 @final
 @dataclass(frozen=True)
@@ -55,11 +51,6 @@ class Spline:
         count = len(self.control)
         whole = BSpline(self.step * (np.arange(count + 4) - 3.0), self.control, 3)
         return whole(time), whole(time, 1), whole(time, 2)
-
-    def jerk(self, time: Array) -> Array:
-        """(T, n) at times (T,), even between two nodes."""
-        each = np.minimum((time / self.step + 1e-9).astype(np.intp), len(self.control) - 4)
-        return np.asarray(np.diff(self.control, 3, axis=0)[each] / self.step**3)
 
     def refined(self, count: int) -> Spline:
         """The same trajectory with `count` nodes in place of one; count: a power of two."""

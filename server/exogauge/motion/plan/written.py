@@ -42,10 +42,6 @@ class Written:
         whole = CubicSpline(self.time, self.q)
         return whole(time), whole(time, 1), whole(time, 2)
 
-    def jerk(self, time: Array) -> Array:
-        """(T, n) at times (T,)."""
-        return np.asarray(CubicSpline(self.time, self.q)(time, 3))
-
 
 def read_written(robot: MotionRobot, path: Path) -> Written:
     """Columns t [s] and q.<joint> [rad or m]; the base is where the left foot puts it. Raises BadMotion, BadLog."""
