@@ -172,7 +172,7 @@ FORMATS: dict[str, tuple[Write, str]] = {
     "csv": (_contract, "t [s], q.<joint> [rad, m]"),
     "hrpsys": (_hrpsys, "each line: time [s], then .pos [rad], .vel [rad/s] of the joints in the order of `joints`; "
                ".zmp [m] in the root link's axes from its origin; .waist [m, rad] x y z roll pitch yaw of the root "
-               "link in the world (z up, floor at 0); .hip roll pitch yaw [rad], which hrpsys reads in place of .waist"),
+               "link in the world (z up, floor at 0); .hip roll pitch yaw [rad], which hrpsys reads before .waist"),
     "mc_rtc": (_mc_rtc, "t [s]; qOut_<k> [rad, m] of the joints in the order of `joints`; the base is not in it"),
     "ros2-yaml": (_ros_yaml, "trajectory_msgs/JointTrajectory [rad, rad/s, rad/s²; m …]"),
     "ros2-mcap": (_ros_mcap, f"one trajectory_msgs/msg/JointTrajectory on {TOPIC} [rad, rad/s, rad/s²; m …]"),
