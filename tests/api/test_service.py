@@ -148,3 +148,13 @@ def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> 
     assert "secret" not in repr(settings)
     assert not Settings(host="0.0.0.0").local_only
     assert Settings(database_url="").database_url.startswith("sqlite:////")
+
+
+@on_sqlite
+def test_what_was_handed_in_can_be_deleted(client: TestClient, study_id: str) -> None:
+    assert client.delete(f"/api/v1/studies/{study_id}").status_code == 204
+    gone = client.delete(f"/api/v1/studies/{study_id}")
+    assert (gone.status_code, gone.headers["content-type"]) == (404, "application/problem+json")
+    assert client.get(f"/api/v1/studies/{study_id}").status_code == 404
+    for nouns in ("robots", "devices", "logs", "payloads"):
+        assert client.delete(f"/api/v1/{nouns}/{study_id}").status_code == 404

@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import least_squares
 from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
 
+from exogauge.criteria.criterion import Z95
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.support.band_model import shared
-from exogauge.support.stiffness import QUANTILE, interval
+from exogauge.support.stiffness import interval
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
 PLAN = shared((Band("back", "back", NOWHERE),))
@@ -48,8 +49,8 @@ def test_both_kinds_agree_where_the_cost_is_a_parabola(samples, coloured):
     covariance = coloured * curved(fit)
     std, value = np.sqrt(covariance[STIFFNESS, STIFFNESS]), fit.wear.theta[STIFFNESS]
     by_profile = interval(given, fit, covariance, STIFFNESS, 0.0)
-    np.testing.assert_allclose(by_profile, [value - QUANTILE * std, value + QUANTILE * std], atol=0.01 * std)
-    assert interval(given, fit, covariance, STIFFNESS, 1e9) == (value - QUANTILE * std, value + QUANTILE * std)
+    np.testing.assert_allclose(by_profile, [value - Z95 * std, value + Z95 * std], atol=0.01 * std)
+    assert interval(given, fit, covariance, STIFFNESS, 1e9) == (value - Z95 * std, value + Z95 * std)
 
 
 @pytest.mark.parametrize("index", [STIFFNESS, LENGTH])
@@ -70,8 +71,8 @@ def test_ends_of_a_profile_are_where_the_best_of_the_rest_costs_the_quantile_squ
     lowest = float(np.sum(residual(samples, *start) ** 2))
     assert ends[0] < fit.wear.theta[index] < ends[1]
     for end in ends:
-        assert best(end) - lowest == pytest.approx(QUANTILE**2, rel=0.03)
-    half = QUANTILE * np.sqrt(curved(fit)[index, index])
+        assert best(end) - lowest == pytest.approx(Z95**2, rel=0.03)
+    half = Z95 * np.sqrt(curved(fit)[index, index])
     symmetric = fit.wear.theta[index] + np.array([-half, half])
     assert np.abs(ends - symmetric).max() > 0.05 * half  # here the two kinds do differ
 
@@ -84,7 +85,7 @@ def test_little_doubt_against_the_value_is_stated_symmetrically():
         assert std[index] < 0.05 * size
         low, high = interval(given, fit, covariance, index, size)
         assert (low + high) / 2 == pytest.approx(fit.wear.theta[index], rel=1e-12)
-        assert high - low == pytest.approx(2 * QUANTILE * std[index])
+        assert high - low == pytest.approx(2 * Z95 * std[index])
 
 
 def test_what_the_data_do_not_hold_may_be_anything():
@@ -109,4 +110,4 @@ def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
         g = samples.jacobian[:, 0, 0] * np.maximum(samples.length[:, 0] - 0.62, 0.0)
         own = 1.0 / np.sqrt(np.sum(samples.weight[:, 0] * g**2) + std**-2)
         low, high = interval(given, fit, curved(fit), STIFFNESS, 0.0)
-        assert high - low == pytest.approx(2 * QUANTILE * own, rel=0.01)
+        assert high - low == pytest.approx(2 * Z95 * own, rel=0.01)

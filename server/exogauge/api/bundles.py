@@ -8,7 +8,7 @@ from uuid import UUID
 
 from fastapi import APIRouter, Path, Request, Response
 
-from exogauge.api.dependencies import ReaderDep
+from exogauge.api.dependencies import ReaderDep, StoreDep
 from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.uploads import root_of
 from exogauge.storage.bundles import Bundles, Record
@@ -32,6 +32,23 @@ def keep(
     with storage.transaction() as store:
         kept, new = bundles(store).add(name or summary["name"], files, summary, **facts)
     return kept, files, new
+
+
+def let_go(router: APIRouter, noun: str, nouns: str, of: Callable[[Store], Any], what_else: str) -> None:
+    """Add the route by which one is deleted. what_else: goes with it, and what stays."""
+    Key = Annotated[UUID, Path(alias=f"{noun}_id", description="id of the thing")]
+
+    @router.delete(
+        f"/{nouns}/{{{noun}_id}}",
+        operation_id=f"delete{noun.title()}",
+        summary=f"Delete {noun.title()}",
+        description=what_else,
+        status_code=204,
+        response_class=Response,
+    )
+    def delete(key: Key, store: StoreDep) -> Response:
+        of(store).delete(str(key))
+        return Response(status_code=204)
 
 
 def give_files(router: APIRouter, noun: str, nouns: str, bundles: Callable[[Store], Bundles[Any]]) -> None:

@@ -9,6 +9,7 @@ from uuid import UUID
 from fastapi import APIRouter, File, Form, Response, UploadFile
 
 from exogauge.api import checking
+from exogauge.api.bundles import let_go
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.shapes import LogList, LogOut
 from exogauge.api.uploads import Allowance, scratch_folder, write
@@ -55,6 +56,9 @@ def list_logs(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> LogList:
 @router.get("/logs/{log_id}", operation_id="getLog")
 def get_log(log_id: Id, store: ReaderDep) -> LogOut:
     return LogOut.model_validate(store.logs.get(str(log_id)))
+
+
+let_go(router, "log", "logs", lambda store: store.logs, "Studies that were put together with it keep their own file.")
 
 
 def receive(

@@ -25,6 +25,9 @@ Thing = TypeVar("Thing")
 POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
+PATHS: Mapping[type, str] = {
+    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads",
+}  # fmt: skip
 YAML = (".yaml", ".yml")
 
 
@@ -106,6 +109,14 @@ class Client:
         worn = {} if device is None else {"device_id": id_of(device)}
         carried = {} if known is None else {"known": known}
         return thing(Study, self._http.post("studies", body | worn | carried))
+
+    def delete(self, what: Study | Robot | Device | Log | Payload) -> None:
+        """With its jobs and results. ClientProblem 409 where something else needs it."""
+        self.delete_by_id(next(path for kind, path in PATHS.items() if isinstance(what, kind)), what.id)
+
+    def delete_by_id(self, nouns: str, key: str) -> None:
+        """nouns: studies, robots, devices, logs or payloads."""
+        self._http.delete(f"{nouns}/{quote(key, safe='')}")
 
     def studies(self) -> Iterator[Study]:
         """All studies, newest first."""

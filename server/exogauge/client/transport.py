@@ -107,6 +107,10 @@ class Transport:
         """PUT JSON, which may be sent again as it is."""
         return self._send("PUT", path, json=body).json()
 
+    def delete(self, path: str) -> None:
+        """DELETE; what an attempt whose answer was lost has deleted is not there any more."""
+        self._send("DELETE", path)
+
     def begin(self, path: str, headers: Mapping[str, str]) -> Any:
         """POST that says all in its headers; one idempotency key for all attempts."""
         return self._send("POST", path, headers={**headers, "Idempotency-Key": str(uuid.uuid4())}).json()
@@ -141,7 +145,8 @@ class Transport:
                     address = self._http.base_url
                     raise ClientProblem(0, f"no answer from {address}", str(error) or type(error).__name__) from error
             else:
-                if response.is_success:
+                gone = method == "DELETE" and response.status_code == 404 and attempt > 1
+                if response.is_success or gone:
                     return response
                 if not (response.status_code in BUSY or in_flight(response)) or attempt == ATTEMPTS:
                     raise problem_of(response)

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_live import USUAL, Streaming
 from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.logs.channels import shorten
 from exogauge.payload.contract import PayloadFile
@@ -18,8 +19,6 @@ from exogauge.payload.prepare import into_sensor
 from exogauge.payload.sensor_motion import Chain
 
 Array = NDArray[np.float64]
-
-LATE_S = 0.1  # behind the quickest sample so far: more than the smoother waits for
 
 
 @final
@@ -116,9 +115,9 @@ class Counts:
 class Arrivals:
     """Which samples are taken: each later than all before, by number and by time. The rest is counted."""
 
-    def __init__(self, last: int | None = None, time: float = -np.inf) -> None:
+    def __init__(self, last: int | None = None, time: float = -np.inf, criteria: Streaming = USUAL) -> None:
         """last, time: number and time [s] of the last sample of a stream that goes on; None: any number begins."""
-        self.counts = Counts()
+        self.counts, self._criteria = Counts(), criteria
         self.last, self.time = last, time
         self._missing = set[int]()
         self._quickest = np.inf
@@ -150,6 +149,6 @@ class Arrivals:
             keep[k] = True
             if clock is not None:
                 self._quickest = min(self._quickest, clock - t)
-                counts.late += clock - t > self._quickest + LATE_S
+                counts.late += clock - t > self._quickest + self._criteria.late_s
         counts.taken += int(keep.sum())
         return keep

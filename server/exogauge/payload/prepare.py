@@ -9,6 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL as MOVING
+from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.logs.filtering import LowPass
@@ -84,7 +86,9 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 
 
-def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None) -> Moved:
+def moving(
+    payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None, criteria: Moving = MOVING
+) -> Moved:
     """The sensor's motion and the wrench (T, 6) in {S}, on one clock. gravity: (3,) [m/s²] in {B}."""
     pose, settings = payload.file.pose, payload.file.settings
     streams: dict[str, Stream] = {"w": recording.wrench, "p": recording.pose}
@@ -104,14 +108,16 @@ def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame
     time, values = streams["p"].time, streams["p"].values
     if payload.tree is not None:
         frame = payload.file.sensor.frame or ""
-        motion = from_joints(payload.tree, frame, time, values, pose.noise_rad, gravity, density=settings.jerk_density)
+        motion = from_joints(
+            payload.tree, frame, time, values, pose.noise_rad, gravity, density=settings.jerk_density, criteria=criteria
+        )
     elif "x" in streams:
         motion = from_pose(
             time, values.reshape(-1, 3, 3), streams["x"].values, pose.noise_rad, pose.noise_m, gravity,
-            density=settings.jerk_density,
+            density=settings.jerk_density, criteria=criteria,
         )  # fmt: skip
     else:
-        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad)
+        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad, criteria)
         a = streams["a"].values + np.einsum("tji,j->ti", R, gravity)
         motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
     wrench = streams["w"].values

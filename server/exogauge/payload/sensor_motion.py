@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.sensor_chain import end_motion
 from exogauge.payload.smoothing import Kind, smooth
 from exogauge.robots.regressor import wrench_columns
@@ -101,25 +102,25 @@ class Chain:
 
 def from_joints(
     tree: RigidTree, frame: str, time: Array, angles: Array, std: float, gravity: Array,
-    *, density: float | None = None, kind: Kind = "smoother",
+    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL,
 ) -> SensorMotion:  # fmt: skip
     """angles: (T, J) [rad] as logged, with errors of `std`. frame: of the sensor; tree: on a fixed base."""
-    smoothed = smooth(time, angles, std, density=density, kind=kind)
+    smoothed = smooth(time, angles, std, density=density, kind=kind, criteria=criteria)
     motion = Chain.of(tree, frame).motion(time, smoothed.state, smoothed.noise, gravity)
     return replace(motion, edge=smoothed.edge, density=smoothed.density)
 
 
 def from_pose(
     time: Array, rotation: Array, position: Array, std_angle: float, std_position: float, gravity: Array,
-    *, density: float | None = None, kind: Kind = "smoother",
+    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL,
 ) -> SensorMotion:  # fmt: skip
     """rotation: (T, 3, 3) R_BS, position: (T, 3) [m] of the origin in {B}, as logged.
 
     The entries of the rotation are smoothed, and made a rotation again; ω and α are the skew parts of RᵀṘ and RᵀR̈.
     A density is that of the positions; that of rotations is always chosen.
     """
-    turned = smooth(time, rotation.reshape(-1, 9), std_angle, kind=kind)
-    moved = smooth(time, position, std_position, density=density, kind=kind)
+    turned = smooth(time, rotation.reshape(-1, 9), std_angle, kind=kind, criteria=criteria)
+    moved = smooth(time, position, std_position, density=density, kind=kind, criteria=criteria)
     motion = pose_motion(
         time, turned.state, moved.state, turned.noise[int(np.argmax(turned.density))], moved.noise, gravity
     )
@@ -151,9 +152,9 @@ def rotations(tree: RigidTree, frame: str, angles: Array) -> Array:
     return Chain.of(tree, frame).rotations(angles)
 
 
-def turning(time: Array, rotation: Array, std_angle: float) -> tuple[Array, Array, Array]:
+def turning(time: Array, rotation: Array, std_angle: float, criteria: Moving = USUAL) -> tuple[Array, Array, Array]:
     """R_BS (T, 3, 3) smoothed, α and ω (T, 3) in {S}, from logged rotations (T, 3, 3)."""
-    return _turning(smooth(time, rotation.reshape(-1, 9), std_angle).state)
+    return _turning(smooth(time, rotation.reshape(-1, 9), std_angle, criteria=criteria).state)
 
 
 def _turning(entries: Array) -> tuple[Array, Array, Array]:

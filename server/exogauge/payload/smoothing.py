@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.jerk_filter import WARM, backward, forward, gains
 
 Array = NDArray[np.float64]
 Kind = Literal["smoother", "fixed_lag", "causal"]
 
 LAG_S = 0.1  # of the fixed-lag smoother: at 250 Hz it leaves what the full smoother leaves
-STILL = 20.0  # standard deviations of noise between the ends of what a channel does not move
 MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse is left (e⁻⁸)
 
 
@@ -36,8 +36,9 @@ class Smoothed:
 
 
 def smooth(
-    time: Array, positions: Array, std: float, *, density: float | None = None, kind: Kind = "smoother"
-) -> Smoothed:
+    time: Array, positions: Array, std: float, *, density: float | None = None, kind: Kind = "smoother",
+    criteria: Moving = USUAL,
+) -> Smoothed:  # fmt: skip
     """positions: (T, J) [rad or m] at time (T,) [s], with errors of `std`.
 
     density: None chooses each channel's by the likelihood of its innovations, which is done for still channels anyway.
@@ -52,7 +53,7 @@ def smooth(
     edge = 0
     for j in range(channels):
         z = (positions[:, j] - positions[0, j]) / std
-        moves = float(np.ptp(z)) >= STILL
+        moves = float(np.ptp(z)) >= criteria.still_noises
         ratio = density * period**5 / std**2 if density is not None and moves else likeliest(z, step)
         states = _pass(z, step, ratio, lag) * std * units
         state[:, j] = states

@@ -75,9 +75,11 @@ def payload(folder: str, results: str | None, postures: str | None) -> dict[str,
     if postures is not None:
         with Path(postures).open(encoding="utf-8", newline="") as table:
             ghosts = np.array([[float(row[f"q.{name}"]) for name in joints] for row in csv.DictReader(table)])
-    body = None if results is None else body_of(read_results(Path(results)))
-    opener = mesh_opener(here)
-    Path(SCENE).write_bytes(draw_payload(robot, urdf, opener, file.sensor.frame or "", home, caps, ghosts, body))
+    found = None if results is None else read_results(Path(results))
+    body = None if found is None else body_of(found)
+    touches = [] if found is None else [np.array(each.force_n) for log in found.contacts.values() for each in log]
+    scene = draw_payload(robot, urdf, mesh_opener(here), file.sensor.frame or "", home, caps, ghosts, body, touches)
+    Path(SCENE).write_bytes(scene)
     return {}
 
 

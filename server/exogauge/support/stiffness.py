@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from exogauge.criteria.criterion import Z95
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach, BandEstimate, Estimate, Share, StiffnessResult
@@ -143,7 +144,7 @@ def _longer_than(seen: BandFit, k: int) -> float:
         size = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
         curvature = np.linalg.pinv(H * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
         share = curvature[place, place] / max(doubt[place, place], 1e-300)
-        return float(min(share, 1.0) * (held.cost - seen.fitted.cost) - QUANTILE**2)
+        return float(min(share, 1.0) * (held.cost - seen.fitted.cost) - Z95**2)
 
     low, high = wire.shortest, wire.longest
     if excess(low) <= 0.0:
@@ -227,7 +228,6 @@ def _note(
     return None if l_known else Remark(About.LENGTH_OPEN)
 
 
-QUANTILE = 1.959964
 SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
 SHORTEST = 1e-3  # [N/m or m] of either value
 
@@ -246,7 +246,7 @@ def interval(
     if not np.isfinite(std):
         return 0.0, np.inf
     if std < SKEWED * relative_to:
-        return value - QUANTILE * std, value + QUANTILE * std
+        return value - Z95 * std, value + Z95 * std
     few = thinned(setting)
     coarse = fit(few, fitted.wear)
     size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
@@ -256,7 +256,7 @@ def interval(
 
     def excess(candidate: float) -> float:
         held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
-        return float(share * (held.cost - coarse.cost) - QUANTILE**2)
+        return float(share * (held.cost - coarse.cost) - Z95**2)
 
     return (
         _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import CARRYING as USUAL
+from exogauge.criteria.judging import Carrying
 from exogauge.payload.missing.effect import CHANNELS, UNITS, Effect, Frame
 from exogauge.payload.missing.stretch import Stretch
 
@@ -81,16 +83,14 @@ def crosstalk(read: int, of: int) -> Effect:
     return Effect(name, place, (("share", unit),), columns, _as_they_are)
 
 
-def delay() -> Effect:
-    latest = 0.05  # s, of a wrench against its pose, either way
-
+def delay(criteria: Carrying = USUAL) -> Effect:
     def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
         return np.zeros((len(stretch.wrench), 6, 0))
 
     def told(_frame: Frame, shape: Array, _value: Array) -> Array:
         return 1e3 * shape
 
-    starts = ((-0.01,), (0.005,), (0.02,))
+    starts, latest = ((-0.01,), (0.005,), (0.02,)), criteria.latest_s
     return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
 
 
