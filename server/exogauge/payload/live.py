@@ -144,7 +144,7 @@ class Live:
     def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
         """Rows wait until it is known that no alarm follows them."""
         start = self.start
-        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std)
+        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std, tipping=False)
         barred, alarms = alarm.copy(), np.flatnonzero(alarm)
         barred[: self._barred] = True
         for k in alarms:
