@@ -140,8 +140,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
 
     def tell(now: Round) -> None:
-        print(f"round {now.number}: step {now.step:.2g}, feet off by {now.strays:.2g}, bounds exceeded by "
-              f"{now.excess:.2g}", file=sys.stderr)  # fmt: skip
+        print(f"part {now.part + 1} of {now.parts}, round {now.number}: step {now.step:.2g}, feet off by "
+              f"{now.strays:.2g}, bounds exceeded by {now.excess:.2g}", file=sys.stderr)  # fmt: skip
 
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
