@@ -17,8 +17,8 @@ from exogauge.scene.colours import MARK, SLACK, UNKNOWN, Rgb, as_hex
 from exogauge.scene.poses import InBase, quaternions
 from exogauge.scene.recording import aim
 from exogauge.scene.robot_view import ROOT, RobotView, draw_robot
-from exogauge.scene.shapes import Opener
 from exogauge.scene.stage import Stage
+from exogauge.studies.intake.mesh_files import Opener
 
 Array = NDArray[np.float64]
 
