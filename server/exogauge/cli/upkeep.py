@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from dataclasses import asdict
 from datetime import timedelta
+from pathlib import Path
 
 from exogauge.cli.endings import Commands
 
@@ -26,11 +28,58 @@ def add_commands(commands: Commands) -> None:
     )
     gc.set_defaults(command=sweep_all)
 
+    backup = commands.add_parser("backup", help="rows and blobs into a folder, beside a service that runs")
+    backup.add_argument("folder", type=Path, help="new, or with an older backup: only new blobs are copied then")
+    backup.set_defaults(command=back_up_all)
+
+    restore = commands.add_parser("restore", help="a backup into an empty database, of either kind, and its blobs")
+    restore.add_argument("folder", type=Path)
+    restore.set_defaults(command=restore_all)
+
     delete = commands.add_parser("delete", help="delete something that a service keeps, with all that hangs on it")
     delete.add_argument("kind", choices=sorted(KINDS))
     delete.add_argument("id")
     delete.add_argument("--server", metavar="URL", required=True, help="address of the service")
     delete.set_defaults(command=delete_one)
+
+
+def back_up_all(options: argparse.Namespace) -> int:
+    from exogauge.jobs.leases import new_worker_id
+    from exogauge.settings import Settings
+    from exogauge.storage.store import open_installation
+    from exogauge.terminal import bar
+    from exogauge.upkeep.backup import back_up
+
+    installation = open_installation(Settings(), migrating=True)
+    with bar("blobs", shown=sys.stderr.isatty()) as say:
+        told = lambda done, of: say(done / of, f"{done} of {of}", "copying")  # noqa: E731
+        done = back_up(installation, options.folder, new_worker_id(), told)
+    installation.close()
+    print(f"{done.rows} rows, {done.blobs} blobs, {done.bytes / 1e6:.1f} MB, {done.copied} of them new")
+    return 0
+
+
+def restore_all(options: argparse.Namespace) -> int:
+    from exogauge.jobs.engine import migrate_engine
+    from exogauge.settings import Settings
+    from exogauge.storage.checking import check
+    from exogauge.storage.store import open_installation
+    from exogauge.terminal import bar
+    from exogauge.upkeep.backup import restore
+
+    settings = Settings()
+    installation = open_installation(settings)
+    with bar("blobs", shown=sys.stderr.isatty()) as say:
+        told = lambda done, of: say(done / of, f"{done} of {of}", "copying")  # noqa: E731
+        done = restore(options.folder, settings, installation.blobs, told)
+    migrate_engine(settings.database_url)
+    found = check(installation, None)
+    installation.close()
+    print(f"{done.rows} rows, {done.blobs} blobs, {done.bytes / 1e6:.1f} MB")
+    print(
+        "every blob and every reference is sound" if found.sound else "NOT SOUND: `exogauge check` says what is missing"
+    )
+    return 0 if found.sound else NOT_SOUND
 
 
 def delete_one(options: argparse.Namespace) -> int:

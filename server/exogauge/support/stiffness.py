@@ -34,8 +34,6 @@ from exogauge.support.evidence import Evidence, Nothing
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-LEAST_PULL = 1e-3  # [N] of a band: less is none
-
 
 @final
 @dataclass(frozen=True)
@@ -183,9 +181,10 @@ def _without_pull(seen: BandFit, known: set[int]) -> set[str]:
 
 def _pulling(seen: BandFit) -> BoolArray:
     """(W,) which bands pull anywhere."""
+    least_pull = 1e-3  # [N] of a band: less is none
     wear, wires = seen.fitted.wear, seen.setting.wires
     longest = np.array([wire.longest for wire in wires[: len(wear.k)]])
-    return np.asarray(wear.k * (longest - wear.l_0) > LEAST_PULL)
+    return np.asarray(wear.k * (longest - wear.l_0) > least_pull)
 
 
 def _at_bounds_of_each(seen: BandFit) -> list[tuple[str, ...]]:
@@ -293,7 +292,6 @@ def _note(
 
 
 SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
-REACH = 12.0  # standard deviations within which the ends of a profile are sought
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
@@ -334,6 +332,7 @@ class Profiles:
 
     def _walked(self, index: int, value: float, std: float) -> tuple[float, float]:
         few, coarse = self._coarse
+        reach = 12.0  # standard deviations within which the ends of a profile are sought
         size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
         curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
@@ -344,8 +343,8 @@ class Profiles:
             return float(share * (held.cost - coarse.cost) - Z95**2)
 
         return (
-            _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0,
-            _crossing(excess, value, std, value + REACH * std) or np.inf,
+            _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
+            _crossing(excess, value, std, value + reach * std) or np.inf,
         )
 
 
