@@ -36,7 +36,9 @@ from exogauge.api import (
 from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
+from exogauge.api.rate import Rate
 from exogauge.api.uploads_resumable import TusHeaders
+from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
 from exogauge.storage.held_files import own_folder
 from exogauge.storage.migrate import prepare
@@ -52,6 +54,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or Settings()
     prepare(settings.database_url)
     installation = open_installation(settings)
+    at_once.bound(settings.readers)
     hub, housekeeping = Hub(installation, settings), Housekeeping(installation, settings)
 
     @asynccontextmanager
@@ -83,6 +86,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(BodyLimit, limit=settings.max_upload_bytes, piece_limit=settings.max_bundle_bytes)
     app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
     app.add_middleware(Guard, local_only=settings.local_only)
+    app.add_middleware(Rate, per_s=settings.requests_per_s)
     for router in (
         robots.router,
         devices.router,

@@ -32,6 +32,7 @@ from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
+from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import LabSession
@@ -43,8 +44,9 @@ from exogauge.storage.uploads import Uploads
 class Store:
     """One lab's things inside one transaction (`session`), and the blobs beside them."""
 
-    def __init__(self, session: Session, blobs: BlobStore, lab_id: str) -> None:
+    def __init__(self, session: Session, blobs: BlobStore, lab_id: str, quotas: Quotas) -> None:
         lab = Lab(session, lab_id)
+        self.lab, self.quotas = lab, quotas
         self.session = session
         self.blobs = blobs
         self.lab_id = lab_id
@@ -59,6 +61,10 @@ class Store:
         self.keys = Keys(lab)
         self.uploads = Uploads(lab)
         self.mappings = Mappings(lab)
+
+    def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
+        """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
+        refuse_bytes(self.lab, self.quotas, more + (bytes_on_their_way(self.lab) if coming else 0))
 
     def study_of(self, job: JobRecord) -> StudyRecord:
         """NotFound for a job of a payload."""
@@ -75,17 +81,18 @@ class Storage:
     engine: Engine
     blobs: BlobStore
     lab_id: str
+    quotas: Quotas = NO_LIMIT
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
         with serving("answer"), LabSession(self.engine, self.lab_id, self.blobs) as session, session.begin():
-            yield Store(session, self.blobs, self.lab_id)
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
         with serving("answer"), LabSession(self.engine, self.lab_id, self.blobs) as session:
             session.connection(execution_options=READONLY)
-            yield Store(session, self.blobs, self.lab_id)
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
 
 @final
@@ -98,9 +105,10 @@ class Installation:
 
     engine: Engine
     blobs: BlobStore
+    quotas: Quotas = NO_LIMIT
 
     def of_lab(self, lab_id: str) -> Storage:
-        return Storage(self.engine, self.blobs, lab_id)
+        return Storage(self.engine, self.blobs, lab_id, self.quotas)
 
     @contextmanager
     def session(self) -> Iterator[Session]:
@@ -121,4 +129,4 @@ class Installation:
 
 
 def open_installation(settings: Settings) -> Installation:
-    return Installation(make_engine(settings.database_url), FolderBlobs(settings.blobs))
+    return Installation(make_engine(settings.database_url), FolderBlobs(settings.blobs), Quotas.of(settings))
