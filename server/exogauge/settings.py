@@ -24,6 +24,10 @@ class Settings(BaseSettings):
     )
     blob_dir: Path | None = Field(default=None, description="content-addressed files; data_dir/blobs")
     host: str = Field(default="127.0.0.1", description="address to listen on")
+    accounts: bool = Field(default=False, description="ask who is there; so it is anyway once there are accounts")
+    proxy: str = Field(default="", description="addresses of reverse proxies that are believed, with commas between")
+    tls_certificate: Path | None = Field(default=None, description="PEM, with which the server encrypts by itself")
+    tls_key: Path | None = Field(default=None, description="PEM, of that certificate")
     open_to_all: bool = Field(default=False, description="serve on another host than this one although all may do all")
     port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
     root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
@@ -84,8 +88,19 @@ class Settings(BaseSettings):
         return self.data_dir / "uploads"
 
     @property
+    def set_up_code(self) -> Path:
+        """File with what proves, at the first account, that one runs this server."""
+        return self.data_dir / "set-up-code"
+
+    @property
+    def encrypts(self) -> bool:
+        return self.tls_certificate is not None
+
+    @property
     def local_only(self) -> bool:
-        """Whether the server listens on the loopback interface only."""
+        """Whether nobody but this machine reaches the server: it listens on the loopback interface, for no proxy."""
+        if self.proxy:
+            return False
         try:
             return ip_address(self.host).is_loopback
         except ValueError:

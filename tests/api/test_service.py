@@ -109,7 +109,7 @@ def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_u
 
 def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
     create_app(settings).state.installation.close()
-    engine = make_engine(settings.database_url)
+    engine = make_engine(settings.database_url, migrating=True)
     with engine.begin() as connection:
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
     engine.dispose()

@@ -120,7 +120,7 @@ def test_what_was_there_before_words_were_kept_is_found_after_the_migration(empt
         "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
         "VALUES (:id, :lab, :at, :name, 'c', :sum)"
     )
-    engine = make_engine(empty_database_url)
+    engine = make_engine(empty_database_url, migrating=True)
     with engine.begin() as connection:
         connection.execute(sa.text(insert), values)
     migrate.upgrade(empty_database_url)

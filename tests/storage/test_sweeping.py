@@ -50,7 +50,17 @@ def test_every_column_that_holds_a_hash_either_names_a_blob_or_is_known_not_to()
     assert hashes - others - {"orphans.sha256"} == {str(column) for column in orphans.naming_columns()}
 
 
-NO_HASHES = ("lab_id", "kind", "action", "subject_kind", "name", "code_version", "requested_code_version")
+NO_HASHES = (
+    "id",
+    "lab_id",
+    "at_lab",
+    "kind",
+    "action",
+    "subject_kind",
+    "name",
+    "code_version",
+    "requested_code_version",
+)
 
 
 def test_a_blob_that_no_row_names_goes_after_its_wait_and_no_other(

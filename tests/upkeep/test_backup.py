@@ -42,7 +42,7 @@ def elsewhere(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
 @pytest.fixture
 def filled(settings: Settings) -> Iterator[Installation]:
     """An installation with a row in every table of two labs."""
-    installation = open_installation(settings)
+    installation = open_installation(settings, migrating=True)
     with installation.engine.begin() as connection:
         for lab in ("north", "south"):
             fill(connection, lab, installation.blobs)
@@ -61,7 +61,7 @@ def fill(connection: sa.Connection, lab: str, blobs: Any) -> int:
         for column in table.columns:
             if column.name in keys and column.name != "lab_id":
                 row[column.name] = have[keys[column.name]]
-            elif column.name == "lab_id":
+            elif column.name == "lab_id" or (table.name, column.name) == ("labs", "id"):
                 row[column.name] = lab
             elif orphans.names_a_blob(column.name):
                 row[column.name] = blobs.put(f"{table.name} {lab}".encode())
@@ -79,6 +79,7 @@ def fill(connection: sa.Connection, lab: str, blobs: Any) -> int:
 def value_of(column: sa.Column[Any]) -> Any:
     number = next(NUMBERS)
     named = {"state": "ended" if column.table.name == "live_streams" else "failed", "progress": 0.25, "attempts": 1}
+    named |= {"role": "viewer", "scope": "read"}
     if column.name in named:
         return named[column.name]
     kind = column.type
@@ -119,7 +120,7 @@ def test_everything_is_had_back_on_either_database(filled: Installation, elsewhe
     assert done.rows == sum(len(rows) for rows in rows_of(filled).values())
     assert done.blobs == done.copied == len(list(filled.blobs.iterate()))
     settings = Settings(data_dir=tmp_path / "elsewhere", database_url=elsewhere)
-    there = open_installation(settings)
+    there = open_installation(settings, migrating=True)
     assert restore(tmp_path / "backup", settings, there.blobs).rows == done.rows
     migrate.check(elsewhere)
     ours, theirs = rows_of(filled), rows_of(there)
@@ -194,7 +195,7 @@ def test_data_of_every_revision_come_up_to_this_one_by_upgrade_and_by_backup(
 ) -> None:
     migrate.upgrade(empty_database_url, revision)
     settings = Settings(data_dir=tmp_path / "data", database_url=empty_database_url)
-    old = open_installation(settings)
+    old = open_installation(settings, migrating=True)
     with old.engine.begin() as connection:
         tables = fill(connection, "north", old.blobs)
     back_up(old, tmp_path / "backup", "me")
@@ -204,7 +205,7 @@ def test_data_of_every_revision_come_up_to_this_one_by_upgrade_and_by_backup(
     upgraded = rows_of(old)
     assert sum(bool(rows) for rows in upgraded.values()) >= tables - 1  # keys in flight are not carried over
     elsewhere = Settings(data_dir=tmp_path / "elsewhere")
-    new = open_installation(elsewhere)
+    new = open_installation(elsewhere, migrating=True)
     restore(tmp_path / "backup", elsewhere, new.blobs)
     assert rows_of(new) == upgraded
     assert check(new, elsewhere).sound

@@ -48,6 +48,20 @@ def add_commands(commands: Commands) -> None:
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
 
+    excite = steps.add_parser("excite", help="plan a motion from which a robot is identified well, within every bound")
+    excite.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="fixed, or with soles and home")
+    excite.add_argument("--seconds", type=float, default=10.0, metavar="S", help="of the motion itself")
+    before = excite.add_mutually_exclusive_group()
+    before.add_argument("--study", type=Path, metavar="study.yaml", help="whose logs are known already")
+    before.add_argument(
+        "--from", dest="result", type=Path, metavar="results.json", help="what it says is known already"
+    )
+    excite.add_argument("--seed", type=int, default=0, help="of the random motions that the search begins from")
+    excite.add_argument("--json", action="store_true", help="as JSON")
+    beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: how well every parameter will be known"
+    excite.add_argument("--out", type=Path, metavar="FILE.csv", help=beside)
+    excite.set_defaults(command=excite_robot)
+
 
 def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
     step.add_argument("file", type=Path, help=formats)
@@ -89,6 +103,26 @@ def check_motion(args: argparse.Namespace) -> int:
     return 1 if judged.broken else 0
 
 
+def excite_robot(args: argparse.Namespace) -> int:
+    """1 where no motion keeps within every bound; then nothing is written."""
+    from exogauge.motion.excite.plan import motion_table, plan_excitation, promise_file, summarise
+
+    def tell(start: int, count: int, cost: float, largest: float) -> None:
+        if count % 20 == 0:
+            print(f"search {start}, motion {count}: mean ln of the standard deviations {cost:.3f}, nearest bound "
+                  f"{100 * largest:.0f} %", file=sys.stderr)  # fmt: skip
+
+    plan = plan_excitation(args.robot, args.seconds, study=args.study, result=args.result, seed=args.seed, report=tell,
+                           say=lambda words: print(words, file=sys.stderr))  # fmt: skip
+    said = summarise(plan)
+    if args.out is not None and "broken" not in said:
+        args.out.write_bytes(motion_table(plan, 200.0))
+        args.out.with_suffix(".json").write_bytes(promise_file(plan))
+        said["written"] = args.out.name
+    _print(said, args.json)
+    return 1 if "broken" in said else 0
+
+
 def _print(said: Mapping[str, object], as_json: bool) -> None:
     print(json.dumps(said, indent=2) if as_json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
 
@@ -106,8 +140,8 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.motion.robot_file import load_motion_robot
 
     def tell(now: Round) -> None:
-        print(f"round {now.number}: step {now.step:.2g}, feet off by {now.strays:.2g}, bounds exceeded by "
-              f"{now.excess:.2g}", file=sys.stderr)  # fmt: skip
+        print(f"part {now.part + 1} of {now.parts}, round {now.number}: step {now.step:.2g}, feet off by "
+              f"{now.strays:.2g}, bounds exceeded by {now.excess:.2g}", file=sys.stderr)  # fmt: skip
 
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))

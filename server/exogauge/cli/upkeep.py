@@ -50,7 +50,7 @@ def back_up_all(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
     from exogauge.upkeep.backup import back_up
 
-    installation = open_installation(Settings())
+    installation = open_installation(Settings(), migrating=True)
     with bar("blobs", shown=sys.stderr.isatty()) as say:
         told = lambda done, of: say(done / of, f"{done} of {of}", "copying")  # noqa: E731
         done = back_up(installation, options.folder, new_worker_id(), told)

@@ -82,9 +82,17 @@ CHUNK = 1 << 20
 class Transport:
     """Sends requests below one base address and returns answers that are not problems."""
 
-    def __init__(self, url: str, timeout_s: float = 60.0, transport: httpx.BaseTransport | None = None) -> None:
+    def __init__(
+        self,
+        url: str,
+        timeout_s: float = 60.0,
+        transport: httpx.BaseTransport | None = None,
+        token: str | None = None,
+    ) -> None:
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        base = url.rstrip("/") + "/api/v1/"
         self._http = httpx.Client(
-            base_url=url.rstrip("/") + "/api/v1/", timeout=timeout_s, transport=transport, follow_redirects=False
+            base_url=base, headers=headers, timeout=timeout_s, transport=transport, follow_redirects=False
         )
 
     def get(self, path: str, params: Mapping[str, Any] | None = None) -> Any:

@@ -140,6 +140,15 @@ class Carrying:
         (0.02, 1.5), "1", "damping ratio of what hangs on springs: rubber has 0.05 and more", judgement(PAYLOAD)
     )
     hangs_within_m: float = criterion(1.0, "m", "of the sensor, along each axis, is what hangs", judgement(PAYLOAD))
+    other_ratio: float = criterion(
+        1.5,
+        "1",
+        "times by which moments may differ from what forces say of m c: beyond, a unit is wrong and no sensor's gain",
+        judgement(PAYLOAD),
+    )
+    ratio_known: float = criterion(
+        0.1, "1", "of that ratio, its std at most: a centre near the sensor's origin tells nothing", judgement(PAYLOAD)
+    )
     steep_deg: float = criterion(
         15.0, "°", "a base inclined more than that is a wrong pose, gravity or pair of axes", judgement(PAYLOAD)
     )

@@ -40,6 +40,15 @@ class Streaming:
     )
     steady: int = criterion(10, "estimates", "over which numbers must stay to have converged", judgement(RULES))
     stays: float = criterion(2.0, "std", "within which a number must stay meanwhile", judgement(RULES))
+    moves_again: float = criterion(
+        6.0,
+        "std",
+        "by which a number must move in a second before what has converged is converging again: three times `stays`",
+        judgement(RULES),
+    )
+    thaws_s: float = criterion(
+        0.3, "s", "of samples that are used, before what was frozen is no longer", judgement(RULES)
+    )
     still_samples: float = criterion(
         100.0,
         "samples",

@@ -121,7 +121,7 @@ class Runner:
 
     def _of(self, job: JobRecord) -> Storage:
         """All that is read and written for a job is its lab's."""
-        return self._installation.of_lab(job.lab_id)
+        return self._installation.of_lab(job.lab_id, "worker")
 
     def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""

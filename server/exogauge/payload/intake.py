@@ -105,7 +105,25 @@ def open_payload(path: Path, roles: Collection[Role] = ROLES, criteria: Complain
     recordings = tuple(
         _recording(folder, file, entry, name, criteria) for name, entry in named_logs if entry.role in roles
     )
+    if set(roles) == set(ROLES):
+        _require_somewhere(file, recordings, folder, path.name)
     return Payload(file, path.name, tree, recordings)
+
+
+def _require_somewhere(file: PayloadFile, recordings: Sequence[Recording], folder: Path, name: str) -> None:
+    """What may be left out of a log must not be left out of all."""
+    optional = {
+        "imu.acceleration": (() if file.imu is None else file.imu.acceleration, [r.acceleration for r in recordings]),
+        "pose.position": (file.pose.position or (), [r.position for r in recordings]),
+    }
+    for key, (columns, found) in optional.items():
+        if columns and recordings and not any(found):
+            tables = [open_table(folder / each, each) for entry in file.logs for each in entry.file]
+            held = {column for table in tables for column in read_names(table)}
+            lacking = next((each for each in columns if each not in held), columns[0])
+            detail = "no log has all of these columns"
+            advice = suggestion(lacking, sorted(held))
+            raise BadStudy(Fault(detail, "missing_column", advice, name, None, key, shorten(lacking)))
 
 
 def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, criteria: Complaining) -> Recording:

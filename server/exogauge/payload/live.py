@@ -86,6 +86,7 @@ class Live:
         self._barred = 0  # samples that are still beside an alarm
         self._released = 0  # samples that wait no longer
         self._last_used = -round(says.lately_s * rate_hz) - 1
+        self._thawed = 0  # samples used since the estimate was frozen
         self._wrench = np.zeros((0, 6))
         self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
         self._last_time = np.nan
@@ -132,7 +133,9 @@ class Live:
         self._learn(motion, wrench, alarm, settled & tracked.noise_known)  # who waits for the wrench has it
         before, self.given = self.given, self.given + n
         if self.given // self._every > before // self._every:
-            estimate = self.fit.estimate(self._released - self._last_used <= self._says.lately_s * self.rate_hz)
+            if self._released - self._last_used > self._says.lately_s * self.rate_hz:
+                self._thawed = 0
+            estimate = self.fit.estimate(self._thawed > self._says.thaws_s * self.rate_hz)
             self._compensation = self._compensated(estimate)
             force = touched.spread[-1, :3, :3]
             threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
@@ -158,6 +161,7 @@ class Live:
         if use.any():
             self.fit.take(Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign))
             self._last_used = self._released + int(np.flatnonzero(use)[-1])
+            self._thawed += int(use.sum())
         self._released += ripe
         self._held = held.after(ripe)
 

@@ -18,9 +18,9 @@ from exogauge.scene.colours import FORCE, SLACK, SUPPORT, TENSION, TORQUE, UNKNO
 from exogauge.scene.effort_view import draw_forces, draw_torques, mark_joints
 from exogauge.scene.poses import quaternions
 from exogauge.scene.robot_view import BASE_WORDS, RobotView, draw_robot
-from exogauge.scene.shapes import Opener
 from exogauge.scene.stage import Stage
 from exogauge.scene.take import Take
+from exogauge.studies.intake.mesh_files import Opener
 
 
 def record(take: Take, log: str, open_mesh: Opener) -> bytes:

@@ -23,6 +23,7 @@ from sqlalchemy.orm import Session
 from exogauge.errors import Unavailable
 from exogauge.storage.blobs import BlobStore
 from exogauge.storage.database import database_now
+from exogauge.storage.row_security import sees_all
 from exogauge.storage.tables import Base, Orphan
 
 WAIT = timedelta(hours=1)
@@ -52,6 +53,7 @@ def begins_with(column: Any, digits: str) -> sa.ColumnElement[bool]:
 
 def named(session: Session, digits: str) -> set[str]:
     """Hashes with these first digits that rows of any lab name."""
+    assert sees_all(session.connection())
     parts = [sa.select(column).where(begins_with(column, digits)) for column in naming_columns()]
     return set(session.scalars(sa.union(*parts)))
 
@@ -78,6 +80,7 @@ def note(session: Session, digits: str, there: Iterable[str]) -> int:
 
 def condemn(session: Session, waited: timedelta) -> None:
     """Doom what waits so long and is still named by nothing; forget what is named again."""
+    assert sees_all(session.connection())
     has_name = sa.or_(*(sa.exists().where(column == Orphan.sha256) for column in naming_columns()))
     waits = Orphan.condemned_at.is_(None)
     quiet = {"synchronize_session": False}

@@ -184,3 +184,84 @@ class ArtifactRecord:
     sha256: str
     size: int
     media_type: str
+
+
+@final
+@dataclass(frozen=True)
+class LabRecord:
+    id: str
+    created_at: datetime
+    name: str
+
+
+@final
+@dataclass(frozen=True)
+class AccountRecord:
+    """email: in small letters. operator: may found labs."""
+
+    id: str
+    created_at: datetime
+    email: str
+    name: str
+    operator: bool
+    disabled_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class MemberRecord:
+    """role: viewer, member or admin. since: when it became one."""
+
+    account_id: str
+    email: str
+    name: str
+    role: str
+    since: datetime
+    disabled_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class TokenRecord:
+    """scope: read or write. account_id: whose; None for a robot. hint: its first letters."""
+
+    id: str
+    created_at: datetime
+    name: str
+    scope: str
+    account_id: str | None
+    made_by: str | None
+    hint: str
+    expires_at: datetime | None
+    revoked_at: datetime | None
+    used_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class InvitationRecord:
+    """Of whom, as what; open until one of the three times."""
+
+    id: str
+    lab_id: str
+    created_at: datetime
+    email: str
+    role: str
+    made_by: str | None
+    expires_at: datetime
+    accepted_at: datetime | None
+    revoked_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class AuditRecord:
+    id: str
+    created_at: datetime
+    actor: str
+    action: str
+    subject_kind: str
+    subject_id: str
+    before_hash: str | None
+    after_hash: str | None
+    said: str

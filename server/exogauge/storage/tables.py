@@ -400,7 +400,8 @@ class Chore(Base):
 
 @final
 class AuditEntry(Owned, Base):
-    """Who did what to what; rows are only ever added."""
+    """Who did what to what; the database refuses to change or delete a row. actor: `account:ID`, `token:ID`, `worker`,
+    or `local` where there are no accounts. said: in words, where hashes do not say it."""
 
     __tablename__ = "audit"
     __table_args__ = (sa.Index(None, "lab_id", "created_at"),)
@@ -410,3 +411,4 @@ class AuditEntry(Owned, Base):
     subject_id: Mapped[str] = mapped_column(UUID)
     before_hash: Mapped[str | None] = mapped_column(SHA256)
     after_hash: Mapped[str | None] = mapped_column(SHA256)
+    said: Mapped[str] = mapped_column(sa.Text, default="", server_default=sa.text("''"))

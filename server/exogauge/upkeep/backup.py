@@ -31,13 +31,16 @@ from exogauge.settings import Settings
 from exogauge.storage import chores, migrate, orphans
 from exogauge.storage.blobs import BlobStore, FolderBlobs, disk, fsync_folder
 from exogauge.storage.database import READONLY, make_engine, serving
+from exogauge.storage.row_security import ALL, see
 from exogauge.storage.store import Installation
 from exogauge.storage.tables import Base, Chore
 from exogauge.upkeep.hourly import EVERY, SWEEP
 
 FORMAT = 1
 MANIFEST, ROWS, BLOBS = "manifest.json", "rows", "blobs"
-OF_THIS_RUN = ("uploads", "worker_leases", "orphans", "chores")  # what processes that run have, and no data
+OF_THIS_RUN = (  # what processes that run, and browsers that are signed in, have, and no data
+    "uploads", "worker_leases", "orphans", "chores", "sessions", "sign_in_tries",
+)  # fmt: skip
 AT_ONCE = 500
 Said = Callable[[int, int], None]
 
@@ -132,6 +135,7 @@ def reading_all(engine: sa.Engine) -> Iterator[tuple[Connection, list[sa.Table]]
     """One moment's state of the tables that hold data, each after those that it refers to."""
     options = {**READONLY, **({"isolation_level": "REPEATABLE READ"} if engine.dialect.name == "postgresql" else {})}
     with serving("be backed up"), engine.connect().execution_options(**options) as connection:
+        see(connection, ALL)
         yield connection, tables_in(connection)
 
 
@@ -234,7 +238,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def refuse_what_is_there(database_url: str) -> None:
-    engine = make_engine(database_url)
+    engine = make_engine(database_url, migrating=True)
     try:
         with serving("answer"), engine.connect() as connection:
             there = sa.inspect(connection).get_table_names()
@@ -272,7 +276,7 @@ def lines_of(folder: Path, table: str) -> Iterator[dict[str, Any]]:
 
 def read_rows(folder: Path, manifest: Mapping[str, Any], database_url: str) -> int:
     """All or none."""
-    engine, count = make_engine(database_url), 0
+    engine, count = make_engine(database_url, migrating=True), 0
     try:
         with serving("be restored"), engine.begin() as connection:
             for table in tables_in(connection):

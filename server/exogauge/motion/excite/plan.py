@@ -1,0 +1,153 @@
+"""From robot.yaml to a motion from which that robot is identified well, and what will be known then."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_excite import USUAL, MotionExcite
+from exogauge.errors import BadMotion, Fault
+from exogauge.identification.result import Parameter
+from exogauge.motion.excite.excited import Excited
+from exogauge.motion.excite.known import Known, of_result, of_study
+from exogauge.motion.excite.promise import promised
+from exogauge.motion.excite.search import Report, best_motion, within
+from exogauge.motion.excite.stance import Standing
+from exogauge.motion.excite.task import task_of
+from exogauge.motion.plan.judge import judge
+from exogauge.motion.robot import MotionRobot
+from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.description import Robot
+from exogauge.studies.csv_table import csv_table
+from exogauge.studies.intake.robot_file import load_robot
+
+Array = NDArray[np.float64]
+
+PLACES = 8  # decimals of what is written
+SMALLER = 0.95  # of a motion that breaks a bound
+SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
+
+
+@final
+@dataclass(frozen=True)
+class Promise:
+    """parameters: as they will be identified. before: (len) their standard deviations before. cutoff_hz: of the log."""
+
+    parameters: tuple[Parameter, ...]
+    before: tuple[float, ...]
+    cutoff_hz: float
+
+
+@final
+@dataclass(frozen=True)
+class ExcitationPlan:
+    """nearest: share of the bound that is nearest, at `MotionExcite.check_hz` from rest to rest, and which.
+
+    judged: what `plan.judge` says is broken of a standing robot, whose legs share the load.
+    """
+
+    robot: MotionRobot
+    planned: Excited
+    nearest: tuple[float, str]
+    judged: tuple[str, ...]
+    promise: Promise
+
+
+def plan_excitation(
+    path: Path, seconds: float, *, study: Path | None = None, result: Path | None = None, seed: int = 0,
+    criteria: MotionExcite = USUAL, report: Report | None = None, say: Callable[[str], None] = lambda words: None,
+) -> ExcitationPlan:  # fmt: skip
+    """path: robot.yaml. study, result: whose logs, or whose results.json, say what is known already.
+
+    Raises BadInput; NotIdentifiable where no motion is within the bounds.
+    """
+    if not SHORTEST_S <= seconds <= LONGEST_S:
+        advice = f"From {SHORTEST_S:g} to {LONGEST_S:g} s"
+        raise BadMotion(Fault(f"a motion of {seconds:g} s is not planned", "bad_seconds", advice,
+                              column="seconds", value=f"{seconds:g}"))  # fmt: skip
+    robot, moving = load_robot(path.parent, path.name), load_motion_robot(path)
+    task = task_of(robot, moving, seconds, criteria)
+    known: Known | None = None
+    if study is not None:
+        say("identifying from the study's logs")
+        known = of_study(robot, study)
+    elif result is not None:
+        known = of_result(task.information.equations, result)
+    if known is not None:
+        task = task_of(robot, moving, seconds, criteria, known.information)
+    x = best_motion(task, np.random.default_rng(seed), report)
+    say("every bound from rest to rest")
+    for _ in range(criteria.shrinks):
+        planned = Excited(task, x)
+        nearest, judged = planned.largest(), _judged(planned)
+        if nearest[0] <= 1.0 and not judged:
+            break
+        x = within(task, task.still + SMALLER * (x - task.still))  # the way there and back has bounds too
+    say("what will be known")
+    return ExcitationPlan(moving, planned, nearest, judged, _promise(robot, planned, known))
+
+
+def _judged(planned: Excited) -> tuple[str, ...]:
+    stance = planned.task.stance
+    if not isinstance(stance, Standing):
+        return ()
+    return judge(stance.robot, planned, stance.place, rate=planned.task.criteria.check_hz).broken
+
+
+def _promise(robot: Robot, planned: Excited, known: Known | None) -> Promise:
+    found = promised(robot, [planned], known.logs if known else ())
+    before = [known.before.get(each.name, each.prior_std) if known else each.prior_std for each in found.parameters]
+    return Promise(found.parameters, tuple(before), found.cutoff_hz)
+
+
+def motion_table(plan: ExcitationPlan, rate_hz: float) -> bytes:
+    """t [s], then `q.<joint>` [rad, or m of a prismatic joint]."""
+    robot = plan.robot
+    time = np.arange(int(plan.planned.duration * rate_hz + 1e-6) + 1) / rate_hz
+    q = plan.planned.at(time)[0][:, robot.base :]
+    rows: Sequence[Sequence[float]] = np.round(np.column_stack([time, q]), PLACES).tolist()
+    return csv_table(("t", *(f"q.{name}" for name in robot.joints)), rows)
+
+
+def promise_file(plan: ExcitationPlan) -> bytes:
+    """JSON: every parameter with the standard deviation that it will have and has now."""
+    rows = [
+        {"name": each.name, "unit": each.unit, "std": each.std, "before": before, "decided": each.identifiable}
+        for each, before in zip(plan.promise.parameters, plan.promise.before, strict=True)
+    ]
+    return json.dumps({"parameters": rows}, indent=1).encode() + b"\n"
+
+
+def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
+    """In a few lines."""
+    begins, ends = plan.planned.edges[1:3]
+    base = [k for k, each in enumerate(plan.promise.parameters) if each.name.startswith("base[")]
+    joints = set(plan.robot.joints)
+    own = [k for k, each in enumerate(plan.promise.parameters)
+           if each.name.rpartition("[")[2].rstrip("]") in joints and each.prior_std > 0.0]  # fmt: skip
+    share, name = plan.nearest
+    said: dict[str, str | float | list[str]] = {
+        "robot": plan.robot.name,
+        "seconds": round(plan.planned.duration, 3),
+        "motion": f"{begins:.2f} to {ends:.2f} s; before and after it, rest at home and the way there",
+        "nearest bound": f"{100 * share:.1f} % of {name}, at {plan.planned.task.criteria.check_hz:g} Hz",
+        "not looked at": "collisions of the robot with itself",
+        "identified up to": f"{plan.promise.cutoff_hz:.1f} Hz",
+    }
+    for what, which in (("base parameters", base), ("joint parameters", own)):
+        decided = sum(plan.promise.parameters[k].identifiable for k in which)
+        after = [plan.promise.parameters[k].std / plan.promise.before[k] for k in which if plan.promise.before[k] > 0.0]
+        left = f"; median {100 * float(np.median(after)):.2g} % of the doubt before is left" if after else ""
+        said[what] = f"{decided} of {len(which)} will be decided{left}"
+    said["undecided"] = [plan.promise.parameters[k].name for k in (*base, *own)
+                         if not plan.promise.parameters[k].identifiable]  # fmt: skip
+    broken = [*([f"{name}: {100 * share:.1f} % of its bound"] if share > 1.0 else []), *plan.judged]
+    if broken:
+        said["broken"] = broken
+    return said
