@@ -134,6 +134,8 @@ def report_live() -> None:
     print(f"  six rows, their covariance, recursion{found.updated:10.1f} µs")
     print(f"  everything, 250 samples at once{found.all:16.1f} µs")
     print(f"  memory added over {found.hours:g} h{found.grown_mb:22.1f} MB")
+    p50, p99 = live.echo(10.0)
+    print(f"  a bare websocket that echoes, 10 s: {p50:.2f} ms, 99 % in {p99:.1f} ms")
     for streams in (1, 8):
         line = live.through(streams, 10.0)
         waited = f"from sample to wrench {line.p50:.2f} ms, 99 % in {line.p99:.1f} ms"

@@ -19,7 +19,7 @@ from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
 from exogauge.payload.live_track import Pose, Track, Tracked
-from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.sensor_motion import SensorMotion, joined
 
 Array = NDArray[np.float64]
 Zero = Literal["none", "taking", "held", "beyond", "refused"]
@@ -89,6 +89,7 @@ class Live:
         self._thawed = 0  # samples used since the estimate was frozen
         self._wrench = np.zeros((0, 6))
         self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
+        self._unlearned = list[tuple[SensorMotion, Array, NDArray[np.bool_], NDArray[np.bool_]]]()
         self._last_time = np.nan
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
@@ -130,9 +131,12 @@ class Live:
         external, zero = self._zero.applied(motion, touched.external, alarm, settled)
         std = np.sqrt(np.diagonal(touched.spread, axis1=1, axis2=2))
         yield Sensed(motion.time, -self.start.sign * external, std, alarm, settled, zero)
-        self._learn(motion, wrench, alarm, settled & tracked.noise_known)  # who waits for the wrench has it
+        self._unlearned.append((motion, wrench, alarm, settled & tracked.noise_known))
         before, self.given = self.given, self.given + n
-        if self.given // self._every > before // self._every:
+        if self.given // self._every > before // self._every:  # who waits for the wrench has it
+            motions, wrenches, alarms, trusted = zip(*self._unlearned, strict=True)
+            self._unlearned = []
+            self._learn(joined(motions), np.concatenate(wrenches), np.concatenate(alarms), np.concatenate(trusted))
             if self._released - self._last_used > self._says.lately_s * self.rate_hz:
                 self._thawed = 0
             estimate = self.fit.estimate(self._thawed > self._says.thaws_s * self.rate_hz)
@@ -144,7 +148,7 @@ class Live:
     def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
         """Rows wait until it is known that no alarm follows them."""
         start = self.start
-        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std)
+        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std, tipping=False)
         barred, alarms = alarm.copy(), np.flatnonzero(alarm)
         barred[: self._barred] = True
         for k in alarms:

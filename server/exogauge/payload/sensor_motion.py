@@ -64,6 +64,17 @@ class SensorMotion:
         return self.rows(slice(self.edge, len(self.time) - self.edge))
 
 
+def joined(parts: Sequence[SensorMotion]) -> SensorMotion:
+    """One after the other, of the same channels."""
+
+    def whole(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    return SensorMotion(
+        whole("time"), whole("rotation"), whole("acceleration"), whole("alpha"), whole("omega"), whole("noise")
+    )
+
+
 @final
 @dataclass(frozen=True)
 class Chain:

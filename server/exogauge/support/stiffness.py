@@ -32,8 +32,6 @@ from exogauge.support.evidence import Evidence, Nothing
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-LEAST_PULL = 1e-3  # [N] of a band: less is none
-
 
 def identify_bands(
     model: RobotModel,
@@ -114,9 +112,10 @@ def _without_pull(seen: BandFit, known: set[int]) -> set[str]:
 
 def _pulling(seen: BandFit) -> BoolArray:
     """(W,) which bands pull anywhere."""
+    least_pull = 1e-3  # [N] of a band: less is none
     wear, wires = seen.fitted.wear, seen.setting.wires
     longest = np.array([wire.longest for wire in wires[: len(wear.k)]])
-    return np.asarray(wear.k * (longest - wear.l_0) > LEAST_PULL)
+    return np.asarray(wear.k * (longest - wear.l_0) > least_pull)
 
 
 def _at_bounds_of_each(seen: BandFit) -> list[tuple[str, ...]]:
@@ -230,7 +229,6 @@ def _note(
 
 
 SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
-REACH = 12.0  # standard deviations within which the ends of a profile are sought
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
@@ -243,6 +241,7 @@ def interval(
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
     infinite.
     """
+    reach = 12.0  # standard deviations within which the ends of a profile are sought
     std, value = float(np.sqrt(covariance[index, index])), float(fitted.wear.springs[index])
     if not np.isfinite(std):
         return 0.0, np.inf
@@ -260,8 +259,8 @@ def interval(
         return float(share * (held.cost - coarse.cost) - Z95**2)
 
     return (
-        _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0,
-        _crossing(excess, value, std, value + REACH * std) or np.inf,
+        _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
+        _crossing(excess, value, std, value + reach * std) or np.inf,
     )
 
 
