@@ -159,7 +159,8 @@ def test_what_the_model_lacks_is_told_with_its_size(
     page.goto(f"/payloads/{payload.id}")
     section = page.get_by_role("region", name="What the model lacks")
     expect(section).to_contain_text("Missing: crosstalk: my of fx")
-    expect(section.get_by_role("listitem")).to_contain_text(re.compile(r"share −0\.00\d+ ± \S+ m\. What was not fitted goes from 3"))
+    told = re.compile(r"share −0\.00\d+ ± \S+ m\. What was not fitted goes from 3")
+    expect(section.get_by_role("listitem")).to_contain_text(told)
     screenshot("payload-missing")
 
 

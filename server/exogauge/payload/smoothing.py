@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 Kind = Literal["smoother", "fixed_lag", "causal"]
 
 LAG_S = 0.1  # of the fixed-lag smoother: at 250 Hz it leaves what the full smoother leaves
-RATIO = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
 MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse is left (e⁻⁸)
 
 
@@ -86,13 +85,14 @@ def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
 
 def likeliest(z: Array, step: Array) -> float:
     """Density in units of variance and period, by the likelihood of the innovations. z: (T,) in units of its noise."""
+    ratio = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
     x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
 
     def cost(exponent: float) -> float:
         logs, squares = forward(z, step, 10.0**exponent, x, P)
         return logs + squares
 
-    found = minimize_scalar(cost, bounds=RATIO, method="bounded", options={"xatol": 0.02})
+    found = minimize_scalar(cost, bounds=ratio, method="bounded", options={"xatol": 0.02})
     return float(10.0**found.x)
 
 
