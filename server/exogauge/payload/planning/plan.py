@@ -145,9 +145,11 @@ def open_plan(path: Path) -> Asked:
     if not inside(caps, arm.rotations(here))[0]:
         advice = "Correct `home`, or widen `plan.workspace`; theta is from +z of the base, phi about it."
         raise _fault(path, "home lies outside the workspace", "home_outside", advice, "plan.workspace")
-    if arm.collides(here)[0]:
-        advice = "Correct `home`, `plan.payload`, or the collision shapes of the URDF."
-        raise _fault(path, "the robot collides at home", "home_collides", advice, "plan.home")
+    touching = arm.touching(here[0])
+    if touching:
+        said = "; ".join(f"{one} with {other}" for one, other in touching[:3])
+        advice = "Correct `home`, the box of `plan.payload`, or the collision shapes of the URDF."
+        raise _fault(path, f"the robot collides at home: {said}", "home_collides", advice, "plan.home", said)
     return Asked(file, plan, tree, arm, limits, caps)
 
 
