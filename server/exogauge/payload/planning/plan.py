@@ -223,10 +223,16 @@ def plan_excitation(asked: Asked, progress: Progress) -> Plan:
             solution.decided, np.sqrt(np.diag(static_prior(None).covariance)), strict=True,
         )
     ]  # fmt: skip
+    warnings = [*asked.warnings]
+    if motions[0].smaller:
+        warnings.append(
+            "The motion is smaller than the bounds allow, so that nothing touches: a home farther from the robot, or a "
+            "smaller box of `plan.payload`, may tell more."
+        )
     found = Found(
         name=asked.file.name, kind="excitation", choice="least_std", certainties=certain,
         undecided=[each.name for each in certain if not each.decided], seconds=choice.duration_s,
-        strain=motions[0].strain, starts=[each.cost for each in motions], warnings=asked.warnings,
+        strain=motions[0].strain, starts=[each.cost for each in motions], warnings=warnings,
     )  # fmt: skip
     columns = {"t": time}
     for key, values in zip(("q", "dq", "ddq"), motion, strict=True):
