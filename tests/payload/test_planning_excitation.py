@@ -170,6 +170,7 @@ def test_a_motion_that_passes_its_bounds_is_shrunk_until_it_does_not(times: floa
     assert 0.5 < task.largest(within(task, x)) <= 1.0
 
 
+@pytest.mark.slow
 def test_a_motion_that_would_collide_is_shrunk_until_nothing_touches() -> None:
     """A ball on the link before the wrist, which the component's box clears at home."""
     ball = '<collision><origin xyz="0.2 0 -0.2"/><geometry><sphere radius="0.1"/></geometry></collision>'
