@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
-from importlib.metadata import distribution
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-import yaml
+from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
@@ -22,35 +20,8 @@ from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.studies.intake.robot_file import load_robot
-from exogauge.synthetic.urdf import robot_file, robot_urdf
 
-STOCK = "cmeel.prefix/share/example-robot-data/robots"
-ARMS = {  # urdf, joints, home [rad], acceleration [rad/s²] as the maker states it or, of UR10, as is usual
-    "panda": ("panda_description/urdf/panda.urdf", [f"panda_joint{k}" for k in range(1, 8)],
-              [0.0, -0.3, 0.0, -2.0, 0.0, 1.8, 0.7], [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]),
-    "ur10": ("ur_description/urdf/ur10_robot.urdf",
-             ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint",
-              "wrist_3_joint"], [0.0, -1.6, 1.2, -1.2, -1.5, 0.0], [10.0] * 6),
-}  # fmt: skip
 QUICK = MotionExcite(top_hz=0.6, per_period=8, drawn=1, steps=25)
-
-
-def arm_folder(made: Path, name: str) -> Path:
-    """robot.yaml of a stock robot with torques logged."""
-    urdf, joints, home, fast = ARMS[name]
-    made.mkdir(parents=True, exist_ok=True)
-    root = ElementTree.fromstring(
-        Path(str(distribution("example-robot-data").locate_file(f"{STOCK}/{urdf}"))).read_bytes()
-    )
-    (made / "robot.urdf").write_bytes(ElementTree.tostring(root))
-    content = {
-        "version": 1, "name": name, "urdf": "robot.urdf", "base": "fixed",
-        "joints": [{"name": joint, "actuation": "torque"} for joint in joints],
-        "noise": {"q": 1e-5, "tau": 0.1}, "uncertainty": "none",
-        "home": dict(zip(joints, home, strict=True)), "limits": {"acceleration": dict(zip(joints, fast, strict=True))},
-    }  # fmt: skip
-    (made / "robot.yaml").write_text(yaml.safe_dump(content))
-    return made / "robot.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -60,10 +31,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def human(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("robot")
-    (made / "robot.urdf").write_text(robot_urdf())
-    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
-    return made / "robot.yaml"
+    return sample_folder(tmp_path_factory.mktemp("robot"))
 
 
 def task(path: Path, seconds: float = 6.0, criteria: MotionExcite = QUICK) -> Task:
