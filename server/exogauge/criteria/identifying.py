@@ -132,6 +132,7 @@ class Identifying:
 
 USUAL = "docs/decisions/0013-uncertainty-budget.md"
 OFFSETS = "docs/decisions/0016-offsets-of-logs.md"
+PRIOR = "server/exogauge/identification/prior.py"
 
 
 @final
@@ -162,3 +163,14 @@ class Declaring:
     donning: float = criterion(
         0.003, "m", "by which a band is longer in one log than in another, straps done up by hand", judgement(USUAL)
     )
+    inertial: float = criterion(
+        0.25, "1", "of inertial parameters, where the maker gives no standard deviation", judgement(PRIOR)
+    )
+    gain: float = criterion(0.2, "1", "of k_T, where the maker gives no standard deviation", judgement(PRIOR))
+    gyration_m: float = criterion(0.03, "m", "a link is not a point, even if its file says so", judgement(PRIOR))
+    light_share: float = criterion(
+        0.05, "of the mean link mass", "for the spread of links that are given (almost) no mass", judgement(PRIOR)
+    )
+
+
+DECLARED = Declaring()

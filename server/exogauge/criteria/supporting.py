@@ -135,3 +135,78 @@ class Wearing:
         "from which a rival is no worse an answer, though it could not be claimed alone",
         convention("two standard errors, 95 %"),
     )
+
+
+DEVICE_FILE = "docs/device.md"
+
+
+@final
+@dataclass(frozen=True)
+class Described:
+    """Of a device's description, and of a band on a test bench. No run may have other numbers: a description is read
+    before any run."""
+
+    fewest_points: int = criterion(2, "via points", "of a band: it begins and ends somewhere", derived("two ends"))
+    most_points: int = criterion(50, "via points", "of a band: no suit has so many", judgement(DEVICE_FILE))
+    same_place_m: float = criterion(
+        1e-6,
+        "m",
+        "via points on one link nearer than that are one: a stretch needs a direction",
+        judgement(DEVICE_FILE),
+    )
+    slack: float = criterion(
+        0.02, "of the largest force", "on a test bench: below, the band counts as slack", judgement(DEVICE_FILE)
+    )
+    bench: float = criterion(
+        0.01, "1", "of the value: no test bench is taken to be better than that", judgement(DEVICE_FILE)
+    )
+
+
+DEVICES = Described()
+
+
+SAME = "docs/decisions/0004-supporting-torque.md, the same motion"
+
+
+@final
+@dataclass(frozen=True)
+class Motions:
+    """Which logs show the same motion, and what its phases are. No run may have other numbers: a study's logs are
+    brought together before any run."""
+
+    moves: float = criterion(
+        0.04, "of the largest velocity", "slower is holding or standing", judgement("server/exogauge/support/phases.py")
+    )
+    away: float = criterion(
+        0.2,
+        "of the range",
+        "from the posture at the start: beyond, a pause is a hold",
+        judgement("server/exogauge/support/phases.py"),
+    )
+    shortest_phase_s: float = criterion(
+        0.15, "s", "shorter parts belong to their neighbours", judgement("server/exogauge/support/phases.py")
+    )
+    upright: float = criterion(
+        0.7,
+        "1",
+        "vertical part of a unit joint axis: beyond about 45 degrees a joint turns, below it bends",
+        judgement("server/exogauge/support/phases.py"),
+    )
+    smooth_hz: float = criterion(8.0, "Hz", "motions are compared below it", judgement(SAME))
+    overlap: float = criterion(0.3, "of the shorter log", "that two have in common, at least", judgement(SAME))
+    common: float = criterion(
+        0.5, "1", "of a joint's motion that two logs must share, or it is not the same motion", judgement(SAME)
+    )
+    moving: float = criterion(0.02, "rad/s", "rms velocity above which a joint counts as moving", judgement(SAME))
+    stands_apart: float = criterion(
+        0.1, "rad", "rms angle between two runs above which a joint that hardly moves is doubtful", judgement(SAME)
+    )
+    alike: float = criterion(
+        0.02,
+        "of the motions' own size",
+        "two shifts of a periodic motion that differ by less explain it alike",
+        judgement(SAME),
+    )
+
+
+MOTIONS = Motions()

@@ -20,8 +20,6 @@ from exogauge.payload.sensor_motion import Chain
 
 Array = NDArray[np.float64]
 
-REMEMBERED = 10_000  # numbers of samples that have not come
-
 
 @final
 class Columns:
@@ -126,6 +124,7 @@ class Arrivals:
 
     def admit(self, numbers: NDArray[np.int64], time: Array, clock: float | None = None) -> NDArray[np.bool_]:
         """(n,) which are taken. time: (n,) [s] of the sender. clock: [s] now, here; None where nobody waits."""
+        remembered = 10_000  # numbers of samples that have not come
         keep = np.zeros(len(numbers), dtype=bool)
         counts = self.counts
         for k, (number, t) in enumerate(zip(numbers.tolist(), time.tolist(), strict=True)):
@@ -138,10 +137,10 @@ class Arrivals:
                 continue
             if self.last is not None and number > self.last + 1:
                 counts.missing += number - self.last - 1
-                first = max(self.last + 1, number - REMEMBERED)
+                first = max(self.last + 1, number - remembered)
                 self._missing.update(range(first, number))
-                if len(self._missing) > REMEMBERED:
-                    self._missing = set(sorted(self._missing)[-REMEMBERED:])
+                if len(self._missing) > remembered:
+                    self._missing = set(sorted(self._missing)[-remembered:])
             self.last = number
             if t <= self.time:
                 counts.out_of_order += 1

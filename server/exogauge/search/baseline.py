@@ -22,8 +22,7 @@ from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
-SLOW = 3  # order of the polynomial that a drift over a log is taken for
-FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
+FEWEST = 20  # samples of steady motion, below which a log says nothing of how its residual is coloured
 
 
 @final
@@ -147,11 +146,12 @@ def _applies(effect: Effect, seen: Seen) -> bool:
 
 
 def _without_trend(log: LogResiduals, kind: int) -> Array:
-    """What is left once a slow drift is taken off: that is what is sought, and no memory of the noise."""
+    """What is left once a slow drift, a polynomial of third order, is taken off: that is what is sought, and no memory
+    of the noise."""
     e = log.residual[kind].copy()
     used = np.isfinite(e)
     if used.sum() >= FEWEST:
-        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, SLOW)
+        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, 3)
         e[used] -= slow[used] @ np.linalg.lstsq(slow[used], e[used], rcond=None)[0]
     return e
 

@@ -32,7 +32,6 @@ from exogauge.search.state import Search, Step
 Array = NDArray[np.float64]
 
 NAMES = ("quadratic", "cubic")
-STEP = 0.01  # of a shape's range
 
 
 @final
@@ -107,7 +106,7 @@ class OwnCurve:
     def _along(self, signals: Any, shape: tuple[float, ...], place: int) -> Array:
         """(T, C) by how much the columns change per share of that shape's range."""
         one = self.of.shapes[place]
-        shares = [min(max(one.share(shape[place]) + step, 0.0), 1.0) for step in (-STEP, STEP)]
+        shares = [min(max(one.share(shape[place]) + step, 0.0), 1.0) for step in (-0.01, 0.01)]
         before, after = (
             self.of.columns(signals, (*shape[:place], one.at(share), *shape[place + 1 :])) for share in shares
         )

@@ -29,9 +29,6 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 OwnInputs = Mapping[str, NDArray[np.float32]]
 
-SLOPE_RATE_HZ = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
-MOST_SLOPES = 400  # per log
-
 
 @final
 @dataclass(frozen=True)
@@ -217,9 +214,11 @@ def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array) -> Arr
 
 
 def _sloped(prepared: Prepared) -> IntArray:
+    most_slopes = 400  # per log
+    slope_rate_hz = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
     kept = prepared.kept
     seconds = (kept[-1] - kept[0]) / prepared.log.rate_hz
-    count = int(np.clip(round(seconds * SLOPE_RATE_HZ), 2, MOST_SLOPES))
+    count = int(np.clip(round(seconds * slope_rate_hz), 2, most_slopes))
     return np.unique(kept[np.round(np.linspace(0, len(kept) - 1, count)).astype(np.intp)])
 
 

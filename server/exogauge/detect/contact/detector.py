@@ -214,7 +214,6 @@ def _same(one: Sequence[Push], other: Sequence[Push], criteria: Touching) -> boo
 
 
 CONTACT = "contact"
-SHOWN_S = 0.7  # before and after the push
 
 
 @final
@@ -303,9 +302,10 @@ def _held_out(channel: str, before: Identification, after: Identification, conta
 def _evidence_of(robot: Robot, push: Push) -> Evidence:
     """Residuals of the channel that shows it best over the log's own time: torque that the joint gets and the model
     lacks, what a sensor reads too much."""
+    shown_s = 0.7  # before and after the push
     row = robot.rows.told.rows[push.kind]
     sign = -robot.cuts[row.place].sign if row.type == RowType.SENSOR else -1.0
-    near = (push.time > push.start - SHOWN_S) & (push.time < push.stop + SHOWN_S) & (push.weight[:, push.kind] > 0.0)
+    near = (push.time > push.start - shown_s) & (push.time < push.stop + shown_s) & (push.weight[:, push.kind] > 0.0)
     before, added = (sign * each[near, push.kind] for each in (push.before, push.added))
     spread = 1.0 / np.sqrt(push.weight[near, push.kind])
     return Evidence("time", "s", push.time[near], before, before - added, spread, added)

@@ -41,8 +41,6 @@ from exogauge.support.evaluate import Gathered
 
 Array = NDArray[np.float64]
 
-LED_ON = 4  # times, as joints are weighed anew each time
-
 
 @final
 @dataclass(frozen=True)
@@ -218,7 +216,7 @@ def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tupl
     """
     wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
     best = _leaves_least([(ground, winner), *((wider, judge(wider, scorer.refined(each), folds)) for each in scores)])
-    for _ in range(LED_ON):
+    for _ in range(4):  # joints are weighed anew each time
         further = [(wider, judge(wider, scorer.refined(score), folds)) for wider, scorer, score in led_on(*best)]
         before, best = best, _leaves_least([best, *further])
         if best is before:

@@ -54,8 +54,6 @@ from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
-BROADLY = 0.1  # how far from its start a single shape is looked for, in shares of its range
-
 
 @final
 @dataclass(frozen=True)
@@ -212,6 +210,7 @@ def _best(
     problem: Problem, named: Sequence[Named], base: Fitted, effects: Sequence[Effect], held_out: Sequence[Stretch]
 ) -> list[_Candidate]:
     """What may be claimed, most evidence first."""
+    broadly = 0.1  # how far from its start a single shape is looked for, in shares of its range
     taken = {(each.effect.name, each.effect.place) for each in named}
     coarse = problem.coarse()
     on_coarse = fit(coarse, named)
@@ -219,7 +218,7 @@ def _best(
     for effect in effects:
         if (effect.name, effect.place) in taken:
             continue
-        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, BROADLY)
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, broadly)
         evidence = _evidence(problem, named, base, candidate, len(effects))
         if evidence > problem.criteria.payload.worth:
             scored.append((evidence, candidate))

@@ -14,8 +14,6 @@ from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
-STEPS = 9  # moments of a log at which a step is tried first
-
 
 def inclination() -> Effect:
     def columns(frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
@@ -39,13 +37,15 @@ def zero_of_log(log: str) -> Effect:
 def zero_step(log: str, time: Array) -> Effect:
     """The zero jumps once in a log. time: (T,) of its samples."""
 
+    steps = 9  # moments of a log at which a step is tried first
+
     def columns(_frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
         return _every_channel(np.where(stretch.time >= shape[0], 1.0, 0.0) * (stretch.name == log))
 
     def told(_frame: Frame, shape: Array, value: Array) -> Array:
         return np.concatenate([shape, value])
 
-    moments = tuple((float(each),) for each in np.linspace(time[0], time[-1], STEPS + 2)[1:-1])
+    moments = tuple((float(each),) for each in np.linspace(time[0], time[-1], steps + 2)[1:-1])
     margin = 0.02 * (time[-1] - time[0])
     parameters = (("at", "s"), *_of_channels())
     return Effect(
