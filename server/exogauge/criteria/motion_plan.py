@@ -31,6 +31,8 @@ class MotionPlan:
     breaks its promise. beyond: share by which velocity, acceleration or torque may exceed a bound, round-off.
     stretch_s: that are planned at once, ahead_s: and looked ahead; a body's sway, sqrt(height / g), is .3 s, and what
     is planned at once decides how much memory it takes. coarse: every so many nodes a plan is begun.
+    slowest: times the time that are tried where a motion cannot be had; within: to which the least of it, and the
+    largest share of the trunk's angle, are found; each halving is a plan.
     judged_hz: samples per second that are judged and written."""
 
     nodes_per_s: float = 60.0
@@ -65,6 +67,8 @@ class MotionPlan:
     stretch_s: float = 7.0
     ahead_s: float = 1.0
     coarse: int = 4
+    slowest: float = 4.0
+    within: float = 0.1
     judged_hz: float = 200.0
 
 

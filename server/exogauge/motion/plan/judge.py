@@ -25,17 +25,18 @@ SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 
 @final
 @dataclass(frozen=True)
 class Judged:
-    """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
-    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
-    two feet share the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair,
-    `MotionPlan.look_m` where none is nearer; nearest: that of all times, and when, None without shapes or where none
-    comes nearer; left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound
-    in words.
+    """T samples. time: (T,) [s]; q, dq: (T, n). pressure: (T, 3) [m] its centre, in the world. inside: (T,) [m] of the
+    centre of pressure from the edge of what the feet stand on, negative outside. carried: (T,) share of the weight.
+    torque: (T, J) [N·m or N]; the legs' hang on how two feet share the load. feet_m, feet_rad: largest way of a
+    standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m` where none is nearer; nearest: that of all
+    times, and when, None without shapes or where none comes nearer; left_out: pairs that were not looked at. broken:
+    what does not hold, as time, place, value and bound in words.
     """
 
     time: Array
     q: Array
     dq: Array
+    pressure: Array
     inside: Array
     carried: Array
     torque: Array
@@ -66,6 +67,7 @@ def judge(
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
+    pressure = np.full((T, 3), floor)
     inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(np.repeat(SHARES, 3), len(frames))
     for t in range(T):
@@ -86,6 +88,7 @@ def judge(
             )
         force, moment = total.linear, total.angular
         cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
+        pressure[t, :2] = cop
         inside[t] = -(edges[:, :2] @ cop + edges[:, 2]).max()
         carried[t] = force[2] / robot.weight
     limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
@@ -131,4 +134,6 @@ def judge(
                       f"{time[near.sample[own][k]]:.3f} s, at least {criteria.clearance_m:g} is asked, less in "
                       f"{often:.2g} % of samples")  # fmt: skip
     feet_m, feet_rad = strays.max(axis=0).tolist()
-    return Judged(time, q, v, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken))
+    return Judged(
+        time, q, v, pressure, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken)
+    )
