@@ -187,6 +187,19 @@ def worn(suit, make_evidence, wander):
     return [make_evidence(suit, wander(seed), 0.3, seed=seed) for seed in (1, 2)]
 
 
+def test_what_drifts_through_a_session_does_not_average_out_over_its_logs(biped, suit, worn):
+    """One motion in one log, and twice: a drift that is another in each log is less by a half of its variance, one
+    that all logs have in common is not."""
+    drift = np.zeros((len(worn[0].sloped), len(NAMES), 1), dtype=np.float32)
+    drift[:, 0, 0] = np.sin(np.linspace(0.0, 9.0, len(drift)))
+    for name, share in (("kt_drift", 0.5), ("alike.kt_drift", 1.0)):
+        one, two = (
+            contributions(*problem(biped, suit.bands, [replace(worn[0], own_b={name: drift})] * times), {})["kt_drift"]
+            for times in (1, 2)
+        )
+        np.testing.assert_allclose(two, share * one, rtol=1e-6, atol=1e-9 * np.abs(one).max())
+
+
 def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_moved(biped, suit, worn):
     bands = tuple(replace(band, point_std=0.002, donning_std=0.001) for band in suit.bands)
     setting, fitted = problem(biped, bands, worn)

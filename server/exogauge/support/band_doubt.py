@@ -11,7 +11,7 @@ from scipy.signal import fftconvolve
 
 from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
-from exogauge.support.band_inputs import scores_of_inputs
+from exogauge.support.band_inputs import inputs_of
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_offsets import score_of_offsets, without_offsets
 from exogauge.support.band_rows import WearLogs
@@ -43,29 +43,30 @@ def contributions(
     scatter: S, what errors of this kind make of the score (they last), and what is believed of the springs;
     robot: G C Gᵀ, C: covariance of the robot's parameters and of what all logs share (`RobotModel.doubt`), or its parts
     by name; G: how the score moves with them;
-    kt_drift, ft_zero: what each log's motors and sensors alone do to it;
+    kt_drift, ft_zero, via_points, donning: what is declared of each log's motors and sensors, and of how the device
+    sits (`band_inputs`);
     null_test: n nᵀ, n: the score that the approach finds on logs without the device, `null`, where it ought to be zero:
     what the model lacks there it lacks with the device too (A takes off what repeats). joint_weight: (D,) what a sample
     of those counts;
-    via_points, donning: how the device sits (`band_inputs`);
     torque_zero: what is left of each log's and joint's own offset. What the others do to the score goes through the
     same slopes, w (A - γ mean(A)): of the feet's zeros what looks like such an offset is taken off as well.
     """
-    told = without_offsets(setting.logs, setting.weight, fitted.A)
+    told, wear = without_offsets(setting.logs, setting.weight, fitted.A), fitted.wear
     fitted = replace(fitted, A=told)
     found, S = {SCATTER: score_covariance(setting, fitted)}, len(setting.belief.mean)
     found[SCATTER][:S, :S] += setting.belief.precision
     G = _moved(setting, fitted)
     if G is not None:
         found |= {name: G @ C @ G.T for name, C in robot.items()}
-    for name, own in _of_each_log(setting, fitted).items():
+    inputs = inputs_of(setting.logs, setting.wires, wear.k, wear.l_0)
+    weighted = told * setting.weight[:, :, None]
+    for name, own in inputs.scores(setting.logs, weighted).items() if inputs else ():
         found[name] = found.get(name, np.zeros_like(own)) + own
     if setting.logs.zero_std.any():
-        found[TORQUE_ZERO] = score_of_offsets(setting.logs, told * setting.weight[:, :, None])
+        found[TORQUE_ZERO] = score_of_offsets(setting.logs, weighted)
     if null is not None and joint_weight is not None:
         n = _null_score(setting, fitted, null, joint_weight)
         found[NULL_TEST] = np.outer(n, n)
-    found |= {name: g @ g.T for name, g in scores_of_inputs(setting, fitted).items()}
     size = 1.0 / np.sqrt(np.maximum(np.diag(fitted.hessian), 1e-300))
     inverse = np.linalg.pinv(fitted.hessian * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
     return {name: np.asarray(inverse @ meat @ inverse) for name, meat in found.items() if meat.any()}
@@ -109,16 +110,6 @@ def _moved(setting: Setting, fitted: Fitted) -> Array | None:
             return None
         moved = _through(setting, fitted, place, log.slope)
         total = moved if total is None else total + moved
-    return total
-
-
-def _of_each_log(setting: Setting, fitted: Fitted) -> dict[str, Array]:
-    """Declared uncertainty -> (P, P) of the score, from what is each log's own."""
-    total: dict[str, Array] = {}
-    for place, log in enumerate(setting.logs.logs):
-        for name, own in log.own.items():
-            moved = _through(setting, fitted, place, own)
-            total[name] = total.get(name, np.zeros((len(moved), len(moved)))) + moved @ moved.T
     return total
 
 

@@ -29,6 +29,7 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 OwnInputs = Mapping[str, NDArray[np.float32]]
 
+ALIKE = "alike"  # before the name of a declared uncertainty: what logs of one session have of it in common
 SLOPE_RATE_HZ = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
 MOST_SLOPES = 400  # per log
 
@@ -231,9 +232,12 @@ def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: In
 
 
 def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> OwnInputs:
-    """Those that act on these joints."""
-    found = of_this_log(model, prepared, samples, joints)
-    return {name: each[:, :, each.any(axis=(0, 1))].astype(np.float32) for name, each in found.items()}
+    """The same inputs, in the same order, whatever the log. Of each what is this log's own and, as `alike.NAME`, what
+    all logs of a side have in common: motors warm and zeros drift through a session, little from log to log."""
+    found = {name: each for name, each in of_this_log(model, prepared, samples, joints).items() if each.any()}
+    common = model.criteria.declared.alike
+    own = {name: (np.sqrt(1.0 - common) * each).astype(np.float32) for name, each in found.items()}
+    return own | {f"{ALIKE}.{name}": (np.sqrt(common) * each).astype(np.float32) for name, each in found.items()}
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:

@@ -22,6 +22,7 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
+from exogauge.support.band_inputs import inputs_of
 from exogauge.support.band_model import Fitted, Setting, at_bounds, fit, thinned
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
@@ -81,11 +82,12 @@ def identify_bands(
     with np.errstate(invalid="ignore"):
         correlation = doubt[: len(std), : len(std)] / np.outer(std, std)
     edge, criteria = _at_bounds_of_each(seen), model.criteria.support
+    intervals = intervals_of(seen, doubt)
     return StiffnessResult(
         device=device.name,
         approach=approach,
         bands=tuple(
-            _estimate(band, k, seen, shares, doubt, blind, edge[k], criteria.known, named)
+            _estimate(band, k, seen, shares, doubt, blind, edge[k], criteria.known, named, intervals)
             for k, band in enumerate(device.bands)
         ),
         parameters=plan.names,
@@ -169,6 +171,7 @@ def _estimate(
     edge: tuple[str, ...],
     known: float,
     named: NamedBands | None,
+    intervals: Mapping[int, tuple[float, float]],
 ) -> BandEstimate:
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
@@ -176,8 +179,7 @@ def _estimate(
     k_std, l_std = (float(np.sqrt(doubt[place, place])) for place in own)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
-    k_interval = interval(seen.setting, seen.fitted, doubt, k_at, value)
-    l_interval = interval(seen.setting, seen.fitted, doubt, l_at, stretch)
+    k_interval, l_interval = (intervals[place] for place in own)
     if not pulls and np.isfinite(k_std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = k_std <= known * value and np.isfinite(k_interval[1]) and not edge
@@ -234,10 +236,28 @@ REACH = 12.0  # standard deviations within which the ends of a profile are sough
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
+def intervals_of(seen: BandFit, doubt: Array) -> dict[int, tuple[float, float]]:
+    """(low, high) of every spring's value, by its place. A length goes with its stiffness, so that it is as skewed."""
+    plan, wear, found = seen.fitted.wear.layout, seen.fitted.wear, dict[int, tuple[float, float]]()
+    inputs = inputs_of(seen.setting.logs, seen.setting.wires, wear.k, wear.l_0)
+    constant = np.zeros(len(wear.k)) if inputs is None else inputs.constant
+    for k, (k_at, l_at) in enumerate(zip(plan.stiffness.tolist(), plan.natural_length.tolist(), strict=True)):
+        if k_at not in found:
+            found[k_at] = interval(seen.setting, seen.fitted, doubt, k_at, float(wear.springs[k_at]))
+        if l_at in found:
+            continue
+        stretch = max(seen.setting.wires[k].longest - float(wear.springs[l_at]), 0.0)
+        skewed = doubt[k_at, k_at] >= (SKEWED * wear.springs[k_at]) ** 2
+        alone = float(constant[k]) if np.sum(plan.natural_length == l_at) == 1 else 0.0
+        found[l_at] = interval(seen.setting, seen.fitted, doubt, l_at, 0.0 if skewed else stretch, alone)
+    return found
+
+
 def interval(
-    setting: Setting, fitted: Fitted, covariance: Array, index: int, relative_to: float
+    setting: Setting, fitted: Fitted, covariance: Array, index: int, relative_to: float, constant: float = 0.0
 ) -> tuple[float, float]:
     """(low, high) of one spring's value. relative_to: its size, against which its std says whether the doubt is skewed.
+    constant: the part of that std which goes with nothing else.
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
@@ -252,17 +272,18 @@ def interval(
     coarse = fit(few, fitted.wear)
     size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
     curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
-    share = float(curvature[index, index]) * size[index] ** 2 / std**2
+    alone = min(constant, 0.999 * std)
+    share = float(curvature[index, index]) * size[index] ** 2 / (std**2 - alone**2)
     shift = value - float(coarse.wear.springs[index])
 
     def excess(candidate: float) -> float:
         held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
         return float(share * (held.cost - coarse.cost) - QUANTILE**2)
 
-    return (
-        _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0,
-        _crossing(excess, value, std, value + REACH * std) or np.inf,
-    )
+    low = _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0
+    high = _crossing(excess, value, std, value + REACH * std) or np.inf
+    own = QUANTILE * alone
+    return max(value - float(np.hypot(value - low, own)), 0.0), value + float(np.hypot(high - value, own))
 
 
 def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:
