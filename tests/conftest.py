@@ -183,6 +183,14 @@ def storage(settings: Settings) -> Iterator[Storage]:
 
 
 @pytest.fixture
+def without_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests of rows alone: a row may name a blob that was never written."""
+    from exogauge.storage.blobs import FolderBlobs
+
+    monkeypatch.setattr(FolderBlobs, "exists", lambda *_: True)
+
+
+@pytest.fixture
 def app(settings: Settings) -> FastAPI:
     from exogauge.api.app import create_app
 

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import logging
 import os
+import secrets
 import signal
 import socket
 import sys
+import tempfile
 from collections.abc import Sequence
 from typing import final
 
 import uvicorn
 
-from exogauge.api.app import create_app
+from exogauge.api.app import create_app, has_accounts
 from exogauge.api.connection import Limits, connection_within
 from exogauge.errors import BadInput, Fault, Unavailable
 from exogauge.jobs.engine import migrate_engine
 from exogauge.jobs.supervisor import Supervisor, leave_with_parent
 from exogauge.settings import Settings
 from exogauge.storage import migrate
+from exogauge.storage.held_files import own_folder
 
 WORKER = (sys.executable, "-m", "exogauge.cli", "work", "--with-parent")
 MOST_OF_A_MESSAGE = 1024 * 1024  # bytes on a websocket; what is too large is told up to this, and ends the line beyond
@@ -26,14 +29,48 @@ PATIENCE_S = 3  # for open requests (event streams among them) when the server s
 
 
 def refuse_open_house(settings: Settings) -> None:
-    """There are no accounts: listening to a network takes a second setting, so that nobody does it by mistake."""
+    """A network is served with accounts, over an encrypted line; without either only on purpose."""
+    if (settings.tls_certificate is None) != (settings.tls_key is None):
+        advice = "Name both files, or neither."
+        raise BadInput(Fault("a certificate and its key belong together", "tls", advice, column="EXOGAUGE_TLS_KEY"))
+    if settings.open_to_all and settings.accounts:
+        detail = "either there are accounts, or all may do all"
+        raise BadInput(Fault(detail, "open_to_all", "Leave one of the two.", column="EXOGAUGE_OPEN_TO_ALL"))
     if settings.local_only or settings.open_to_all:
         return
-    detail = f"without accounts, whoever reaches {settings.host} could read, change and delete everything"
-    advice = (
-        "Leave EXOGAUGE_HOST at 127.0.0.1, or say EXOGAUGE_OPEN_TO_ALL=1 where something in front lets in only yours."
-    )
-    raise BadInput(Fault(detail, "open_to_all", advice, column="EXOGAUGE_HOST", value=settings.host))
+    ways = "Leave EXOGAUGE_HOST at 127.0.0.1, or "
+    if not settings.accounts:
+        detail = f"without accounts, whoever reaches {settings.host} could read, change and delete everything"
+        guarded = "or EXOGAUGE_OPEN_TO_ALL=1 where something in front lets in only yours."
+        advice = f"{ways}say EXOGAUGE_ACCOUNTS=1, {guarded}"
+        raise BadInput(Fault(detail, "no_accounts", advice, column="EXOGAUGE_HOST", value=settings.host))
+    if not (settings.encrypts or settings.proxy):
+        detail = f"passwords and data would pass to {settings.host} unencrypted"
+        advice = (
+            f"{ways}name EXOGAUGE_TLS_CERTIFICATE and EXOGAUGE_TLS_KEY, or in EXOGAUGE_PROXY the proxy that encrypts."
+        )
+        raise BadInput(Fault(detail, "no_encryption", advice, column="EXOGAUGE_HOST", value=settings.host))
+
+
+def refuse_forgotten_accounts(settings: Settings, accounts: bool) -> None:
+    """A server that is open to all although its database has accounts was started by mistake."""
+    if settings.open_to_all and accounts:
+        detail = "the database has accounts, and EXOGAUGE_OPEN_TO_ALL would let in all without one"
+        raise BadInput(Fault(detail, "open_to_all", "Leave it away.", column="EXOGAUGE_OPEN_TO_ALL"))
+
+
+def say_set_up_code(settings: Settings, url: str) -> None:
+    """For whoever started the server, who makes the first account. Kept for a start again, and for other servers beside
+    this one."""
+    file = settings.set_up_code
+    try:
+        descriptor = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:
+        pass
+    else:
+        with os.fdopen(descriptor, "w", encoding="ascii") as new:
+            new.write(secrets.token_urlsafe(16))
+    print(f"there is no account yet: {url}/set-up takes the code {file.read_text(encoding='ascii')}", file=sys.stderr)
 
 
 def prepare(settings: Settings) -> None:
@@ -67,9 +104,10 @@ def listening(host: str, port: int) -> socket.socket:
     return bound
 
 
-def address(bound: socket.socket) -> str:
+def address(bound: socket.socket, encrypts: bool = False) -> str:
     host, port = bound.getsockname()[:2]
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+    scheme = "https" if encrypts else "http"
+    return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"
 
 
 @final
@@ -90,9 +128,14 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
         leave_with_parent(lambda: os.kill(os.getpid(), signal.SIGTERM))
     prepare(settings)
     with listening(settings.host, settings.port) as bound:
+        tempfile.tempdir = str(own_folder(settings.scratch).path)  # swept where this process is killed
         supervisor = Supervisor(worker_command, settings.workers)
+        app, url = create_app(settings), address(bound, settings.encrypts)
+        refuse_forgotten_accounts(settings, app.state.accounts)
+        if app.state.accounts and not has_accounts(app.state.installation):
+            say_set_up_code(settings, url)
         config = uvicorn.Config(
-            create_app(settings),
+            app,
             http=connection_within(Limits(settings.max_connections, settings.silence_s)),
             ws="websockets-sansio",
             ws_max_size=MOST_OF_A_MESSAGE,
@@ -102,10 +145,14 @@ def serve(settings: Settings, worker_command: Sequence[str] = WORKER, *, with_pa
             log_level="warning",
             access_log=False,
             root_path=settings.root_path,
+            proxy_headers=bool(settings.proxy),  # whoever else says so is not believed
+            forwarded_allow_ips=settings.proxy or [],
+            ssl_certfile=settings.tls_certificate,
+            ssl_keyfile=settings.tls_key,
             timeout_graceful_shutdown=PATIENCE_S,
         )
         server = Announcing(config)
-        server.url = address(bound)
+        server.url = url
         supervisor.start()
         try:
             server.run(sockets=[bound])

@@ -24,6 +24,10 @@ class Settings(BaseSettings):
     )
     blob_dir: Path | None = Field(default=None, description="content-addressed files; data_dir/blobs")
     host: str = Field(default="127.0.0.1", description="address to listen on")
+    accounts: bool = Field(default=False, description="ask who is there; so it is anyway once there are accounts")
+    proxy: str = Field(default="", description="addresses of reverse proxies that are believed, with commas between")
+    tls_certificate: Path | None = Field(default=None, description="PEM, with which the server encrypts by itself")
+    tls_key: Path | None = Field(default=None, description="PEM, of that certificate")
     open_to_all: bool = Field(default=False, description="serve on another host than this one although all may do all")
     port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
     root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
@@ -31,6 +35,11 @@ class Settings(BaseSettings):
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")
     max_live_streams: int = Field(default=8, ge=0, le=64, description="live streams at once, a process each")
+    readers: int = Field(default=4, ge=1, le=64, description="uploads read at once, each by a child of up to 4 GiB")
+    requests_per_s: float = Field(default=100.0, ge=0.0, description="of one address in the mean; 0: no limit")
+    lab_bytes: int = Field(default=0, ge=0, description="most that a lab may keep, as handed in and made; 0: no limit")
+    lab_jobs: int = Field(default=1000, ge=0, description="most jobs of a lab that wait or run; 0: no limit")
+    lab_cpu_s_per_day: float = Field(default=0.0, ge=0.0, description="that jobs of a lab may compute; 0: no limit")
     max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
     max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
     upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")
@@ -60,8 +69,18 @@ class Settings(BaseSettings):
 
     @property
     def scratch(self) -> Path:
-        """Folder for what is being received or unpacked; nothing in it outlives a request."""
+        """Folder for what is being received or unpacked: one folder per process; nothing in it outlives that."""
         return self.data_dir / "scratch"
+
+    @property
+    def work(self) -> Path:
+        """Folder of what workers compute: one folder per worker."""
+        return self.data_dir / "work"
+
+    @property
+    def live(self) -> Path:
+        """Folder of open live streams: one folder per stream."""
+        return self.data_dir / "live"
 
     @property
     def uploads(self) -> Path:
@@ -69,8 +88,19 @@ class Settings(BaseSettings):
         return self.data_dir / "uploads"
 
     @property
+    def set_up_code(self) -> Path:
+        """File with what proves, at the first account, that one runs this server."""
+        return self.data_dir / "set-up-code"
+
+    @property
+    def encrypts(self) -> bool:
+        return self.tls_certificate is not None
+
+    @property
     def local_only(self) -> bool:
-        """Whether the server listens on the loopback interface only."""
+        """Whether nobody but this machine reaches the server: it listens on the loopback interface, for no proxy."""
+        if self.proxy:
+            return False
         try:
             return ip_address(self.host).is_loopback
         except ValueError:

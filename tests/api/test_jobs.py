@@ -13,6 +13,8 @@ from exogauge.jobs import claims, recipes
 from exogauge.jobs.leases import Lease
 from exogauge.storage.files import PinnedFile
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 BURN = recipes.Recipe("burn", "nowhere:burn", timeout_s=60.0)
 
 

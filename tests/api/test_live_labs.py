@@ -12,6 +12,8 @@ from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Installation, Storage
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 FILES = (PinnedFile("payload.yaml", "1" * 64, 10),)
 
 

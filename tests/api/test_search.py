@@ -10,6 +10,8 @@ from fastapi.testclient import TestClient
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Storage
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 V1 = "/api/v1"
 FILES = (("robot.yaml", "a"), ("robot.urdf", "b"), ("robot2.urdf", "c"), ("mesh.stl", "d"), ("logs/id.csv", "e"))
 

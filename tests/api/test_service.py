@@ -19,6 +19,8 @@ from exogauge.storage.migrate import WrongSchema
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import WorkerLease
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 V1 = "/api/v1"
 on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
@@ -107,7 +109,7 @@ def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_u
 
 def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
     create_app(settings).state.installation.close()
-    engine = make_engine(settings.database_url)
+    engine = make_engine(settings.database_url, migrating=True)
     with engine.begin() as connection:
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
     engine.dispose()
@@ -146,3 +148,13 @@ def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> 
     assert "secret" not in repr(settings)
     assert not Settings(host="0.0.0.0").local_only
     assert Settings(database_url="").database_url.startswith("sqlite:////")
+
+
+@on_sqlite
+def test_what_was_handed_in_can_be_deleted(client: TestClient, study_id: str) -> None:
+    assert client.delete(f"/api/v1/studies/{study_id}").status_code == 204
+    gone = client.delete(f"/api/v1/studies/{study_id}")
+    assert (gone.status_code, gone.headers["content-type"]) == (404, "application/problem+json")
+    assert client.get(f"/api/v1/studies/{study_id}").status_code == 404
+    for nouns in ("robots", "devices", "logs", "payloads"):
+        assert client.delete(f"/api/v1/{nouns}/{study_id}").status_code == 404

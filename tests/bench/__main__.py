@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.bench import band_fit, bands, candidates, live, memory, payload, product, speed
+from tests.bench import band_fit, bands, candidates, excite, live, memory, payload, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
@@ -42,6 +42,7 @@ def main() -> int:
             report_candidates()
             report_live()
             payload.report()
+            excite.report()
     print(f"\n{time.perf_counter() - began:.0f} s in all; estimates differ by at most {worst:.0e} of the largest")
     if worst > speed.AGREEMENT:
         print(f"THE ANSWERS DISAGREE: more than {speed.AGREEMENT:g}", file=sys.stderr)
@@ -134,6 +135,8 @@ def report_live() -> None:
     print(f"  six rows, their covariance, recursion{found.updated:10.1f} µs")
     print(f"  everything, 250 samples at once{found.all:16.1f} µs")
     print(f"  memory added over {found.hours:g} h{found.grown_mb:22.1f} MB")
+    p50, p99 = live.echo(10.0)
+    print(f"  a bare websocket that echoes, 10 s: {p50:.2f} ms, 99 % in {p99:.1f} ms")
     for streams in (1, 8):
         line = live.through(streams, 10.0)
         waited = f"from sample to wrench {line.p50:.2f} ms, 99 % in {line.p99:.1f} ms"

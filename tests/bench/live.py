@@ -6,6 +6,7 @@ import json
 import os
 import struct
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -115,7 +116,7 @@ def through(streams: int, seconds: float) -> Through:
     with tempfile.TemporaryDirectory() as scratch:
         folder = sample(Path(scratch) / "sample")
         rows = rows_of(folder)
-        service = Service(Path(scratch), workers=0)
+        service = Service(Path(scratch), workers=0, EXOGAUGE_SILENCE_S="300")  # eight take a while to begin
         url = service.start()
         try:
             with Client(url) as client:
@@ -138,6 +139,44 @@ def through(streams: int, seconds: float) -> Through:
     waited = np.concatenate([line.waited() for line in lines])
     unanswered = sum(line.count - line.answered for line in lines)
     return Through(streams, *(1e3 * np.percentile(waited, [50, 99])), core, unanswered)
+
+
+ECHO = """
+from websockets.sync.server import serve
+with serve(lambda line: [line.send(each) for each in line], "127.0.0.1", 0, compression=None) as server:
+    print(server.socket.getsockname()[1], flush=True)
+    server.serve_forever()
+"""
+
+
+def echo(seconds: float) -> tuple[float, float]:
+    """[ms] median and 99 % of a bare websocket that sends every sample back: what this machine gives by now."""
+    server = subprocess.Popen([sys.executable, "-c", ECHO], stdout=subprocess.PIPE, text=True)
+    try:
+        assert server.stdout is not None
+        port = int(server.stdout.readline())
+        count = round(seconds * RATE_HZ)
+        sent, got = np.zeros(count), np.zeros(count)
+        with connect(f"ws://127.0.0.1:{port}", compression=None) as line:
+
+            def hear() -> None:
+                for k in range(count):
+                    line.recv(60)
+                    got[k] = time.monotonic()
+
+            hearer = threading.Thread(target=hear)
+            hearer.start()
+            began = time.monotonic()
+            for k in range(count):
+                time.sleep(max(0.0, began + k / RATE_HZ - time.monotonic()))
+                sent[k] = time.monotonic()
+                line.send(bytes(112))
+            hearer.join()
+    finally:
+        server.kill()
+        server.wait()
+    p50, p99 = 1e3 * np.percentile(got - sent, [50, 99])
+    return float(p50), float(p99)
 
 
 @final

@@ -165,13 +165,28 @@ def test_connections_that_ask_nothing_give_way_and_those_at_work_do_not(door, up
         time.sleep(0.1)
 
 
+CERTIFICATE = {"TLS_CERTIFICATE": "c.pem", "TLS_KEY": "k.pem"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("host", "open_to_all", "refused"),
-    [("0.0.0.0", "", True), ("::", "", True), ("0.0.0.0", "1", False), ("localhost", "", False)],
+    ("host", "said", "refused"),
+    [
+        ("0.0.0.0", {}, "EXOGAUGE_ACCOUNTS=1"),
+        ("::", {}, "EXOGAUGE_OPEN_TO_ALL=1"),
+        ("0.0.0.0", CERTIFICATE, "EXOGAUGE_ACCOUNTS=1"),
+        ("0.0.0.0", {"ACCOUNTS": "1"}, "EXOGAUGE_TLS_CERTIFICATE"),
+        ("0.0.0.0", {"ACCOUNTS": "1", "TLS_KEY": "k.pem"}, "EXOGAUGE_TLS_KEY"),
+        ("0.0.0.0", {"ACCOUNTS": "1", "OPEN_TO_ALL": "1"}, "EXOGAUGE_OPEN_TO_ALL"),
+        ("127.0.0.1", {"PROXY": "127.0.0.1"}, "EXOGAUGE_ACCOUNTS=1"),
+        ("0.0.0.0", {"OPEN_TO_ALL": "1"}, None),
+        ("0.0.0.0", {"ACCOUNTS": "1", **CERTIFICATE}, None),
+        ("0.0.0.0", {"ACCOUNTS": "1", "PROXY": "10.0.0.1"}, None),
+        ("localhost", {}, None),
+    ],
 )
-def test_a_network_is_served_only_on_purpose(tmp_path, host, open_to_all, refused):
-    """Another host than this one takes a second setting: there are no accounts."""
+def test_a_network_is_served_only_on_purpose(tmp_path, host, said, refused):
+    """Another host than this one takes accounts and encryption, or says that all may do all."""
     with socket.socket() as taken:  # a server that is not refused ends here, at a port that is in use
         taken.bind(("", 0))
         taken.listen()
@@ -179,13 +194,13 @@ def test_a_network_is_served_only_on_purpose(tmp_path, host, open_to_all, refuse
             "EXOGAUGE_DATA_DIR": str(tmp_path / "data"),
             "EXOGAUGE_HOST": host,
             "EXOGAUGE_PORT": str(taken.getsockname()[1]),
-            **({"EXOGAUGE_OPEN_TO_ALL": open_to_all} if open_to_all else {}),
+            **{f"EXOGAUGE_{name}": value for name, value in said.items()},
         }
         command = [sys.executable, "-m", "exogauge.cli", "serve", "--workers", "0"]
         ended = subprocess.run(command, env={**os.environ, **own}, capture_output=True, text=True, timeout=120)
     if refused:
         assert ended.returncode == 2
-        assert "EXOGAUGE_OPEN_TO_ALL=1" in ended.stderr
+        assert refused in ended.stderr
         assert not (tmp_path / "data").exists()
     else:
         assert "cannot listen" in ended.stderr

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import curve_fit
 from scipy.stats import linregress
 
-from exogauge.devices.bench import LEAST_SHARE, TAUT, bench_line
+from exogauge.criteria.supporting import DEVICES
+from exogauge.devices.bench import bench_line
 from exogauge.devices.device import BenchTest
 
 
@@ -34,7 +35,7 @@ def test_the_order_of_the_points_does_not_matter():
 def test_values_and_doubt_are_those_of_a_linear_regression_over_the_taut_part():
     test = stretched(noise=4.0)
     length, force = np.array(test.length), np.array(test.force)
-    taut = force > TAUT * force.max()
+    taut = force > DEVICES.slack * force.max()
     regression = linregress(length[taut], force[taut])
     (k, l_0), covariance = curve_fit(lambda x, k, l_0: k * (x - l_0), length[taut], force[taut], [200.0, 0.6])
     line = bench_line(test)
@@ -53,7 +54,7 @@ def test_the_doubt_is_as_large_as_repeated_tests_differ():
 
 def test_no_test_bench_is_taken_to_be_perfect():
     line = bench_line(stretched())
-    assert line.stiffness_std == pytest.approx(LEAST_SHARE * 197.8)
+    assert line.stiffness_std == pytest.approx(DEVICES.bench * 197.8)
     assert 0.0 < line.natural_length_std < 0.005
 
 

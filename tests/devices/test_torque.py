@@ -11,7 +11,7 @@ import pytest
 
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.routing import Routing
-from exogauge.devices.torque import band_torque, energy
+from exogauge.devices.torque import band_torque
 from exogauge.effects.band import WireMotion
 from exogauge.effects.band_laws import all_laws
 from exogauge.errors import BadInput
@@ -83,6 +83,12 @@ def point(model, data, via):
     T, J = data.oMf[frame], pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
     x = T.rotation @ np.array(via.xyz)
     return T.translation + x, J[:3] - pin.skew(x) @ J[3:]
+
+
+def energy(routing, bands, q):
+    """(T,) [J] held by springs."""
+    k, l_0 = np.array([(band.stiffness, band.natural_length) for band in bands]).T
+    return 0.5 * np.maximum(routing.lengths(q) - l_0, 0.0) ** 2 @ k
 
 
 def test_torque_is_the_falling_slope_of_the_energy(pair, worn):
@@ -203,9 +209,3 @@ def test_bands_of_another_device_are_refused(pair, worn):
     stranger = Band("stranger", "s", (ViaPoint("arm", (0, 0, 0)), ViaPoint("head", (0, 0, 0))), 100.0, 0.1)
     with pytest.raises(ValueError, match="not those of the routing"):
         band_torque(Routing(pair.tree, worn), (stranger,), postures(pair.tree, 2), np.arange(2.0))
-
-
-def test_only_linear_bands_have_an_energy_of_the_posture_alone(pair, worn):
-    rubbing = tuple(replace(band, law="via_friction", law_values={"friction": 0.2}) for band in worn)
-    with pytest.raises(ValueError, match="linear"):
-        energy(Routing(pair.tree, worn), rubbing, postures(pair.tree, 2))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import bessel, butter, lfilter, sosfilt, sosfiltfilt, sosfreqz
 
-from exogauge.criteria.stored_filter import StoredFilter
+from exogauge.criteria.detecting import StoredFilter
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.detect.stored_filter.detector import band_limits
 from exogauge.detect.stored_filter.stored_pass import filtered_alike

@@ -9,9 +9,9 @@ import pinocchio as pin
 import pytest
 
 from exogauge.criteria.judging import Judging
-from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
+from exogauge.findings.as_told import as_drawn
 from exogauge.findings.basis import OfRobot
 from exogauge.findings.result import Evidence, Finding, HeldOut, Place
 from exogauge.findings.verdict import Why

@@ -71,6 +71,14 @@ def test_numbers_on_the_page_are_those_of_results_json(page: Page, study: dict[s
     text = row.get_by_role("cell").filter(has_text="N/m").first.inner_text()
     assert same_to_the_digits_shown(text, band["stiffness_n_per_m"]["value"]), text
 
+    page.get_by_text("What ought to agree").first.click()
+    checks = [each for each in results["cross_checks"] if each["device"] == band["device"]]
+    rows = page.get_by_role("region", name=f"What ought to agree of {band['device']}: table").locator("tbody tr")
+    expect(rows).to_have_count(len(checks))
+    worst = max(checks, key=lambda each: (not each["agrees"], abs(each["z"]) / each["limit"]))
+    cell = rows.first.get_by_role("cell").filter(has_text="±").inner_text()
+    assert same_to_the_digits_shown(cell, worst["difference"]), cell
+
     page.goto(f"{study['path']}/identification")
     parameter = next(each for each in results["identification"]["parameters"] if each["name"] == "k_T[torso_pitch]")
     page.get_by_label("Find a parameter").fill("k_T[torso_pitch]")

@@ -71,5 +71,5 @@ def test_two_effects_of_one_name_are_refused_with_both_files(place):
     """Wherever they sit: results tell effects apart by their names."""
     viscous = all_effects()["viscous"]
     other = SimpleNamespace(name="viscous", place=place)
-    with pytest.raises(ExogaugeError, match=r"effects\.viscous and types both offer an effect named 'viscous'"):
+    with pytest.raises(ExogaugeError, match=r"effects\.every_model and types both offer an effect named 'viscous'"):
         apart([viscous, other])

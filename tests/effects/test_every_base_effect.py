@@ -6,8 +6,8 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from exogauge.effects.base import BaseSignals
 from exogauge.effects.catalogue import all_effects, base_effects, sensor_effects, shaped_effects
+from exogauge.effects.places import BaseSignals
 
 WORDS = {"first moments", "zero", "leg encoders"}  # what else may stand in for one: no effects, but bodies and sensors
 MOST_COLUMNS = 8  # each costs two passes over all rows

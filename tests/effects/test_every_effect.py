@@ -1,7 +1,5 @@
 """The contract that every file in the catalogue keeps."""
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -80,11 +78,6 @@ def test_a_user_is_told_in_a_sentence(effect):
     assert effect.sentence[0].isupper()
     assert effect.sentence.endswith(".")
     assert len(effect.sentence.split()) >= 4
-
-
-@every_effect
-def test_the_effect_is_found_under_the_name_of_its_file(effect):
-    assert importlib.import_module(f"exogauge.effects.{effect.name}").EFFECT is effect
 
 
 def test_no_two_effects_estimate_a_coefficient_of_the_same_name():

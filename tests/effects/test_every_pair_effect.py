@@ -16,7 +16,7 @@ from exogauge.effects.catalogue import (
     sensor_effects,
     shaped_effects,
 )
-from exogauge.effects.pair import PairSignals
+from exogauge.effects.places import PairSignals
 from exogauge.effects.shaped import AxisSignals
 
 COORDINATES = {"motor_velocity", "time"}

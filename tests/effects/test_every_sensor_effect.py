@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import all_effects, sensor_effects, shaped_effects
-from exogauge.effects.sensor import SensorSignals
+from exogauge.effects.places import SensorSignals
 
 COORDINATES = {"time", "reading"}
 WORDS = {

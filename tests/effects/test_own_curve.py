@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from exogauge.effects.catalogue import sensor_effects, shaped_effects
-from exogauge.effects.own_curve import OwnCurve, possible_terms
-from exogauge.effects.sensor import SensorSignals
+from exogauge.effects.places import SensorSignals
 from exogauge.effects.shaped import AxisSignals
+from exogauge.search.residual_correction import OwnCurve, possible_terms
 
 EFFECTS = {**shaped_effects(), **sensor_effects()}
 every_effect = pytest.mark.parametrize("effect", EFFECTS.values(), ids=list(EFFECTS))

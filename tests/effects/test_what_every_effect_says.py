@@ -14,7 +14,7 @@ from exogauge.effects.catalogue import (
     shaped_effects,
 )
 from exogauge.effects.effect import Quantity
-from exogauge.effects.scales import OWN_SIZES
+from exogauge.effects.shaped import OWN_SIZES
 from exogauge.studies.words.names import effect_words, parameter_words
 
 PLACES = {

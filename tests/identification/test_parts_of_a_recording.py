@@ -13,8 +13,8 @@ from exogauge.identification.prior import per_parameter, scales
 from exogauge.identification.settings import Settings
 from exogauge.identification.solution import solve
 from exogauge.identification.turns import RestDetection
-from exogauge.logs.beside import widened, with_beside
 from exogauge.logs.model import Log
+from exogauge.logs.segments import widened, with_beside
 from exogauge.robots.description import Joint, Robot
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks

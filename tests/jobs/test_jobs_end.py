@@ -6,11 +6,11 @@ import time
 
 import pytest
 import sqlalchemy as sa
-from sqlalchemy.orm import Session
 
 from exogauge.errors import NotFound
 from exogauge.jobs import claims, requests
 from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.tables import Artifact, AuditEntry, Job, Result
 
 
@@ -119,7 +119,7 @@ def test_a_worker_works_in_the_lab_of_the_job_and_not_in_one_of_its_own(staffed)
     assert other.artifacts(job) == ["results.json", "series/a.csv"]
     with pytest.raises(NotFound):
         staffed.job(job)
-    with Session(staffed.storage.engine) as session:
+    with AllLabsSession(staffed.storage.engine) as session:
         for table, key in ((Job, Job.id), (Result, Result.job_id), (Artifact, Artifact.job_id)):
             assert set(session.scalars(sa.select(table.lab_id).where(key == job.id))) == {"far"}, table
         said = sa.select(AuditEntry.action, AuditEntry.lab_id).where(AuditEntry.subject_id == job.id)
@@ -134,7 +134,7 @@ def test_a_lab_with_one_job_does_not_wait_for_all_of_a_lab_with_many(staffed):
     staffed.until(busy, lambda now: now.state == "running")
     many = [staffed.submit(f"one of many {k}") for k in range(5)]
     few = [other.submit(f"one of few {k}") for k in range(2)]
-    with Session(staffed.storage.engine) as session:
+    with AllLabsSession(staffed.storage.engine) as session:
         places = requests.places(session, [*many, *few])
     told = sorted([*many, *few], key=lambda job: places[job.id].ahead)
     assert [places[job.id].ahead for job in told] == list(range(7))

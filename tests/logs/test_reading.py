@@ -6,6 +6,7 @@ import gzip
 import io
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -17,10 +18,11 @@ import scipy.io
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
-from exogauge.logs.canonical import write_log
 from exogauge.logs.model import Log
 from exogauge.logs.open_table import open_table
+from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
 
 ROWS = [(k / 10.0, k / 4.0 - 1.0) for k in range(12)]
@@ -270,7 +272,7 @@ def test_pickled_objects_are_refused(tmp_path: Path) -> None:
 
 
 def test_text_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("exogauge.logs.limits.MAX_BYTES", 100_000)
+    monkeypatch.setattr("exogauge.logs.limits.LOGS", replace(LOGS, most_bytes=100_000))
     with pytest.raises(TooLarge):
         read_log(put(tmp_path, gzip.compress(PLAIN.encode() + b"\n" * 1_000_000, mtime=0)), "log")
 

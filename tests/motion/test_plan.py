@@ -30,7 +30,7 @@ from exogauge.motion.plan.outcome import motion_table
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
-from exogauge.motion.plan.spline import Spline, through
+from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.written import read_written
 from exogauge.motion.robot import MotionRobot, Sole
 from exogauge.motion.robot_file import load_motion_robot
@@ -144,6 +144,19 @@ def test_a_spline_at_its_nodes_is_the_spline_and_its_rates_are_its_slopes() -> N
         assert np.abs(first_last).max() < 1e-12
 
 
+def test_a_spline_of_more_nodes_is_the_same_motion() -> None:
+    rng = np.random.default_rng(4)
+    spline = Spline(rng.normal(size=(9, 2)), 0.08)
+    finer = spline.refined(4)
+    assert finer.step == pytest.approx(0.02)
+    assert finer.duration == pytest.approx(spline.duration)
+    time = np.linspace(0.0, spline.duration, 40)
+    for whole, fine in zip(spline.at(time), finer.at(time), strict=True):
+        assert fine == pytest.approx(whole, abs=1e-9)
+    state = [each[3] for each in spline.at_nodes()]
+    assert controls_of(*state, spline.step) == pytest.approx(spline.control[3:6])
+
+
 def test_the_equations_are_the_slopes_of_the_dynamics_and_of_the_feet(robot: MotionRobot) -> None:
     asked = bend(robot, 0.4, 0.2)
     rng = np.random.default_rng(1)
@@ -203,6 +216,36 @@ def test_a_bend_keeps_every_bound_as_mujoco_sees_it(robot: MotionRobot, bent, ra
     assert np.abs(off).max() <= 1.0
 
 
+@pytest.mark.slow
+def test_stretches_that_are_planned_one_by_one_are_one_motion(robot: MotionRobot, bent) -> None:
+    asked, planned = bent
+    parts = list[int]()
+    short = replace(USUAL, stretch_s=1.0, ahead_s=0.7)
+    joined = plan(robot, asked, short, report=lambda now: parts.append(now.part))
+    assert set(parts) == {0, 1, 2}
+    assert judge(robot, joined.spline, asked.place[0], planned=joined, rate=1000.0).broken == ()
+    torso = robot.base + np.array(robot.torso)
+    apart = joined.spline.at_nodes()[0] - planned.spline.at_nodes()[0]
+    assert np.degrees(np.abs(apart[:, torso]).max()) < 0.3
+
+
+@pytest.mark.slow
+def test_acceleration_and_jerk_are_held_between_nodes_too(robot: MotionRobot, bent) -> None:
+    asked, planned = bent
+    seen = judge(robot, planned.spline, asked.place[0], planned=planned, rate=1000.0)
+    moved = at(robot, "l_shoulder_pitch") - robot.base
+    tops = [np.abs(planned.spline.at(seen.time)[2][:, robot.base + moved]).max(),
+            np.abs(np.diff(planned.spline.control[:, robot.base + moved], 3)).max() / asked.step**3]  # fmt: skip
+    slow = robot.limits.acceleration.copy(), robot.jerk.copy()
+    for bound, top in zip(slow, tops, strict=True):
+        bound[moved] = 0.7 * top
+    lazy = replace(robot, limits=replace(robot.limits, acceleration=slow[0], jerk=slow[1]))
+    told = judge(lazy, planned.spline, asked.place[0], planned=planned, rate=1000.0).broken
+    assert [line.split(":")[0] for line in told] == ["acceleration of l_shoulder_pitch", "jerk of l_shoulder_pitch"]
+    again = plan(lazy, asked)
+    assert judge(lazy, again.spline, asked.place[0], planned=again, rate=1000.0).broken == ()
+
+
 def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:
     """The plan is what keeps the balance: the same bend with the pelvis where it is asked presses outside the soles."""
     asked, planned = bent
@@ -231,6 +274,7 @@ def test_a_robot_that_cannot_be_planned_for_is_told_why(folder: Path, tmp_path: 
         ({"human_map": {"tail": "BODY"}}, "human_map.tail"),
         ({"home": {"l_knee_pitch": -1.0}}, "home.l_knee_pitch"),
         ({"limits": {"acceleration": {"no_joint": 3.0}}}, "limits.acceleration.no_joint"),
+        ({"limits": {"jerk": {"no_joint": 3.0}}}, "limits.jerk.no_joint"),
     ):
         (tmp_path / "robot.yaml").write_text(yaml.safe_dump({**whole, **change}))
         with pytest.raises(BadRobot) as told:

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from tests.payload.conftest import STD, case
 
 from exogauge.logs.findings import longest_run
-from exogauge.payload.doctor import cut_off, delayed, drift_in_holds, noise_in_holds, quantised, saturated, zero_steps
+from exogauge.payload.doctor import delayed, drift_in_holds, noise_in_holds, quantised, zero_steps
 from exogauge.payload.dynamics import dynamic_rows
 from exogauge.payload.intake import Payload, Stream, open_payload
+from exogauge.payload.limits import cut_off, saturated
 from exogauge.synthetic.payload import write_payload
 
 Array = NDArray[np.float64]

@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import yaml
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from tests.payload.conftest import GRAVITY, generator
 
 from exogauge.cli import main
-from exogauge.errors import ExogaugeError
+from exogauge.criteria.criteria import Criteria
+from exogauge.errors import BadStudy, NotIdentifiable
 from exogauge.payload.compute import identify
 from exogauge.payload.contact import Compensation, false_alarm_limit, second_zero
 from exogauge.payload.contract import LogEntry
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.intake import open_payload
 from exogauge.payload.log_names import log_names
+from exogauge.payload.prepare import holds_of
 from exogauge.payload.results import PayloadResults, results
 from exogauge.payload.sensor_motion import SensorMotion
-from exogauge.payload.statics import gravity_of
+from exogauge.payload.statics import gravity_of, told_sign, touched_postures
 from exogauge.payload.tables import identified_by_method, left_by_method
 from exogauge.progress import Stage
 from exogauge.synthetic.payload import write_payload
@@ -240,6 +246,39 @@ def put(name: str, row: int, value: float) -> Callable[[dict[str, Array]], None]
     return change
 
 
+def of_two_clocks(content: dict[str, Any], folder: Path) -> None:
+    """Every third wrench and every second pose, in two files, the pose a little later than the first wrench."""
+    for entry in content["logs"]:
+        path = folder / entry["file"]
+        table = pq.read_table(path)
+        joints = [name for name in table.column_names if name[0] == "q"]
+        wrench, pose = table.drop(joints), table.select(["t", *joints])
+        every = np.arange(table.num_rows)
+        pq.write_table(wrench.take(every[::3]), path.with_suffix(".wrench.parquet"))
+        pq.write_table(pose.take(every[7::2]), path.with_suffix(".pose.parquet"))
+        entry["file"] = [entry["file"].replace(".parquet", f".{part}.parquet") for part in ("wrench", "pose")]
+
+
+def test_pose_and_wrench_of_two_clocks_and_rates_are_as_good_as_of_one(sample: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "two"
+    shutil.copytree(sample, folder)
+    content = yaml.safe_load((folder / "payload.yaml").read_text())
+    of_two_clocks(content, folder)
+    (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+    found = results(evaluate(open_payload(folder)))
+    truth = json.loads((sample / "truth.json").read_text())
+    assert found.dynamic is not None
+    assert found.dynamic.method == "gtls"
+    assert found.dynamic.mu == pytest.approx(1.0, abs=0.1)
+    assert found.missing.verdict == "none"
+    values = {each.name: each for each in found.dynamic.values}
+    inertia = np.array(truth["inertia_about_sensor"])
+    for name, true in (("m", truth["mass"]), ("Ixx", inertia[0, 0]), ("Iyz", inertia[1, 2]), ("Izz", inertia[2, 2])):
+        assert abs(values[name].value - true) < 3.5 * values[name].std
+    assert values["Izz"].std < 0.01
+    assert len(found.contacts["contact.wrench"]) == len(truth["pushes"])
+
+
 def postures_alone(folder: Path) -> None:
     content = yaml.safe_load((folder / "payload.yaml").read_text())
     content["logs"] = content["logs"][:1]
@@ -318,10 +357,82 @@ def test_postures_alone_tell_mass_centre_and_zero(sample: Path, tmp_path: Path) 
     assert {v.name for v in found.static.values} >= {"m", "cx", "fx0", "mz0", "U", "V"}
 
 
+def posed(how: str) -> Change:
+    """The pose of the sensor as it would be logged, in place of joint angles; `how` says what is wrong with it."""
+
+    def change(content: dict[str, Any], folder: Path) -> None:
+        model = pin.buildModelFromUrdf(str(folder / "arm.urdf"))
+        data, frame = model.createData(), model.getFrameId("ft")
+
+        def logged(columns: dict[str, Array]) -> None:
+            q = np.column_stack([columns[f"q.{joint}"] for joint in generator.JOINTS])
+            R = np.empty((len(q), 3, 3))
+            for k, angles in enumerate(q):
+                pin.framesForwardKinematics(model, data, angles)
+                R[k] = data.oMf[frame].rotation
+            R = {"transposed": np.swapaxes(R, 1, 2), "stretched": 1.02 * R}.get(how, R)
+            quaternion = Rotation.from_matrix(R).as_quat(scalar_first=how == "order")
+            columns.update({f"k{k}": each for k, each in enumerate(quaternion.T)})
+            columns.update({f"r{k}": each for k, each in enumerate(R.reshape(-1, 9).T)})
+
+        content["logs"] = content["logs"][:1]
+        rewritten(folder / "logs/postures.parquet", logged)
+        turned = {"quaternion": [f"k{k}" for k in range(4)], "quaternion_order": "xyzw"}
+        content["pose"] = {"noise_rad": 2e-5} | (
+            turned if how == "order" else {"rotation": [f"r{k}" for k in range(9)]}
+        )
+        del content["sensor"]["frame"]
+
+    return change
+
+
+def turned_about_gravity(columns: dict[str, Array]) -> None:
+    """All postures alike but for the first joint, which stands upright."""
+    rng = np.random.default_rng(0)
+    for name, values in columns.items():
+        spread = generator.ENCODER_NOISE if name[0] == "q" else 0.5 if name[0] == "f" else 0.05
+        if name != "t":
+            columns[name] = values[:200].mean() + spread * rng.standard_normal(len(values))
+    columns["q.a1"] = columns["q.a1"] + 0.2 * np.floor(columns["t"] / 2)
+
+
+def on_another_day(content: dict[str, Any], folder: Path) -> None:
+    """Pose and wrench in two files, whose clocks have nothing in common."""
+    table = pq.read_table(folder / "logs/excitation.parquet")
+    time, joints = table["t"].to_numpy(), [name for name in table.column_names if name[0] == "q"]
+    pq.write_table(table.drop(joints), folder / "logs/wrench.parquet")
+    pq.write_table(
+        pa.table({"t": time + 1000.0} | {name: table[name] for name in joints}), folder / "logs/pose.parquet"
+    )
+    content["logs"][1]["file"] = ["logs/wrench.parquet", "logs/pose.parquet"]
+
+
+def with_a_word(content: dict[str, Any], folder: Path) -> None:
+    table = pq.read_table(folder / "logs/postures.parquet").slice(0, 100)
+    rows = np.column_stack([table[name].to_numpy() for name in table.column_names]).astype(str)
+    rows[40, 3] = "sticky"
+    lines = [",".join(each) for each in ([table.column_names, *rows.tolist()])]
+    (folder / "logs/postures.csv").write_text("\n".join(lines))
+    content["logs"] = [{"file": "logs/postures.csv", "role": "postures"}]
+
+
 BAD: dict[str, tuple[Change, str]] = {
+    "transposed": (posed("transposed"), r"postures\.parquet.*fit the transpose.*R_base_sensor"),
+    "quaternion's order": (posed("order"), r"postures\.parquet.*quaternion_order: wxyz"),
+    "no rotation": (posed("stretched"), r"postures\.parquet, row 1, column 'r0'.*0\.04.*row by row"),
+    "all alike in gravity": (broken("postures", turned_about_gravity), r"postures\.parquet: .*gravity has other"),
+    "two postures": (
+        key("logs", value=[{"file": "logs/postures.parquet", "role": "postures", "span": [0.0, 3.6]}]),
+        r"postures\.parquet: 2 postures.*at least six",
+    ),
+    "clocks apart": (on_another_day, r"clocks do not overlap.*wrench\.parquet.*pose\.parquet 1000"),
+    "a word": (with_a_word, r"postures\.csv, row 41, column '.*sticky"),
+    "N·mm": (scale(("mx", "my", "mz"), 1000.0), r"postures\.parquet, column 'mx'.*Nmm"),
+    "kgf": (scale(("fx", "fy", "fz"), 1.0 / 9.80665), r"excitation\.parquet, column 'mx'.*9\.[6-9].*force_unit: kgf"),
+    "an IMU in no log": (key("imu", value={"acceleration": ["ax", "ay", "az"]}), r"imu\.acceleration.*value: ax"),
     "sign": (key("sensor", "sees", value="sensor_on_payload"), "payload_on_sensor"),
     "gravity upwards": (key("gravity", value=[0, 0, 9.81]), "sees"),
-    "gravity in g": (key("gravity", value=[0, 0, -1.0]), "gravity"),
+    "gravity in g": (key("gravity", value=[0, 0, -1.0]), r"row \d+, column 'gravity'.*\[0, 0, -9\.81\]"),
     "wrench in other axes": (key("sensor", "axes", value="base"), "axes: sensor"),
     "degrees": (scale("q.", 180 / np.pi), "angle_unit: deg"),
     "unknown joint": (key("pose", "joints", value={"a9": "q.a1"}), "joint"),
@@ -372,32 +483,66 @@ def test_bad_input_is_refused_with_advice(
     change(content, folder)
     (folder / "payload.yaml").write_text(yaml.safe_dump(content))
     assert main(["payload", "run", str(folder), "--out", str(tmp_path / "out")]) == 2
-    import re
-
     told = capsys.readouterr().err
     assert re.search(said, told), told
     assert "Traceback" not in told
 
 
-def test_moments_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
+def test_a_wrench_wholly_in_another_unit_is_told_where_it_was_weighed(sample: Path, tmp_path: Path) -> None:
+    """kgf and kgf·m read as N and N·m: forces and moments agree, and the weighed mass alone tells."""
     folder = tmp_path / "bad"
     shutil.copytree(sample, folder)
-    scale("m", 1000.0)({}, folder)
-    postures_alone(folder)
-    try:
-        warnings = evaluate(open_payload(folder)).warnings
-    except ExogaugeError as error:
-        warnings = (str(error),)
-    assert any("moment_unit" in each for each in warnings)
-
-
-def test_forces_in_another_unit_are_told(sample: Path, tmp_path: Path) -> None:
-    """kgf read as N: no body has such moments, and it was weighed."""
-    folder = tmp_path / "bad"
-    shutil.copytree(sample, folder)
-    scale("f", 1.0 / 9.80665)({}, folder)
+    scale(("f", "m"), 1.0 / 9.80665)({}, folder)
     warnings = evaluate(open_payload(folder)).warnings
-    assert sum("force_unit" in each for each in warnings) == 2
+    assert sum("force_unit" in each for each in warnings) == 1
+
+
+def test_a_cut_off_channel_is_told_with_the_results(sample: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "bad"
+    shutil.copytree(sample, folder)
+    values = pq.read_table(folder / "logs/fast.parquet")["fz"].to_numpy()
+    limit = float(np.quantile(values, 0.8))
+    rewritten(folder / "logs/fast.parquet", lambda c: c.update(fz=np.minimum(c["fz"], limit)))
+    (told,) = [each for each in evaluate(open_payload(folder)).warnings if "cut off" in each]
+    row = int(re.search(r"logs/fast\.parquet, row (\d+), column 'fz'", told)[1])  # type: ignore[index]
+    assert values[row - 1] >= limit
+
+
+@pytest.mark.parametrize("posture", [0, 7])
+def test_a_posture_that_was_touched_is_left_out_and_told(sample: Path, tmp_path: Path, posture: int) -> None:
+    folder = tmp_path / "touched"
+    shutil.copytree(sample, folder)
+    clean = evaluate(open_payload(sample)).stages.postures
+    assert clean is not None
+    assert not clean.touched
+    assert clean.holds.spans is not None
+    start, end = clean.holds.spans[posture]
+
+    def lean_on_it(columns: dict[str, Array]) -> None:
+        columns["fy"][(columns["t"] >= start) & (columns["t"] <= end)] += 2.0
+
+    rewritten(folder / "logs/postures.parquet", lean_on_it)
+    found = evaluate(open_payload(folder))
+    (told,) = [each for each in found.warnings if "touched" in each]
+    size = re.search(rf"Posture {posture + 1}, {start:.2f} to {end:.2f} s: ([\d.]+) N", told)
+    assert size is not None
+    assert float(size[1]) == pytest.approx(2.0, abs=0.2)
+    assert found.stages.postures is not None
+    assert len(found.stages.postures.holds) == len(clean.holds) - 1
+    assert found.stages.postures.chosen.mass == pytest.approx(clean.chosen.mass, abs=0.005)
+    assert found.missing.decision.verdict == "none"
+
+
+@pytest.mark.skipif(not (SHARED / "kuka_ft_payload").is_dir(), reason="no recordings beside the repository")
+def test_a_real_imu_in_another_unit_is_refused_and_no_real_posture_is_called_touched(tmp_path: Path) -> None:
+    for path in (SHARED / "kuka_ft_payload").glob("*.csv"):
+        (tmp_path / path.name).symlink_to(path)
+    (tmp_path / "payload.yaml").write_text(KUKA.replace("unit: g}", "unit: m/s^2}"))
+    payload = open_payload(tmp_path)
+    holds, _ = holds_of(payload)
+    assert not touched_postures(holds, np.array(payload.file.gravity), told_sign(holds, np.array(payload.file.gravity)))
+    with pytest.raises(BadStudy, match=r"ax.*IMU reads 0\.10.*imu\.unit"):
+        evaluate(payload)
 
 
 def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path) -> None:
@@ -415,3 +560,18 @@ def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path
     assert evaluation.stages.excitation is not None
     truth = json.loads((sample / "truth.json").read_text())
     assert evaluation.stages.excitation.chosen.value[0] == pytest.approx(truth["mass"], abs=0.01)
+
+
+def test_what_decided_stands_in_the_results_and_other_numbers_decide_otherwise(sample: Path) -> None:
+    folder_payload = open_payload(sample)
+    usual = Criteria()
+    told = {each.name: each for each in results(evaluate(folder_payload)).criteria}
+    assert told["payload_dynamic.decided"].value == usual.payload_dynamic.decided
+    assert len(told["payload.hangs_hz"].why) > 20
+    assert {name.partition(".")[0] for name in told} >= {"judging", "payload", "payload_static", "payload_dynamic"}
+    looser = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.5))
+    found = results(evaluate(folder_payload, criteria=looser))
+    assert {each.name: each.value for each in found.criteria}["payload_dynamic.decided"] == 0.5
+    never = replace(usual, payload_dynamic=replace(usual.payload_dynamic, decided=0.0))
+    with pytest.raises(NotIdentifiable):
+        evaluate(folder_payload, criteria=never)

@@ -160,6 +160,19 @@ def pushed(seed: int):
     return *logged, pushes
 
 
+def test_a_state_that_is_told_lasts() -> None:
+    """A person reads it: none comes and goes within a blink, nor is anything frozen that never moved."""
+    for seed in range(4):
+        _, _, known = excited(seed)
+        states = [each.estimate.state for each in known]
+        changes = [k for k in range(1, len(states)) if states[k] != states[k - 1]]
+        assert len(changes) <= 4, states
+        assert states[0] == "static"
+        assert states[changes[0]] == "converging"
+        assert states[-1] == "converged"
+        assert min(np.diff(changes), default=10) >= 3, states
+
+
 def test_a_push_is_seen_timed_and_measured_and_does_not_change_the_payload() -> None:
     live = Live(start(0))
     run(live, *case(0).excitation)

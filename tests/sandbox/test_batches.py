@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from exogauge.errors import BadInput, BadLog, TooLarge, Unavailable
-from exogauge.logs.canonical import write_log
 from exogauge.logs.mapping_rules import Clock, FileMapping, LogMapping, Source, Values
 from exogauge.logs.model import Log
+from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
 from exogauge.sandbox import LogRequest, batches, parse_log, parse_logs, read_each
 from exogauge.sandbox.limits import Limits

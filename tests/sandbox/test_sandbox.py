@@ -15,9 +15,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from exogauge.errors import BadInput, BadLog, BadRobot, TooLarge
-from exogauge.logs.canonical import write_log
 from exogauge.logs.mapping_rules import Clock, FileMapping, LogMapping, Source, Values
 from exogauge.logs.model import Log
+from exogauge.logs.parquet_table import write_log
 from exogauge.logs.reading import read_log
 from exogauge.sandbox import LogRequest, RobotRequest, canonicalise, check_robot, parse_log
 from exogauge.sandbox.limits import Limits

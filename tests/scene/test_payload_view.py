@@ -101,6 +101,22 @@ def test_ghosts_end_where_the_sensor_stands_in_each_posture(
     assert len(scene.header["layers"]["workspace"]) == 2
 
 
+def test_contacts_are_arrows_that_push_at_the_sensor_the_largest_longest(
+    arm: tuple[Robot, bytes], unpack: Callable[[bytes], Any]
+) -> None:
+    forces = [np.array([0.0, 40.0, 0.0]), np.array([0.0, 0.0, -10.0])]
+    scene = drawn(arm, unpack, contacts=forces)
+    (message,) = [
+        each for each in scene.header["messages"] if each.get("name", "").endswith("/contacts") and "props" in each
+    ]
+    lines = scene.array(message["props"]["points"]["__array"]).reshape(-1, 2, 3).astype(np.float64)
+    np.testing.assert_allclose(lines[:, 1], 0.0, atol=1e-9)  # all end in the sensor's origin
+    shafts = lines[: len(forces), 1] - lines[: len(forces), 0]
+    np.testing.assert_allclose(shafts / np.linalg.norm(shafts[0]), np.array(forces) / 40.0, atol=1e-6)
+    (entry,) = [each for each in scene.header["legend"] if each["layer"] == "contacts"]
+    assert entry["size"] == "the longest 40 N"
+
+
 def test_what_the_data_do_not_decide_is_not_drawn_and_said(
     arm: tuple[Robot, bytes], unpack: Callable[[bytes], Any]
 ) -> None:

@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 from exogauge.robots.description import Robot
-from exogauge.scene.mesh_files import mesh_opener
 from exogauge.scene.shapes import MOST_FACES, body_shapes, read_mesh
+from exogauge.studies.intake.mesh_files import mesh_opener
 
 VISUAL = '<visual><origin xyz="0 0 1"/><geometry><mesh filename="{0}" scale="2 2 2"/></geometry></visual></link>'
 

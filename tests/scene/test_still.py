@@ -11,7 +11,7 @@ import pytest
 from exogauge.devices.device import Band, Device, ViaPoint
 from exogauge.devices.posture import Posture
 from exogauge.robots.description import Robot
-from exogauge.scene.still import draw_still
+from exogauge.scene.recording import draw_still
 
 DEVICE = Device(
     "suit",

@@ -90,15 +90,6 @@ def test_kill_9_loses_and_corrupts_nothing(blobs: FolderBlobs, tmp_path: Path) -
         assert hashlib.sha256(read(blobs, name)).hexdigest() == name
 
 
-def test_what_a_killed_process_left_is_removed_a_day_later(blobs: FolderBlobs) -> None:
-    old, young = blobs.incoming / "old", blobs.incoming / "young"
-    for path in (old, young):
-        path.write_bytes(b"half")
-    os.utime(old, (time.time() - 2 * 86_400,) * 2)
-    FolderBlobs(blobs.folder)
-    assert list(blobs.incoming.iterdir()) == [young]
-
-
 def test_the_content_hash_depends_on_paths_and_bytes_and_not_on_order() -> None:
     a, b = PinnedFile("a", "1" * 64, 1), PinnedFile("b", "2" * 64, 2)
     assert content_hash([a, b]) == content_hash([b, a])

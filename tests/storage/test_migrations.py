@@ -12,6 +12,17 @@ from exogauge.storage.database import make_engine
 from exogauge.storage.tables import Artifact, Base, IdempotencyKey, Job, Payload, Result, Study, StudyFile
 
 
+def owner(url: str) -> sa.Engine:
+    """Sees the rows of all labs; with foreign keys on."""
+    engine = make_engine(url, migrating=True)
+    if engine.dialect.name == "sqlite":
+        sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=ON"))
+    return engine
+
+
+OF_NO_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
+
+
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
     assert migrate.current(empty_database_url) is None
     assert migrate.upgrade(empty_database_url) == migrate.newest()
@@ -60,13 +71,13 @@ def test_tables_without_a_revision_are_refused(empty_database_url: str) -> None:
 def test_every_constraint_has_a_name_and_every_lab_row_its_lab() -> None:
     for table in Base.metadata.tables.values():
         assert all(constraint.name for constraint in table.constraints), table.name
-        assert "lab_id" in table.columns or table.name == "worker_leases"
+        assert "lab_id" in table.columns or table.name in OF_NO_LAB
 
 
 def test_the_migrated_schema_keeps_what_the_engine_relies_on(empty_database_url: str) -> None:
     """An equal live request is refused by the database itself; after a failure it is welcome again."""
     migrate.upgrade(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     job = {"lab_id": "l", "kind": "evaluate", "study_id": "s", "request_hash": "h"}
     with engine.begin() as connection:
         connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
@@ -88,7 +99,7 @@ def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_d
             "code_version, state, progress, message, attempts, cancel_requested, log, revision) VALUES "
             "('j', 'local', '2026-01-01', 'evaluate', 's', 'h', '{}', '', 'failed', 0, '', 1, '0', '', 3)")  # fmt: skip
     migrate.upgrade(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     with engine.connect() as connection:
         assert connection.execute(sa.select(Job.revision, Job.failure)).all() == [(3, None)]
     engine.dispose()
@@ -100,7 +111,7 @@ def test_what_the_first_schema_held_is_there_after_each_step_up_and_down(empty_d
 
 def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
     migrate.upgrade(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     job = {"lab_id": "l", "kind": "k", "state": "failed"}
     with engine.begin() as connection:
         connection.execute(sa.insert(Study).values(id="s", lab_id="l", name="s", content_hash="c", summary={}))
@@ -114,7 +125,7 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
     assert not {"payloads", "payload_files", "live_streams"} & tables(empty_database_url)
     migrate.upgrade(empty_database_url)
     migrate.check(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     with engine.connect() as connection:
         assert connection.scalars(sa.select(Job.id)).all() == ["of study"]
     with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
@@ -146,7 +157,7 @@ def test_what_a_worker_wrote_under_another_lab_goes_back_to_its_job_s(empty_data
         execute(empty_database_url, f"INSERT INTO {table} ({', '.join(values)}) VALUES ({said})")
     migrate.upgrade(empty_database_url)
     migrate.check(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     with engine.connect() as connection:
         kept = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Study, StudyFile, Job)]
         moved = [connection.execute(sa.select(table.id, table.lab_id)).all() for table in (Result, Artifact)]
@@ -183,7 +194,7 @@ def test_an_answer_is_still_kept_for_its_day_and_what_was_in_flight_is_free(empt
         execute(empty_database_url, f"INSERT INTO idempotency_keys ({columns}) VALUES ({values})")
     migrate.upgrade(empty_database_url)
     migrate.check(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     with engine.connect() as connection:
         kept = connection.execute(sa.select(IdempotencyKey.key, IdempotencyKey.expires_at)).all()
     engine.dispose()
@@ -205,7 +216,7 @@ def test_a_job_that_nobody_has_begun_names_only_the_code_it_was_asked_of(empty_d
         execute(empty_database_url, f"INSERT INTO jobs ({columns}) VALUES ({values}, {started})")
     migrate.upgrade(empty_database_url)
     migrate.check(empty_database_url)
-    engine = make_engine(empty_database_url)
+    engine = owner(empty_database_url)
     with engine.connect() as connection:
         found = connection.execute(sa.select(Job.id, Job.requested_code_version, Job.code_version).order_by(Job.id))
         assert found.all() == [("j", "0.1", "0.1"), ("k", "0.1", None)]
@@ -215,14 +226,14 @@ def test_a_job_that_nobody_has_begun_names_only_the_code_it_was_asked_of(empty_d
 
 
 def tables(url: str) -> set[str]:
-    engine = make_engine(url)
+    engine = owner(url)
     names = set(sa.inspect(engine).get_table_names())
     engine.dispose()
     return names
 
 
 def execute(url: str, statement: str) -> None:
-    engine = make_engine(url)
+    engine = owner(url)
     with engine.begin() as connection:
         connection.exec_driver_sql(statement)
     engine.dispose()
@@ -230,7 +241,7 @@ def execute(url: str, statement: str) -> None:
 
 def keys_of(url: str, table: str) -> list[list[str]]:
     """The columns of each foreign key of a table, as the database has them."""
-    engine = make_engine(url)
+    engine = owner(url)
     found = [key["constrained_columns"] for key in sa.inspect(engine).get_foreign_keys(table)]
     engine.dispose()
     return found

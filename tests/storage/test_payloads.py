@@ -15,6 +15,8 @@ from exogauge.storage.live_streams import Counts
 from exogauge.storage.store import Storage, Store
 from exogauge.storage.tables import Artifact, Job, Result
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 FILES = (PinnedFile("logs/postures.csv", "1" * 64, 10), PinnedFile("payload.yaml", "2" * 64, 20))
 OTHER = (FILES[0], PinnedFile("payload.yaml", "3" * 64, 21))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 import sqlalchemy as sa
 
 from exogauge.storage import migrate
@@ -10,6 +11,8 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.search import folded
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import Job
+
+pytestmark = pytest.mark.usefixtures("without_bytes")
 
 SUMMARY = {"robot": {"name": "HRP-4"}, "devices": [{"name": "Smart Suit"}, {"name": "Rückenband"}]}
 LETTERS = {  # a name, and how another hand writes a part of it
@@ -117,7 +120,7 @@ def test_what_was_there_before_words_were_kept_is_found_after_the_migration(empt
         "INSERT INTO studies (id, lab_id, created_at, name, content_hash, summary) "
         "VALUES (:id, :lab, :at, :name, 'c', :sum)"
     )
-    engine = make_engine(empty_database_url)
+    engine = make_engine(empty_database_url, migrating=True)
     with engine.begin() as connection:
         connection.execute(sa.text(insert), values)
     migrate.upgrade(empty_database_url)

@@ -17,6 +17,8 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Installation, Storage, Store
 from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
 
+pytestmark = pytest.mark.usefixtures("without_bytes")
+
 FILES = (PinnedFile("robot.urdf", "1" * 64, 10), PinnedFile("robot.yaml", "2" * 64, 20))
 OTHER = (PinnedFile("robot.urdf", "3" * 64, 11), FILES[1])
 

@@ -17,8 +17,8 @@ from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.device_pages.device_picture import draw_device
 from exogauge.studies.device_pages.link_table import link_table
-from exogauge.studies.intake.bare_urdf import robot_of_urdf
 from exogauge.studies.intake.device_check import check_device
+from exogauge.studies.intake.device_on_robot import robot_of_urdf
 from exogauge.studies.intake.robot_file import load_robot
 from exogauge.studies.words.pull_words import Ways
 

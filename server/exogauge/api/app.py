@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import APIRouter, FastAPI
+from starlette.concurrency import run_in_threadpool
 
 from exogauge import __version__
 from exogauge.api import (
@@ -15,6 +16,7 @@ from exogauge.api import (
     from_uploads,
     health,
     imports,
+    lab,
     live,
     logs,
     models,
@@ -28,18 +30,24 @@ from exogauge.api import (
     robots,
     scenes,
     series,
+    session,
     studies,
     uploads_resumable,
     what_if,
 )
+from exogauge.api.access import Access
 from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
-from exogauge.api.uploads_resumable import TusHeaders, sweep
+from exogauge.api.rate import Rate
+from exogauge.api.uploads_resumable import TusHeaders
+from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
-from exogauge.storage.blobs import remove_abandoned
+from exogauge.storage.accounts import Accounts
+from exogauge.storage.held_files import own_folder
 from exogauge.storage.migrate import prepare
-from exogauge.storage.store import open_installation
+from exogauge.storage.store import Installation, open_installation
+from exogauge.upkeep.hourly import Housekeeping
 
 PREFIX = "/api/v1"
 ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
@@ -50,17 +58,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or Settings()
     prepare(settings.database_url)
     installation = open_installation(settings)
-    settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
-    remove_abandoned(settings.scratch)
-    sweep(installation, settings)
-
-    hub = Hub(installation, settings)
+    at_once.bound(settings.readers)
+    hub, housekeeping = Hub(installation, settings), Housekeeping(installation, settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         hub.begin()
+        housekeeping.start()
         yield
         hub.close()
+        await run_in_threadpool(housekeeping.stop)
+        own_folder(settings.scratch).close()
         installation.close()
 
     app = FastAPI(
@@ -75,13 +83,16 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.installation = installation
+    app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
     app.add_middleware(Idempotency)
     app.add_middleware(BodyLimit, limit=settings.max_upload_bytes, piece_limit=settings.max_bundle_bytes)
     app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
+    app.add_middleware(Access)
     app.add_middleware(Guard, local_only=settings.local_only)
+    app.add_middleware(Rate, per_s=settings.requests_per_s)
     for router in (
         robots.router,
         devices.router,
@@ -100,12 +111,20 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         imports.router,
         compare.router,
         models.router,
+        session.router,
+        lab.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)
     app.include_router(health.router)
     app.include_router(page.router)
     return app
+
+
+def has_accounts(installation: Installation) -> bool:
+    """Once there are some, they are asked for, whatever the settings say: a start that forgets one opens no door."""
+    with installation.reading() as reading:
+        return Accounts(reading).any()
 
 
 def job_routers() -> list[APIRouter]:

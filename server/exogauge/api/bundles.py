@@ -8,7 +8,7 @@ from uuid import UUID
 
 from fastapi import APIRouter, Path, Request, Response
 
-from exogauge.api.dependencies import ReaderDep
+from exogauge.api.dependencies import ReaderDep, StoreDep
 from exogauge.api.results import ANY_FILE, FilePath, file_response
 from exogauge.api.uploads import root_of
 from exogauge.storage.bundles import Bundles, Record
@@ -28,10 +28,29 @@ def keep(
     """The bundle below `folder`, whose `main` file `check` reads, as it is stored; its files; whether it is new."""
     root = root_of(folder, main)
     summary = check(root)
+    with storage.reading() as store:
+        store.refuse_bytes(sum(path.stat().st_size for path in root.rglob("*") if path.is_file()))
     files = keep_folder(storage.blobs, root)
     with storage.transaction() as store:
         kept, new = bundles(store).add(name or summary["name"], files, summary, **facts)
     return kept, files, new
+
+
+def let_go(router: APIRouter, noun: str, nouns: str, of: Callable[[Store], Any], what_else: str) -> None:
+    """Add the route by which one is deleted. what_else: goes with it, and what stays."""
+    Key = Annotated[UUID, Path(alias=f"{noun}_id", description="id of the thing")]
+
+    @router.delete(
+        f"/{nouns}/{{{noun}_id}}",
+        operation_id=f"delete{noun.title()}",
+        summary=f"Delete {noun.title()}",
+        description=what_else,
+        status_code=204,
+        response_class=Response,
+    )
+    def delete(key: Key, store: StoreDep) -> Response:
+        of(store).delete(str(key))
+        return Response(status_code=204)
 
 
 def give_files(router: APIRouter, noun: str, nouns: str, bundles: Callable[[Store], Bundles[Any]]) -> None:

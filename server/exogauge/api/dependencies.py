@@ -13,10 +13,14 @@ from uuid import UUID
 from fastapi import Depends, Path, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.requests import HTTPConnection
+from starlette.exceptions import HTTPException
 
+from exogauge.errors import Conflict
 from exogauge.settings import Settings
+from exogauge.storage.callers import Caller
 from exogauge.storage.store import Installation, Storage, Store
 
+CALLER = "exogauge.caller"  # in a request's scope: who asks, None for nobody
 LONGEST_PAGE = 200
 NO_NUL = r"^[^\x00]*$"  # PostgreSQL has no text with it
 
@@ -32,10 +36,34 @@ def get_installation(request: Request) -> Installation:
     return installation
 
 
+def caller_of(connection: HTTPConnection) -> Caller:
+    """Who asks. `api.access` has seen that they may; what is open to all has no caller, and is not to ask for one."""
+    caller: Caller | None = connection.scope[CALLER]
+    if caller is None:
+        raise HTTPException(401, "sign in")
+    return caller
+
+
 def storage_of(connection: HTTPConnection) -> Storage:
-    """What the lab of this request or stream has. The one place that says which lab it is: that of the settings."""
+    """What the lab of this request or stream has: that of the session or token, or of the settings where there are no
+    accounts. The one place that says which lab it is."""
+    caller = caller_of(connection)
+    if caller.lab_id is None:
+        raise HTTPException(403, "you are of no lab")
     installation: Installation = connection.app.state.installation
-    return installation.of_lab(connection.app.state.settings.lab)
+    return installation.of_lab(caller.lab_id, caller.actor)
+
+
+def get_caller(request: Request) -> Caller:
+    return caller_of(request)
+
+
+def accounts_are_on(request: Request) -> None:
+    """409 where there are none."""
+    if not request.app.state.accounts:
+        raise Conflict(
+            "there are no accounts here: whoever reaches this server may do all. EXOGAUGE_ACCOUNTS=1 has them"
+        )
 
 
 def get_storage(request: Request) -> Storage:
@@ -90,6 +118,8 @@ Search = Annotated[
 ]
 SettingsDep = Annotated[Settings, Depends(get_settings)]
 InstallationDep = Annotated[Installation, Depends(get_installation)]
+CallerDep = Annotated[Caller, Depends(get_caller)]
 StorageDep = Annotated[Storage, Depends(get_storage)]
 StoreDep = Annotated[Store, Depends(get_store, scope="function")]
 ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]
+AccountsOn = Depends(accounts_are_on)

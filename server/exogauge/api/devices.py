@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
-from exogauge.api.bundles import give_files, keep
+from exogauge.api.bundles import give_files, keep, let_go
 from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
@@ -89,6 +89,13 @@ def get_device(device_id: Id, store: ReaderDep) -> DeviceOut:
 
 
 give_files(router, "device", "devices", lambda store: store.devices)
+let_go(
+    router,
+    "device",
+    "devices",
+    lambda store: store.devices,
+    "Its files go. Studies keep their own files.",
+)
 
 
 def lay_out_device(device_id: str, number: int, storage: Storage, folder: Path) -> str:

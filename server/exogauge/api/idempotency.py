@@ -1,9 +1,9 @@
 """`Idempotency-Key` on every POST: a request that is sent twice happens once.
 
 Same key and same request: the same answer, with `Idempotency-Replayed: true`. Another request under the key: 422.
-The first one still running, in whichever process: 409. An answer that asks to try again (5xx, 429) is not kept. The key
-is its lab's and is kept for a day. A server that was killed holds a key no longer than its lease.
-A multipart boundary is no part of the request: clients make a new one for each attempt.
+The first one still running, in whichever process: 409. An answer that asks to try again (5xx, 429) is not kept, nor is
+one that shows a secret. The key is its lab's and is kept for a day. A server that was killed holds a key no longer than
+its lease. A multipart boundary is no part of the request: clients make a new one for each attempt.
 """
 
 from __future__ import annotations
@@ -12,11 +12,13 @@ import asyncio
 import base64
 import hashlib
 import logging
+import re
 from collections.abc import Mapping
 from datetime import timedelta
 from email.message import Message as Headers_
 from typing import Any, final
 
+from starlette._utils import get_route_path
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
@@ -34,6 +36,7 @@ log = logging.getLogger(__name__)
 LEASE = timedelta(seconds=10)  # of a key, put off three times in it while its request is served
 LONGEST_KEY = 255
 LONGEST_ANSWER = 1024 * 1024
+SECRET = re.compile(r"/api/v1/(session|set-up|invitations|tokens|lab/invitations)\b")  # answers that are kept nowhere
 KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
 
 
@@ -46,7 +49,7 @@ class Idempotency:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         key = Headers(scope=scope).get("idempotency-key") if scope["type"] == "http" else None
-        if key is None or scope["method"] != "POST":
+        if key is None or scope["method"] != "POST" or SECRET.match(get_route_path(scope)):
             await self.app(scope, receive, send)
             return
         if not 0 < len(key) <= LONGEST_KEY or not key.isprintable():

@@ -152,7 +152,7 @@ class Hub:
 
     def __init__(self, installation: Installation, settings: Settings) -> None:
         self._installation, self._settings = installation, settings
-        self._folder = settings.data_dir / "live"
+        self._folder = settings.live
         self._running = dict[str, Running]()
         self._tasks = set[asyncio.Task[None]]()
 

@@ -9,6 +9,7 @@ from uuid import UUID
 from fastapi import APIRouter, File, Form, Response, UploadFile
 
 from exogauge.api import checking
+from exogauge.api.bundles import let_go
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.shapes import LogList, LogOut
 from exogauge.api.uploads import Allowance, scratch_folder, write
@@ -57,6 +58,9 @@ def get_log(log_id: Id, store: ReaderDep) -> LogOut:
     return LogOut.model_validate(store.logs.get(str(log_id)))
 
 
+let_go(router, "log", "logs", lambda store: store.logs, "Studies that were put together with it keep their own file.")
+
+
 def receive(
     name: str, file: UploadFile, mapping: UploadFile | None, robot_id: UUID | None, storage: Storage, settings: Settings
 ) -> tuple[PinnedFile, PinnedFile | None, dict[str, Any]]:
@@ -68,6 +72,8 @@ def receive(
         if mapping is not None:
             write(mapping.file, scratch / MAPPING, Allowance(settings.max_description_bytes, 1))
         summary = checking.check_log(scratch, name, None if mapping is None else MAPPING, robot)
+        with storage.reading() as store:
+            store.refuse_bytes((scratch / name).stat().st_size)
         return (
             PinnedFile(name, storage.blobs.put(scratch / name), (scratch / name).stat().st_size),
             None if mapping is None else pinned_mapping(storage, scratch / MAPPING),

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.bundles import give_files, keep
+from exogauge.api.bundles import give_files, keep, let_go
 from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
@@ -157,6 +157,13 @@ def get_payload(payload_id: Id, store: ReaderDep) -> PayloadOut:
 
 
 give_files(router, "payload", "payloads", lambda store: store.payloads)
+let_go(
+    router,
+    "payload",
+    "payloads",
+    lambda store: store.payloads,
+    "Its jobs, results, streams and files go. 409 while a job waits or runs, or a stream is open.",
+)
 
 
 @router.get("/payloads/{payload_id}/results", operation_id="getPayloadResults", responses=RESULTS)

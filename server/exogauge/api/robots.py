@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.bundles import give_files, keep
+from exogauge.api.bundles import give_files, keep, let_go
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.shapes import RobotList, RobotOut
 from exogauge.api.uploads import lay_out, scratch_folder
@@ -52,3 +52,10 @@ def get_robot(robot_id: Id, store: ReaderDep) -> RobotOut:
 
 
 give_files(router, "robot", "robots", lambda store: store.robots)
+let_go(
+    router,
+    "robot",
+    "robots",
+    lambda store: store.robots,
+    "Its files and remembered mapping go. 409 while a device is of it. Studies keep their own files.",
+)

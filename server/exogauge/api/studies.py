@@ -11,7 +11,7 @@ from fastapi import APIRouter, Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
-from exogauge.api.bundles import give_files, keep
+from exogauge.api.bundles import give_files, keep, let_go
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
@@ -79,6 +79,13 @@ def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
 
 
 give_files(router, "study", "studies", lambda store: store.studies)
+let_go(
+    router,
+    "study",
+    "studies",
+    lambda store: store.studies,
+    "Its jobs, results and files go. 409 while a job waits or runs. Robots, devices and logs stay.",
+)
 
 
 def keep_study(folder: Path, storage: Storage) -> tuple[StudyOut, bool]:

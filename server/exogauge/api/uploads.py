@@ -21,6 +21,7 @@ from exogauge.errors import BadStudy, Fault, TooLarge
 from exogauge.settings import Settings
 from exogauge.storage.blobs import CHUNK, disk
 from exogauge.storage.files import safe_path
+from exogauge.storage.held_files import own_folder
 
 UNREADABLE = (
     zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, RuntimeError, EOFError, ValueError, IndexError,
@@ -35,8 +36,7 @@ PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 def scratch_folder(settings: Settings) -> Iterator[Path]:
     """An empty folder, gone at the end."""
     with disk("prepare a scratch folder"):
-        settings.scratch.mkdir(parents=True, exist_ok=True, mode=0o700)
-        folder = Path(mkdtemp(dir=settings.scratch))
+        folder = Path(mkdtemp(dir=own_folder(settings.scratch).path))
     try:
         yield folder
     finally:

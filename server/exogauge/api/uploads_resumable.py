@@ -27,16 +27,15 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from exogauge.api.dependencies import Id, InstallationDep, SettingsDep, StorageDep
+from exogauge.api.dependencies import Id, SettingsDep, StorageDep
 from exogauge.api.problems import problem_response
 from exogauge.errors import Conflict, DiskFull, Fault, TooLarge
 from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
 from exogauge.storage.partial_files import InUse, PartialFiles, copy_piece, sync, write_all
 from exogauge.storage.records import UploadRecord
-from exogauge.storage.store import Installation, Storage
+from exogauge.storage.store import Storage
 from exogauge.storage.tables import new_id, utc_now
-from exogauge.storage.uploads import take_expired
 
 router = APIRouter(tags=["uploads"])
 VERSION = "1.0.0"
@@ -121,7 +120,6 @@ def get_upload_caps(settings: SettingsDep) -> Response:
 @router.post("/uploads", operation_id="createUpload", status_code=201, dependencies=[Spoken])
 def create_upload(
     length: Length,
-    installation: InstallationDep,
     storage: StorageDep,
     settings: SettingsDep,
     files: FilesDep,
@@ -132,7 +130,8 @@ def create_upload(
     """Begin a file; `Location` says where its pieces go."""
     size, name, key = int(length), name_in(metadata), new_id()
     refuse_too_much(size, settings)
-    sweep(installation, settings)
+    with storage.reading() as store:
+        store.refuse_bytes(size, coming=True)
     files.create(key)
     with storage.transaction() as store:
         upload = store.uploads.add(key, name, size, until(settings))
@@ -309,16 +308,6 @@ def remove(uploads: Sequence[UploadRecord], storage: Storage, files: PartialFile
             store.uploads.delete(upload.id)
     for upload in uploads:
         files.remove(upload.id)
-
-
-def sweep(installation: Installation, settings: Settings) -> None:
-    """Remove what nobody came back for, of all labs."""
-    files = PartialFiles(settings.uploads)
-    with installation.session() as session:
-        gone = take_expired(session)
-    for key in gone:
-        files.remove(key)
-    files.remove_strays(3600.0 * (settings.upload_kept_hours + 24.0))
 
 
 def until(settings: Settings) -> datetime:

@@ -7,8 +7,14 @@ import json
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from exogauge.cli.endings import Commands
+
+if TYPE_CHECKING:
+    from exogauge.motion.plan.judge import Judged
+    from exogauge.motion.plan.spline import Trajectory
+    from exogauge.motion.robot import MotionRobot
 
 
 def add_commands(commands: Commands) -> None:
@@ -37,16 +43,51 @@ def add_commands(commands: Commands) -> None:
     plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")
     plan.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="where it ends")
     plan.add_argument("--slow", type=float, default=1.0, metavar="FACTOR", help="take that many times the time")
-    plan.add_argument("--despite", action="store_true", help="write the motion although it breaks a bound")
-    plan.add_argument("--json", action="store_true", help="as JSON")
-    plan.add_argument("--out", type=Path, metavar="FILE.csv", help="write t and q.<joint> there, at 200 Hz")
+    plan.add_argument("--mirror", action="store_true", help="left and right exchanged")
+    plan.add_argument("--repeat", type=int, default=1, metavar="N", help="N times, one after the other")
+    plan.add_argument("--share", type=float, default=1.0, metavar="S", help="that share of the trunk's angle")
+    plan.add_argument("--without", action="append", choices=("arms", "pelvis"), default=[],
+                      help="ask nothing of the arms; let the pelvis stay")  # fmt: skip
+    less = "where it cannot be had: how much slower, or which share of the trunk's angle can"
+    plan.add_argument("--what-would-do", action="store_true", help=less)
+    _add_export(plan)
     plan.set_defaults(command=retarget_motion)
+
+    export = steps.add_parser("export", help="judge a file of joint angles at a rate, and write it in another format")
+    export.add_argument("file", type=Path, help="a table with t [s] and q.<joint> [rad or m]")
+    export.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles and home")
+    _add_export(export)
+    export.set_defaults(command=export_motion)
 
     check = steps.add_parser("check", help="judge a file of joint angles: every bound, balance, still feet")
     check.add_argument("file", type=Path, help="a table with t [s] and q.<joint> [rad or m]")
     check.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles and home")
     check.add_argument("--json", action="store_true", help="as JSON")
     check.set_defaults(command=check_motion)
+
+    excite = steps.add_parser("excite", help="plan a motion from which a robot is identified well, within every bound")
+    excite.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="fixed, or with soles and home")
+    excite.add_argument("--seconds", type=float, default=10.0, metavar="S", help="of the motion itself")
+    before = excite.add_mutually_exclusive_group()
+    before.add_argument("--study", type=Path, metavar="study.yaml", help="whose logs are known already")
+    before.add_argument(
+        "--from", dest="result", type=Path, metavar="results.json", help="what it says is known already"
+    )
+    excite.add_argument("--seed", type=int, default=0, help="of the random motions that the search begins from")
+    excite.add_argument("--json", action="store_true", help="as JSON")
+    beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: how well every parameter will be known"
+    excite.add_argument("--out", type=Path, metavar="FILE.csv", help=beside)
+    excite.set_defaults(command=excite_robot)
+
+
+def _add_export(step: argparse.ArgumentParser) -> None:
+    step.add_argument("--format", default="csv", metavar="FORMAT",
+                      help="csv, hrpsys, mc_rtc, ros2-yaml, ros2-mcap, mujoco, mot")  # fmt: skip
+    step.add_argument("--rate", type=float, metavar="HZ", help="of the samples, 200 where none is given; judged at it")
+    step.add_argument("--despite", action="store_true", help="write the motion although it breaks a bound")
+    step.add_argument("--json", action="store_true", help="as JSON")
+    beside = "write the motion there, and beside it FILE.json: ranges, top speeds, margins, hashes"
+    step.add_argument("--out", type=Path, metavar="FILE", help=beside)
 
 
 def _add_capture(step: argparse.ArgumentParser, formats: str) -> None:
@@ -89,25 +130,47 @@ def check_motion(args: argparse.Namespace) -> int:
     return 1 if judged.broken else 0
 
 
+def excite_robot(args: argparse.Namespace) -> int:
+    """1 where no motion keeps within every bound; then nothing is written."""
+    from exogauge.motion.excite.plan import motion_table, plan_excitation, promise_file, summarise
+
+    def tell(start: int, count: int, cost: float, largest: float) -> None:
+        if count % 20 == 0:
+            print(f"search {start}, motion {count}: mean ln of the standard deviations {cost:.3f}, nearest bound "
+                  f"{100 * largest:.0f} %", file=sys.stderr)  # fmt: skip
+
+    plan = plan_excitation(args.robot, args.seconds, study=args.study, result=args.result, seed=args.seed, report=tell,
+                           say=lambda words: print(words, file=sys.stderr))  # fmt: skip
+    said = summarise(plan)
+    if args.out is not None and "broken" not in said:
+        args.out.write_bytes(motion_table(plan, 200.0))
+        args.out.with_suffix(".json").write_bytes(promise_file(plan))
+        said["written"] = args.out.name
+    _print(said, args.json)
+    return 1 if "broken" in said else 0
+
+
 def _print(said: Mapping[str, object], as_json: bool) -> None:
     print(json.dumps(said, indent=2) if as_json else "\n".join(f"{key:24} {value}" for key, value in said.items()))
 
 
 def retarget_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
+    from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
     from exogauge.motion.fit.fit import fit_human
     from exogauge.motion.person import person_of, person_of_fit
     from exogauge.motion.plan.judge import judge
-    from exogauge.motion.plan.outcome import motion_table, summarise
+    from exogauge.motion.plan.outcome import summarise
+    from exogauge.motion.plan.possible import what_would_do
     from exogauge.motion.plan.retarget import ask
     from exogauge.motion.plan.solve import Round, plan
     from exogauge.motion.robot_file import load_motion_robot
 
     def tell(now: Round) -> None:
-        print(f"round {now.number}: step {now.step:.2g}, feet off by {now.strays:.2g}, bounds exceeded by "
-              f"{now.excess:.2g}", file=sys.stderr)  # fmt: skip
+        print(f"part {now.part + 1} of {now.parts}, round {now.number}: step {now.step:.2g}, feet off by "
+              f"{now.strays:.2g}, bounds exceeded by {now.excess:.2g}", file=sys.stderr)  # fmt: skip
 
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
@@ -116,14 +179,59 @@ def retarget_motion(args: argparse.Namespace) -> int:
     else:
         static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
         person = person_of_fit(fit_human(motion, static), motion.contacts)
-    person = person.cut(args.begin, args.end).slowed(args.slow)
+    person = person.cut(args.begin, args.end).slowed(args.slow).trunk_share(args.share)
+    for part in args.without:
+        person = person.without(part)
+    person = person.mirrored() if args.mirror else person
+    person = person.repeated(args.repeat, USUAL.approach_s) if args.repeat > 1 else person
     asked, missed = ask(robot, person)
     planned = plan(robot, asked, report=tell)
-    judged = judge(robot, planned.spline, asked.place[0], planned=planned)
+    judged = judge(robot, planned.spline, asked.place[0], rate=args.rate, planned=planned)
     said = summarise(robot, person, asked, missed, planned, judged)
+    if judged.broken and args.what_would_do:
+        could = what_would_do(robot, person, tried=lambda what, value, holds: print(
+            f"{what} {value:.2f}: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
+        said["would do"] = (
+            (f"{could.slower:.2f} times the time" if could.slower else f"not {USUAL.slowest:g} times the time")
+            + (f", or {100 * could.share:.0f} % of the trunk's angle" if could.share is not None
+               else ", nor with the trunk still")
+        )  # fmt: skip
+    return _written(args, robot, planned.spline, judged, said)
+
+
+def export_motion(args: argparse.Namespace) -> int:
+    """1 where a bound is broken; then nothing is written, unless `--despite`."""
+    from exogauge.motion.plan.asked import standing
+    from exogauge.motion.plan.judge import judge
+    from exogauge.motion.plan.outcome import margins
+    from exogauge.motion.plan.written import read_written
+    from exogauge.motion.robot_file import load_motion_robot
+
+    robot = load_motion_robot(args.robot)
+    motion = read_written(robot, args.file)
+    judged = judge(robot, motion, standing(robot), rate=args.rate)
+    return _written(
+        args, robot, motion, judged, {"robot": robot.name, "motion": args.file.name} | margins(robot, judged)
+    )
+
+
+def _written(
+    args: argparse.Namespace, robot: MotionRobot, motion: Trajectory, judged: Judged, said: Mapping[str, object]
+) -> int:
+    from exogauge.errors import BadMotion, Fault
+    from exogauge.motion.plan.export import FORMATS, exported, sheet
+
+    if args.format not in FORMATS:
+        raise BadMotion(Fault("there is no such format", "unknown_format", f"One of {', '.join(FORMATS)}", None, None,
+                              "--format", args.format))  # fmt: skip
     if args.out is not None and (args.despite or not judged.broken):
-        args.out.write_bytes(motion_table(robot, judged))
-        said["written"] = args.out.name
+        files = {args.out.stem + end: data for end, data in exported(robot, motion, judged, args.format).items()}
+        sources = {path.name: path.read_bytes() for path in (args.file, args.robot)}
+        told = sheet(robot, judged, args.format, files, sources)
+        files[args.out.name + ".json"] = (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
+        for name, data in files.items():
+            (args.out.parent / name).write_bytes(data)
+        said = {**said, "written": ", ".join(files)}
     _print(said, args.json)
     return 1 if judged.broken else 0
 

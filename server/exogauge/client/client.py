@@ -13,6 +13,7 @@ from urllib.parse import quote
 import httpx
 
 from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
+from exogauge.client.tokens import token_for
 from exogauge.client.transport import ClientProblem, Transport, problem_of_job
 from exogauge.client.uploading import upload, zipped, zipped_description
 from exogauge.terminal import bar
@@ -25,6 +26,9 @@ Thing = TypeVar("Thing")
 POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
+PATHS: Mapping[type, str] = {
+    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads",
+}  # fmt: skip
 YAML = (".yaml", ".yml")
 
 
@@ -36,15 +40,23 @@ class Client:
         self,
         url: str = "http://127.0.0.1:8765",
         *,
+        token: str | None = None,
         timeout_s: float = 120.0,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
+        """token: where the service has accounts; without it that of EXOGAUGE_TOKEN, or of `exogauge login`."""
         self.url = url.rstrip("/")
-        self._http = Transport(url, timeout_s, transport)
+        self._token = token or token_for(url)
+        self._http = Transport(url, timeout_s, transport, self._token)
 
     def health(self) -> dict[str, Any]:
         """Whether the service can serve, and how many workers live."""
         answer: dict[str, Any] = self._http.get(f"{self.url}/healthz")
+        return answer
+
+    def session(self) -> dict[str, Any]:
+        """Who the service takes us for: {accounts, account, lab: {id, name, role}, labs}."""
+        answer: dict[str, Any] = self._http.get("session")
         return answer
 
     def upload_study(self, path: str | Path) -> Study:
@@ -106,6 +118,14 @@ class Client:
         worn = {} if device is None else {"device_id": id_of(device)}
         carried = {} if known is None else {"known": known}
         return thing(Study, self._http.post("studies", body | worn | carried))
+
+    def delete(self, what: Study | Robot | Device | Log | Payload) -> None:
+        """With its jobs and results. ClientProblem 409 where something else needs it."""
+        self.delete_by_id(next(path for kind, path in PATHS.items() if isinstance(what, kind)), what.id)
+
+    def delete_by_id(self, nouns: str, key: str) -> None:
+        """nouns: studies, robots, devices, logs or payloads."""
+        self._http.delete(f"{nouns}/{quote(key, safe='')}")
 
     def studies(self) -> Iterator[Study]:
         """All studies, newest first."""
@@ -270,7 +290,7 @@ class Client:
         """A live stream of the payload's sensor (docs/payload.md)."""
         from exogauge.client.live import LiveStream
 
-        return LiveStream(self.url, id_of(payload), rate_hz)
+        return LiveStream(self.url, id_of(payload), rate_hz, token=self._token)
 
     def live_log(self, stream: str, target: str | Path) -> Path:
         """What an ended stream recorded, as Parquet with the columns of payload.yaml."""

@@ -38,8 +38,11 @@ class LiveStream:
     ...     ended = stream.end()
     """
 
-    def __init__(self, url: str, payload_id: str, rate_hz: float = 250.0, *, timeout_s: float = 30.0) -> None:
-        """url: of the service, as for `Client`."""
+    def __init__(
+        self, url: str, payload_id: str, rate_hz: float = 250.0, *, timeout_s: float = 30.0, token: str | None = None
+    ) -> None:
+        """url, token: of the service, as for `Client`."""
+        self._headers = {} if token is None else {"Authorization": f"Bearer {token}"}
         self._url, self._payload, self._rate, self._timeout = url, payload_id, rate_hz, timeout_s
         self.stream: str | None = None
         self.columns: Sequence[str] = ()
@@ -109,6 +112,7 @@ class LiveStream:
             try:
                 self._line = connect(
                     address, open_timeout=self._timeout, max_size=LARGEST, compression=None, max_queue=None,
+                    additional_headers=self._headers,
                 )  # fmt: skip
                 break
             except InvalidStatus as error:

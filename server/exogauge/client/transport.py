@@ -82,9 +82,17 @@ CHUNK = 1 << 20
 class Transport:
     """Sends requests below one base address and returns answers that are not problems."""
 
-    def __init__(self, url: str, timeout_s: float = 60.0, transport: httpx.BaseTransport | None = None) -> None:
+    def __init__(
+        self,
+        url: str,
+        timeout_s: float = 60.0,
+        transport: httpx.BaseTransport | None = None,
+        token: str | None = None,
+    ) -> None:
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        base = url.rstrip("/") + "/api/v1/"
         self._http = httpx.Client(
-            base_url=url.rstrip("/") + "/api/v1/", timeout=timeout_s, transport=transport, follow_redirects=False
+            base_url=base, headers=headers, timeout=timeout_s, transport=transport, follow_redirects=False
         )
 
     def get(self, path: str, params: Mapping[str, Any] | None = None) -> Any:
@@ -106,6 +114,10 @@ class Transport:
     def put(self, path: str, body: Any) -> Any:
         """PUT JSON, which may be sent again as it is."""
         return self._send("PUT", path, json=body).json()
+
+    def delete(self, path: str) -> None:
+        """DELETE; what an attempt whose answer was lost has deleted is not there any more."""
+        self._send("DELETE", path)
 
     def begin(self, path: str, headers: Mapping[str, str]) -> Any:
         """POST that says all in its headers; one idempotency key for all attempts."""
@@ -141,7 +153,8 @@ class Transport:
                     address = self._http.base_url
                     raise ClientProblem(0, f"no answer from {address}", str(error) or type(error).__name__) from error
             else:
-                if response.is_success:
+                gone = method == "DELETE" and response.status_code == 404 and attempt > 1
+                if response.is_success or gone:
                     return response
                 if not (response.status_code in BUSY or in_flight(response)) or attempt == ATTEMPTS:
                     raise problem_of(response)

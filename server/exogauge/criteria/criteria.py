@@ -6,28 +6,28 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
-from exogauge.criteria.contact import Touching
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.detecting import Contradicting, StoredFilter, Touching
 from exogauge.criteria.examining import Comparing, Examining
-from exogauge.criteria.identifying import Identifying, Resting
+from exogauge.criteria.identifying import DECLARED, Declaring, Identifying, Resting
 from exogauge.criteria.judging import Carrying, Judging
-from exogauge.criteria.nominal import Contradicting
+from exogauge.criteria.logs import LOGS, Logs
 from exogauge.criteria.payload_doctor import Complaining
 from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_live import Streaming
 from exogauge.criteria.payload_static import Standing
 from exogauge.criteria.planning import Planning, Telling
 from exogauge.criteria.searching import Searching
-from exogauge.criteria.stored_filter import StoredFilter
-from exogauge.criteria.supporting import Supporting
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import DEVICES, MOTIONS, Described, Motions, Supporting, Wearing
 
 
 @final
 @dataclass(frozen=True)
 class Criteria:
-    """One part for each subject."""
+    """One part for each subject. logs, devices, motions, declared: the same for every run."""
 
+    logs: Logs = field(default=LOGS, init=False)
+    devices: Described = field(default=DEVICES, init=False)
+    motions: Motions = field(default=MOTIONS, init=False)
     resting: Resting = field(default_factory=Resting)
     identifying: Identifying = field(default_factory=Identifying)
     judging: Judging = field(default_factory=Judging)
@@ -41,7 +41,7 @@ class Criteria:
     planning: Planning = field(default_factory=Planning)
     doctor: Examining = field(default_factory=Examining)
     comparison: Comparing = field(default_factory=Comparing)
-    declared: Declaring = field(default_factory=Declaring)
+    declared: Declaring = field(default=DECLARED, init=False)
     payload: Carrying = field(default_factory=Carrying)
     payload_doctor: Complaining = field(default_factory=Complaining)
     payload_static: Standing = field(default_factory=Standing)

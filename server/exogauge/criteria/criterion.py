@@ -3,12 +3,14 @@ dataclass, its reason and its source beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Literal, TypeVar, final
 
 Kind = Literal["derived", "measured", "convention", "judgement"]
 Value = TypeVar("Value", bound=float | int | tuple[float, ...])
+
+Z95 = 1.959964  # standard deviations on either side of a value that hold 95 % of a normal distribution
 
 
 @final
@@ -64,3 +66,19 @@ def listed(criteria: Any, prefix: str = "") -> Iterator[Criterion]:
             yield from listed(value, f"{name}.")
         else:
             yield Criterion(name, value, each.metadata["unit"], each.metadata["why"], each.metadata["source"])
+
+
+def entries(criteria: Any, parts: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """As they stand in results.json. parts: those of the criteria that are told; none: all."""
+    return [
+        {
+            "name": each.name,
+            "value": list(each.value) if isinstance(each.value, tuple) else each.value,
+            "unit": each.unit,
+            "why": each.why,
+            "source": each.source.kind,
+            "where": each.source.where,
+        }
+        for each in listed(criteria)
+        if not parts or each.name.partition(".")[0] in parts
+    ]

@@ -124,6 +124,20 @@ class Comparing:
         "times the stated doubt of inertial parameters: stock descriptions are rougher than that",
         judgement(RULES),
     )
+    slowest_hz: float = criterion(1.0, "Hz", "cut-off of the low-pass for a comparison, at least", judgement(RULES))
+    fastest_hz: float = criterion(
+        8.0, "Hz", "the same, at most: gravity and inertia of a robot's motion lie below", judgement(RULES)
+    )
+    unmodelled: tuple[float, ...] = criterion(
+        (0.05, 0.1, 0.2, 0.4),
+        "of an effort's rms",
+        "tried for friction that is no straight line, ripple, what nobody described",
+        judgement(RULES),
+    )
+    offset: float = criterion(0.3, "of an effort's rms", "std of what is constant in it", judgement(RULES))
+    independent: float = criterion(
+        0.25, "1", "of all moments: what is left unmodelled is alike at neighbours", judgement(RULES)
+    )
     moving: float = criterion(0.1, "1", "of an axis' usual speed, from which on it counts as moving", judgement(RULES))
     moving_least: float = criterion(
         0.002, "rad/s or m/s", "from which on an axis counts as moving at all", judgement(RULES)

@@ -115,6 +115,40 @@ class Carrying:
         "means over it hold the motion and hardly the errors of smoothed accelerations, which are faster",
         measured(f"{PAYLOAD}: the sample's arm, whose smoother errs at 5 to 8 Hz"),
     )
+    swings: float = criterion(
+        3.0, "std", "between the halves of a posture, from which on something still swings there", judgement(PAYLOAD)
+    )
+    least_noise: float = criterion(
+        0.01, "of the stated noise", "no sensor is a hundred times better than it is said to be", judgement(PAYLOAD)
+    )
+    above_motion: float = criterion(
+        0.6, "of half the rate", "from where on only noise is heard: no arm moves there", judgement(PAYLOAD)
+    )
+    latest_s: float = criterion(
+        0.05,
+        "s",
+        "that a wrench may be late against its pose, either way: beyond, it is another clock",
+        judgement(PAYLOAD),
+    )
+    hangs_hz: tuple[float, float] = criterion(
+        (1.0, 25.0),
+        "Hz",
+        "of what hangs on springs: below it swings too far, above it is rigid to the sensor",
+        judgement(PAYLOAD),
+    )
+    hangs_damped: tuple[float, float] = criterion(
+        (0.02, 1.5), "1", "damping ratio of what hangs on springs: rubber has 0.05 and more", judgement(PAYLOAD)
+    )
+    hangs_within_m: float = criterion(1.0, "m", "of the sensor, along each axis, is what hangs", judgement(PAYLOAD))
+    other_ratio: float = criterion(
+        1.5,
+        "1",
+        "times by which moments may differ from what forces say of m c: beyond, a unit is wrong and no sensor's gain",
+        judgement(PAYLOAD),
+    )
+    ratio_known: float = criterion(
+        0.1, "1", "of that ratio, its std at most: a centre near the sensor's origin tells nothing", judgement(PAYLOAD)
+    )
     steep_deg: float = criterion(
         15.0, "°", "a base inclined more than that is a wrong pose, gravity or pair of axes", judgement(PAYLOAD)
     )
@@ -159,3 +193,6 @@ class Carrying:
     touched: float = criterion(
         0.3, "of the excitation", "more is no touch but a model that does not hold", judgement(PAYLOAD)
     )
+
+
+CARRYING = Carrying()

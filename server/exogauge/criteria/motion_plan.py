@@ -16,15 +16,23 @@ class MotionPlan:
     weight that the feet carry at least; below it the centre of pressure says little. near: share of a bound from which
     on it stands in the equations. kept: share of velocity, acceleration and torque that is used, for what lies between
     nodes.
+    apart_m: by which what must not touch is kept apart at the nodes; clearance_m: at least, between them too; 5 mm are
+    for edges that pass each other between nodes (4 mm were seen). look_m: nearer pairs stand in the equations. out_m:
+    by which what is inside each other is taken apart in one round; it is not further that slopes hold.
     trunk_rad, pelvis_rad, pelvis_m, limb_rad: by how much each may stray from what is asked at equal cost; the trunk is
     what is evaluated. free_rad: likewise of joints of which nothing is asked, for smoothness alone. wrench: likewise of
     the feet's loads, in weights: it decides how two feet share, not where the body goes. slack_cost: of a bound that is
     exceeded by its whole size at one node; more than any angle is worth.
-    done_rad: largest step of the last round, and
-    held [m or rad], floats [share of the weight]: what feet and dynamics may be off then; a tenth of what is promised.
+    done_rad: largest step of the last round, and held [m or rad], floats [share of the weight]: what feet and dynamics
+    may be off then; half of what is promised. over: share of a bound by which it may then be exceeded more than was
+    planned; what is kept. loosely: times as much where a plan is begun.
     rounds: at most. approach_s: from home to the motion's begin, and back.
     feet_m, feet_rad: by which a standing foot may move. inside_m: margin of the centre of pressure below which a plan
     breaks its promise. beyond: share by which velocity, acceleration or torque may exceed a bound, round-off.
+    stretch_s: that are planned at once, ahead_s: and looked ahead; a body's sway, sqrt(height / g), is .3 s, and what
+    is planned at once decides how much memory it takes. coarse: every so many nodes a plan is begun.
+    slowest: times the time that are tried where a motion cannot be had; within: to which the least of it, and the
+    largest share of the trunk's angle, are found; each halving is a plan.
     judged_hz: samples per second that are judged and written."""
 
     nodes_per_s: float = 60.0
@@ -34,6 +42,10 @@ class MotionPlan:
     least_weight: float = 0.3
     near: float = 0.6
     kept: float = 0.98
+    apart_m: float = 0.015
+    clearance_m: float = 0.01
+    look_m: float = 0.03
+    out_m: float = 0.02
     trunk_rad: float = 0.01
     pelvis_rad: float = 0.2
     pelvis_m: float = 0.1
@@ -41,15 +53,22 @@ class MotionPlan:
     free_rad: float = 2.0
     wrench: float = 10.0
     slack_cost: float = 1e4
-    done_rad: float = 1e-2
-    held: float = 1e-5
+    done_rad: float = 2e-2
+    loosely: float = 10.0
+    held: float = 5e-5
     floats: float = 1e-3
+    over: float = 0.02
     rounds: int = 30
     approach_s: float = 2.0
     feet_m: float = 1e-4
     feet_rad: float = 1.75e-4
     inside_m: float = 0.015
     beyond: float = 1e-6
+    stretch_s: float = 7.0
+    ahead_s: float = 1.0
+    coarse: int = 4
+    slowest: float = 4.0
+    within: float = 0.1
     judged_hz: float = 200.0
 
 

@@ -29,3 +29,18 @@ class Complaining:
         5.0, "°", "between an IMU's axes and the sensor's: mounting is better than that", judgement(RULES)
     )
     gain: float = criterion(0.02, "1", "of an accelerometer, as makers state it", judgement(RULES))
+    other_gain: float = criterion(
+        1.3, "1", "times that an accelerometer may read gravity: beyond, its unit is wrong", judgement(RULES)
+    )
+    orthonormal: float = criterion(
+        1e-3, "1", "by which RᵀR may differ from 1: entries with four printed digits", derived("2 · 5e-4 of one entry")
+    )
+    fewest_samples: int = criterion(
+        20, "samples", "of a log: fewer hold no motion that a filter settles in", judgement(RULES)
+    )
+    most_turn_rad: float = criterion(
+        8.0, "rad", "of an angle: more than any joint turns; 460 in degrees is more", judgement(RULES)
+    )
+
+
+USUAL = Complaining()

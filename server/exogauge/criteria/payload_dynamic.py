@@ -53,6 +53,18 @@ class Moving:
         "gravity may have turned: beyond, a zero taken before is worse than none",
         derived("|δm| g 2 sin(θ/2) > |δm| g"),
     )
+    still_noises: float = criterion(
+        20.0, "std", "between the ends of a joint's course: with less it stands still", judgement(RULES)
+    )
+    settled_rows: float = criterion(
+        3.0, "rows per parameter", "before a recursion without a prior tells anything", judgement(RULES)
+    )
+    freeze: float = criterion(
+        0.5,
+        "1",
+        "of the information that forgetting takes per sample: one that brings less changes nothing",
+        judgement(RULES),
+    )
     bridged_s: float = criterion(0.05, "s", "between two alarms of one contact", judgement(RULES))
 
 

@@ -40,6 +40,15 @@ class Streaming:
     )
     steady: int = criterion(10, "estimates", "over which numbers must stay to have converged", judgement(RULES))
     stays: float = criterion(2.0, "std", "within which a number must stay meanwhile", judgement(RULES))
+    moves_again: float = criterion(
+        6.0,
+        "std",
+        "by which a number must move in a second before what has converged is converging again: three times `stays`",
+        judgement(RULES),
+    )
+    thaws_s: float = criterion(
+        0.3, "s", "of samples that are used, before what was frozen is no longer", judgement(RULES)
+    )
     still_samples: float = criterion(
         100.0,
         "samples",
@@ -54,6 +63,9 @@ class Streaming:
         "rad²/s⁵, m²/s⁵",
         "of jerk, where no log tells: what robots' motions have, 1 to 10",
         judgement(RULES),
+    )
+    late_s: float = criterion(
+        0.1, "s", "behind the quickest sample so far: more than the smoother waits for", derived("its lag, 0.1 s")
     )
     judged_s: float = criterion(20.0, "s", "of a log, by which the density of its jerk is chosen", judgement(RULES))
 

@@ -45,6 +45,24 @@ class Standing:
         "the same, where no weight on a fixed sensor explains it",
         judgement("a lean of 20° that is taken as level leaves that much"),
     )
+    alike_deg: float = criterion(
+        5.0,
+        "°",
+        "by which gravity's directions differ at least, before equal forces say that nothing hangs there",
+        judgement(RULES),
+    )
+    outlier: float = criterion(
+        5.0,
+        "1",
+        "times what the others leave: a posture that is predicted worse was touched, and is left out",
+        judgement(RULES),
+    )
+    outliers: float = criterion(
+        0.2,
+        "of the postures",
+        "that may be left out: more are no touch but a model that does not hold",
+        judgement(RULES),
+    )
     latest_imu_s: float = criterion(
         0.03, "s", "by which an IMU's stamps may be late: those that are worse are another clock", judgement(RULES)
     )

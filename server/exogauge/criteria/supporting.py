@@ -1,11 +1,13 @@
-"""Supporting torque: which estimate a headline number comes from, and when two estimates contradict each other."""
+"""Supporting torque and bands: which estimate a headline number comes from, when two estimates contradict each
+other, and when a band has an effect.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import final
 
-from exogauge.criteria.criterion import criterion, derived, judgement
+from exogauge.criteria.criterion import convention, criterion, derived, judgement
 
 RULES = "docs/decisions/0004-supporting-torque.md"
 
@@ -43,3 +45,168 @@ class Supporting:
         "probability that any of a device's cross-checks fails by chance; each has its share of it, both sides",
         derived("normal distribution, Bonferroni"),
     )
+
+
+BANDS = "docs/decisions/0008-effects-of-bands.md"
+
+
+@final
+@dataclass(frozen=True)
+class Wearing:
+    """What is asked of any name is in `Judging`."""
+
+    most_folds: int = criterion(5, "folds", "repetitions or motions, each left out in turn", judgement(BANDS))
+    parts: int = criterion(3, "parts", "of a single log, each left out in turn", judgement(BANDS))
+    shortest_part_s: float = criterion(6.0, "s", "that such a part lasts at least", judgement(BANDS))
+    evidence_once: float = criterion(
+        40.0,
+        "evidence",
+        "asked of an effect of one moment, which nothing that was left out can confirm",
+        judgement(BANDS),
+    )
+    spread_once: float = criterion(
+        2.0, "z", "asked of its gain by blocks: it must not be one moment's alone", judgement(BANDS)
+    )
+    acts: float = criterion(
+        0.3, "1", "of an effect's torque on the joint that feels it most, from which a joint is asked", judgement(BANDS)
+    )
+    of_support: float = criterion(
+        0.02, "1", "of the supporting torque: a smaller effect is not worth a name", judgement(BANDS)
+    )
+    beyond: float = criterion(
+        1.3, "std", "stated doubts within which a value is no news: a maker's catalogue is no better", judgement(BANDS)
+    )
+    trials: int = criterion(14, "fits", "of a search for a shape, per shape", judgement(BANDS))
+    shape_worth: float = criterion(4.0, "1", "of the cost, in independent errors: less is chance", judgement(BANDS))
+    first_step: float = criterion(0.08, "1", "of a shape's range, with which its search begins", judgement(BANDS))
+    fine: int = criterion(
+        12, "values", "of a grid, beyond which the first step is half of one of its steps", judgement(BANDS)
+    )
+    joint_moves: float = criterion(
+        0.05, "rad or m", "travel of a joint from which it can show what pulls at it", judgement(BANDS)
+    )
+    most_crossed: int = criterion(4, "joints", "between the ends of a wire that is tried", judgement(BANDS))
+    lightest: float = criterion(
+        0.01, "1", "of the robot's mass, of a link whose inertia says how large it is", judgement(BANDS)
+    )
+    least_travel_m: float = criterion(0.005, "m", "of a wire that motions stretch", judgement(BANDS))
+    likely: int = criterion(3, "1", "joints that are followed up, and wires that are judged", judgement(BANDS))
+    furthest_m: float = criterion(0.2, "m", "by which the ends of a wire are led better", judgement(BANDS))
+    wire_worth: float = criterion(
+        6.0,
+        "evidence",
+        "of a wire that nobody declared, beyond what the number of tries gives by chance",
+        derived("2 ln 20 = 5.99"),
+    )
+    most_effects: int = criterion(
+        4, "effects", "that are named of one device: beyond, the formulas fit what others leave", judgement(BANDS)
+    )
+    worth_judging: float = criterion(
+        6.0, "evidence", "of a candidate from which the fits that judge it are spent on it", derived("2 ln 20 = 5.99")
+    )
+    judged: int = criterion(8, "candidates", "with most evidence that are judged in a round", judgement(BANDS))
+    remainder: float = criterion(
+        0.2,
+        "1",
+        "of what a named effect explained on a joint: less may be what its formula leaves of a real band",
+        judgement(BANDS),
+    )
+    remainder_of_wire: float = criterion(
+        0.5,
+        "1",
+        "the same of a wire that nobody declared: it can run anywhere, and so fits what any formula leaves",
+        judgement(BANDS),
+    )
+    clear: float = criterion(
+        1.5,
+        "floors",
+        "that a further band may leave on its joint for others to be looked at beside it",
+        judgement(BANDS),
+    )
+    tell_apart: float = criterion(
+        2.0,
+        "std errors",
+        "by which the winner must explain more than a rival that is told not to be it",
+        convention("two standard errors, 95 %"),
+    )
+    nearly_sure: float = criterion(
+        2.0,
+        "std errors",
+        "from which a rival is no worse an answer, though it could not be claimed alone",
+        convention("two standard errors, 95 %"),
+    )
+
+
+DEVICE_FILE = "docs/device.md"
+
+
+@final
+@dataclass(frozen=True)
+class Described:
+    """Of a device's description, and of a band on a test bench. No run may have other numbers: a description is read
+    before any run."""
+
+    fewest_points: int = criterion(2, "via points", "of a band: it begins and ends somewhere", derived("two ends"))
+    most_points: int = criterion(50, "via points", "of a band: no suit has so many", judgement(DEVICE_FILE))
+    same_place_m: float = criterion(
+        1e-6,
+        "m",
+        "via points on one link nearer than that are one: a stretch needs a direction",
+        judgement(DEVICE_FILE),
+    )
+    slack: float = criterion(
+        0.02, "of the largest force", "on a test bench: below, the band counts as slack", judgement(DEVICE_FILE)
+    )
+    bench: float = criterion(
+        0.01, "1", "of the value: no test bench is taken to be better than that", judgement(DEVICE_FILE)
+    )
+
+
+DEVICES = Described()
+
+
+SAME = "docs/decisions/0004-supporting-torque.md, the same motion"
+
+
+@final
+@dataclass(frozen=True)
+class Motions:
+    """Which logs show the same motion, and what its phases are. No run may have other numbers: a study's logs are
+    brought together before any run."""
+
+    moves: float = criterion(
+        0.04, "of the largest velocity", "slower is holding or standing", judgement("server/exogauge/support/phases.py")
+    )
+    away: float = criterion(
+        0.2,
+        "of the range",
+        "from the posture at the start: beyond, a pause is a hold",
+        judgement("server/exogauge/support/phases.py"),
+    )
+    shortest_phase_s: float = criterion(
+        0.15, "s", "shorter parts belong to their neighbours", judgement("server/exogauge/support/phases.py")
+    )
+    upright: float = criterion(
+        0.7,
+        "1",
+        "vertical part of a unit joint axis: beyond about 45 degrees a joint turns, below it bends",
+        judgement("server/exogauge/support/phases.py"),
+    )
+    smooth_hz: float = criterion(8.0, "Hz", "motions are compared below it", judgement(SAME))
+    overlap: float = criterion(0.3, "of the shorter log", "that two have in common, at least", judgement(SAME))
+    common: float = criterion(
+        0.5, "1", "of a joint's motion that two logs must share, or it is not the same motion", judgement(SAME)
+    )
+    moving: float = criterion(0.02, "rad/s", "rms velocity above which a joint counts as moving", judgement(SAME))
+    stands_apart: float = criterion(
+        0.1, "rad", "rms angle between two runs above which a joint that hardly moves is doubtful", judgement(SAME)
+    )
+    alike: float = criterion(
+        0.02,
+        "of the motions' own size",
+        "two shifts of a periodic motion that differ by less explain it alike",
+        judgement(SAME),
+    )
+
+
+MOTIONS = Motions()

@@ -9,23 +9,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from exogauge.detect.device.as_drawn import as_drawn
 from exogauge.detect.so_far import Question, Searched, SoFar
-from exogauge.effects.flags import at_turns
+from exogauge.effects.shaped import at_turns
+from exogauge.findings.as_told import as_drawn
 from exogauge.findings.result import ChainStep, Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
 from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
-from exogauge.progress import unwatched
+from exogauge.progress import Rising, still, unwatched
 from exogauge.search.afterwards import look_into_odd_logs, remainders, shapes_again, with_final_numbers
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
 from exogauge.search.residual_correction import Bend, own_curves
-from exogauge.search.rising import Rising, still
 from exogauge.search.search import searched, taken_back
 from exogauge.search.shape_doubt import with_doubt_of_shapes
 from exogauge.search.state import Problem, Search

@@ -23,8 +23,6 @@ from exogauge.effects.band_laws import check_values
 from exogauge.errors import BadInput, Fault
 from exogauge.robots.tree import RigidTree
 
-MOST_BANDS = 200  # as many as a device file may have
-
 
 @final
 @dataclass(frozen=True)
@@ -93,11 +91,12 @@ class MirrorBand:
 
 def with_band(device: Device, band: Band, key: str) -> Device:
     """The device with one band more; a group's bands share stiffness and law."""
+    most_bands = 200  # as many as a device file may have
     if any(band.name == each.name for each in device.bands):
         detail, advice = f"two bands are named {band.name!r}", "Bands may share a group, but not a name."
         raise refused(detail, "duplicate_name", advice, key, band.name)
-    if len(device.bands) >= MOST_BANDS:
-        raise refused(f"a device has at most {MOST_BANDS} bands", "too_many_bands", "Remove one first.", key)
+    if len(device.bands) >= most_bands:
+        raise refused(f"a device has at most {most_bands} bands", "too_many_bands", "Remove one first.", key)
     group = [each for each in device.bands if each.group == band.group]
     for first in group[:1]:
         if band.stiffness is None:
@@ -112,7 +111,6 @@ def with_band(device: Device, band: Band, key: str) -> Device:
 
 Array = NDArray[np.float64]
 
-TWINS_APART_M = 0.005  # twin links may lie that far from each other's mirror image at zero posture
 WORDS = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
 WORDS |= {right: left for left, right in WORDS.items()}
 SIDE = re.compile(r"left|right|Left|Right|LEFT|RIGHT|(?<![A-Za-z])[lrLR](?![A-Za-z])")
@@ -124,12 +122,13 @@ def mirrored(tree: RigidTree, point: ViaPoint, links: Mapping[str, str]) -> ViaP
     links: twins by the user's word, believed. Raises BadInput where a link has a side but no twin, or where the origin
     of the twin found by name is not the mirror image of its own.
     """
+    twins_apart_m = 0.005  # twin links may lie that far from each other's mirror image at zero posture
     twin, advice = links.get(point.link) or twin_of(point.link), "Name its twin in `links`."
     if twin not in tree.frames:
         raise _refused(f"link {point.link!r} has no twin on the other side", "no_twin", advice, twin)
     posture = Posture(tree)
     apart = np.linalg.norm(_reflected(posture.pose(point.link).translation) - posture.pose(twin).translation)
-    if twin != point.link and point.link not in links and apart > TWINS_APART_M:
+    if twin != point.link and point.link not in links and apart > twins_apart_m:
         detail = f"links {point.link!r} and {twin!r} do not lie opposite each other at zero posture"
         raise _refused(f"{detail} ({1e3 * apart:.0f} mm off)", "not_symmetric", advice, twin)
     x, y, z = posture.pose(twin).actInv(_reflected(posture.place(point))).tolist()

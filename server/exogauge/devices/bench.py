@@ -17,6 +17,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.supporting import DEVICES
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band import WireMotion
@@ -149,10 +150,6 @@ def complete(bands: Sequence[Band]) -> tuple[Band, ...]:
     return tuple(band for band in bands if band.stiffness is not None and band.natural_length is not None)
 
 
-TAUT = 0.02  # of the largest force: below, the band counts as slack
-LEAST_SHARE = 0.01  # of the value: no test bench is taken to be better than that
-
-
 @final
 @dataclass(frozen=True)
 class BenchLine:
@@ -170,7 +167,7 @@ def bench_line(test: BenchTest) -> BenchLine:
     Implements the fit behind [Evaluator] Figure 5. Raises ValueError with fewer than two taut points.
     """
     length, force = np.array(test.length), np.array(test.force)
-    taut = force > TAUT * force.max(initial=0.0)
+    taut = force > DEVICES.slack * force.max(initial=0.0)
     if taut.sum() < 2 or np.ptp(length[taut]) <= 0.0:
         raise ValueError("a bench test needs two or more lengths at which the band pulls")
     A = np.column_stack([length[taut], -np.ones(int(taut.sum()))])
@@ -182,6 +179,6 @@ def bench_line(test: BenchTest) -> BenchLine:
     return BenchLine(
         float(k),
         float(c / k),
-        float(max(np.sqrt(covariance[0, 0]), LEAST_SHARE * k)),
-        float(max(np.sqrt(slope @ covariance @ slope), LEAST_SHARE * np.ptp(length))),
+        float(max(np.sqrt(covariance[0, 0]), DEVICES.bench * k)),
+        float(max(np.sqrt(slope @ covariance @ slope), DEVICES.bench * np.ptp(length))),
     )

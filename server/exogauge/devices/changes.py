@@ -18,8 +18,6 @@ from exogauge.errors import BadInput, Fault
 from exogauge.robots.tree import RigidTree
 
 ALL = "*"
-LARGEST = 1e9  # stiffness [N/m], or factor: beyond what any band can be, and far from where numbers end
-LONGEST_M = 100.0
 
 
 class Change(Protocol):
@@ -172,16 +170,18 @@ def untied(device: Device, of: str) -> Device:
 
 
 def with_length(band: Band, value: float, key: str) -> Band:
-    if not 0.0 < value <= LONGEST_M:
+    longest_m = 100.0
+    if not 0.0 < value <= longest_m:
         detail = f"the natural length of band {band.name!r} would be {value:.4g} m"
-        advice = f"It is above 0 and at most {LONGEST_M:g} m."
+        advice = f"It is above 0 and at most {longest_m:g} m."
         raise refused(detail, "natural_length_impossible", advice, key, f"{value:.4g}")
     return replace(band, natural_length=value, ground_truth=False, bench=None)
 
 
 def positive(value: float | None, key: str) -> float:
-    if value is None or not 0.0 < value <= LARGEST:
-        advice = f"It is above 0 and at most {LARGEST:g}."
+    largest = 1e9  # stiffness [N/m], or factor: beyond what any band can be, and far from where numbers end
+    if value is None or not 0.0 < value <= largest:
+        advice = f"It is above 0 and at most {largest:g}."
         raise refused(
             "the number is out of range", "out_of_range", advice, key, None if value is None else f"{value:g}"
         )

@@ -19,6 +19,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.supporting import DEVICES
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.devices.posture import Posture
 from exogauge.devices.wire_layout import WireLayout, WireSweep, places, slices
@@ -132,18 +133,15 @@ def _measure(layout: WireLayout, q: Array, length: Array, jacobian: Array | None
         )  # fmt: skip
 
 
-FEWEST_POINTS, MOST_POINTS = 2, 50
-FARTHEST_M = 100.0  # from the link's origin
-SAME_PLACE_M = 1e-6
 SHOWN_LINKS = 30
 
 
 def check_routing(band: Band, tree: RigidTree, key: str) -> None:
     """Raises BadInput. key: what the user changed, for the faults' `column`."""
     points = band.via_points
-    if not FEWEST_POINTS <= len(points) <= MOST_POINTS:
+    if not DEVICES.fewest_points <= len(points) <= DEVICES.most_points:
         detail = f"band {band.name!r} would have {len(points)} via points"
-        advice = f"A band has {FEWEST_POINTS} to {MOST_POINTS}."
+        advice = f"A band has {DEVICES.fewest_points} to {DEVICES.most_points}."
         raise BadInput(Fault(detail, "number_of_points", advice, column=key, value=str(len(points))))
     faults = [fault for k, point in enumerate(points) for fault in _point_faults(band, k, point, tree, key)]
     if not faults:
@@ -153,12 +151,13 @@ def check_routing(band: Band, tree: RigidTree, key: str) -> None:
 
 
 def _point_faults(band: Band, index: int, point: ViaPoint, tree: RigidTree, key: str) -> list[Fault]:
+    farthest_m = 100.0  # from the link's origin
     faults = []
     if point.link not in tree.frames:
         faults.append(Fault("the robot has no such link or frame", "unknown_link", _link_advice(point.link, tree),
                             column=key, value=point.link[:80]))  # fmt: skip
-    if not max(map(abs, point.xyz)) <= FARTHEST_M:
-        detail = f"via point {index} of band {band.name!r} is more than {FARTHEST_M:g} m from its link"
+    if not max(map(abs, point.xyz)) <= farthest_m:
+        detail = f"via point {index} of band {band.name!r} is more than {farthest_m:g} m from its link"
         value = ", ".join(f"{each:g}" for each in point.xyz)
         faults.append(Fault(detail, "too_far", "Places are in metres.", column=key, value=value))
     return faults
@@ -177,7 +176,7 @@ def _segment_faults(band: Band, tree: RigidTree, key: str) -> list[Fault]:
             column=key,
         )
         for j, k in pairwise(range(len(band.via_points)))
-        if apart[j] < SAME_PLACE_M
+        if apart[j] < DEVICES.same_place_m
     ]
     bodies = {tree.frames[point.link][0] for point in band.via_points}
     if len(bodies) == 1:

@@ -60,16 +60,6 @@ def band_torque(routing: Routing, bands: Sequence[Band], q: Array, time: Array) 
     return BandTorque(torque.T, length, tension.T)
 
 
-def energy(routing: Routing, bands: Sequence[Band], q: Array) -> Array:
-    """(T,) [J] held by linear bands, of which the torque is the negative gradient. q: (T, J) [rad or m]."""
-    laws = _laws(routing, bands)
-    if any(law.name != "linear" for law in laws):
-        raise ValueError("only linear bands have an energy that depends on the posture alone")
-    k, l_0 = np.array([_values(band) for band in bands]).reshape(-1, 2).T
-    held: Array = 0.5 * np.maximum(routing.lengths(q) - l_0, 0.0) ** 2 @ k
-    return held
-
-
 def _laws(routing: Routing, bands: Sequence[Band]) -> list[BandLaw]:
     if [band.name for band in bands] != [band.name for band in routing.bands]:
         raise ValueError("the bands are not those of the routing")

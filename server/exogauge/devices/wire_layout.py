@@ -176,7 +176,6 @@ def _ints(values: Sequence[int] | Sequence[tuple[int, int]]) -> IntArray:
 
 
 SLICE = 90_000  # joints, points and segments times samples at once: what they hold stays in the cache
-TINY = 1e-150  # [m] stands in for the length of a segment that has none: its direction is then 0, not NaN
 
 
 def slices(layout: WireLayout, samples: int) -> list[slice]:
@@ -192,6 +191,7 @@ class WireSweep:
     """T samples. length: (S, T) [m]. direction: (3, S, T) unit vectors from start to end, 0 where the length is 0."""
 
     def __init__(self, layout: WireLayout, q: Array) -> None:
+        tiny = 1e-150  # [m] stands in for the length of a segment that has none: its direction is then 0, not NaN
         self.layout = layout
         self._move(np.ascontiguousarray(q.T[layout.dof]))
         point = self._points()
@@ -199,7 +199,7 @@ class WireSweep:
         self.direction = point[:, layout.end]
         self.direction -= self._start
         self.length: Array = np.sqrt(np.einsum("xst,xst->st", self.direction, self.direction))
-        self.direction /= np.maximum(self.length, TINY)
+        self.direction /= np.maximum(self.length, tiny)
 
     def slopes(self) -> Array:
         """(K, T) change of a wire's length with a joint's position, pair by pair.

@@ -13,9 +13,6 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-PRESSED = 0.1  # of the log's rms load: what counts as a load of one sign and of the other
-LEAST_LOAD = 0.02  # of the axis' rms torque: what rounding and noise make of no load is none
-
 
 @final
 class Backlash:
@@ -76,11 +73,13 @@ class Backlash:
         return np.ascontiguousarray((0.5 * (K * s + J * s_ddot)).T)
 
     def applies(self, signals: AxisSignals) -> bool:
+        least_load = 0.02  # of the axis' rms torque: what rounding and noise make of no load is none
+        pressed = 0.1  # of the log's rms load: what counts as a load of one sign and of the other
         if len(signals.load) == 0:
             return False
         usual = float(np.sqrt(np.mean(signals.load**2)))
-        both = np.max(signals.load) > PRESSED * usual and np.min(signals.load) < -PRESSED * usual
-        return bool(both) and usual > LEAST_LOAD * signals.torque_scale
+        both = np.max(signals.load) > pressed * usual and np.min(signals.load) < -pressed * usual
+        return bool(both) and usual > least_load * signals.torque_scale
 
 
 def _step(time: Array) -> float:
@@ -100,9 +99,6 @@ def _swing(signals: AxisSignals) -> tuple[Array, Array, Array]:
 EFFECT = Backlash()
 
 
-FINEST_S = 2.5e-4  # of a step: teeth ring at some tens of hertz
-
-
 def between_teeth(
     pull: Array, back: Array, tooth: Array, damping: Array, drag: Array, step: float
 ) -> tuple[Array, Array]:
@@ -114,11 +110,12 @@ def between_teeth(
     [1/s²]: (T,); step [s] between samples. From rest on the tooth that the first pull presses to. Implicit steps,
     stable however stiff a tooth is.
     """
+    finest_s = 2.5e-4  # of a step: teeth ring at some tens of hertz
     from exogauge.loops.dead_zone import fly
 
     if len(pull) < 2:
         return np.where(pull < 0.0, -1.0, 1.0), np.zeros(pull.shape)
-    parts = max(1, int(np.ceil(step / FINEST_S)))
+    parts = max(1, int(np.ceil(step / finest_s)))
     s, s_ddot = np.empty(pull.shape), np.empty(pull.shape)
     fly(pull, back, tooth, damping, drag, step / parts, parts, s, s_ddot)
     return s, s_ddot

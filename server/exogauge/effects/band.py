@@ -16,8 +16,6 @@ from exogauge.effects.shaped import Shape
 Array = NDArray[np.float64]
 Sort = Literal["law", "stated", "wire"]
 
-LEAST_WAY = 1e-4  # of the band's travel, within which one that hardly moves comes taut
-
 
 @final
 @dataclass(frozen=True)
@@ -98,8 +96,9 @@ class BandSignals:
     def taut(self) -> Array:
         """(T,) 1 where the band pulls, 0 where it is slack; it comes up within one sample's way, so that the moment
         moves with the natural length, and a fit can follow it."""
+        least_way = 1e-4  # of the band's travel, within which one that hardly moves comes taut
         way = np.abs(self.rate * np.gradient(self.time)) if len(self.time) > 1 else np.zeros(len(self.time))
-        return np.asarray(np.clip(self.stretch / np.maximum(way, max(LEAST_WAY * self.travel, 1e-9)), 0.0, 1.0))
+        return np.asarray(np.clip(self.stretch / np.maximum(way, max(least_way * self.travel, 1e-9)), 0.0, 1.0))
 
     @property
     def tension(self) -> Array:

@@ -12,8 +12,6 @@ from exogauge.effects.band import Array, BandSignals, Sort, Stated
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
-USUAL = 0.1  # [m] stretch of a band on a body that moves
-
 
 @final
 class BandHardening:
@@ -45,8 +43,9 @@ class BandHardening:
     })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
+        usual = 0.1  # [m] stretch of a band on a body that moves
         (power,) = shape
-        return np.asarray(USUAL**2 * (signals.stretch / USUAL) ** power)[:, None]
+        return np.asarray(usual**2 * (signals.stretch / usual) ** power)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(np.any(signals.stretch > 0.0))

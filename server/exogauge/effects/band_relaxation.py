@@ -12,9 +12,6 @@ from exogauge.effects.band import Array, BandSignals, Sort, Stated, relaxed
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
-SLOWER = 5.0  # times as long the second branch takes
-INSTANT = 1e-9  # [s] what lets go within this holds nothing
-
 
 @final
 class BandRelaxation:
@@ -49,7 +46,8 @@ class BandRelaxation:
     })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
-        return np.stack([_let_go(signals, tau) for tau in (shape[0], SLOWER * shape[0])], axis=1)
+        slower = 5.0  # times as long the second branch takes
+        return np.stack([_let_go(signals, tau) for tau in (shape[0], slower * shape[0])], axis=1)
 
     def applies(self, signals: BandSignals) -> bool:
         return bool(len(signals.time) > 1 and np.ptp(signals.stretch) > 0.0)
@@ -57,7 +55,8 @@ class BandRelaxation:
 
 def _let_go(signals: BandSignals, tau: float) -> Array:
     """(T,) [m] what is left of the stretch in one branch, where the band is taut."""
-    step = np.diff(signals.time, prepend=signals.time[:1]) / max(tau, INSTANT)
+    instant = 1e-9  # [s] what lets go within this holds nothing
+    step = np.diff(signals.time, prepend=signals.time[:1]) / max(tau, instant)
     kept = np.exp(-step)
     driven = np.divide(-np.expm1(-step), step, out=np.ones_like(step), where=step > 0.0)
     rise = np.diff(signals.stretch, prepend=signals.stretch[:1])

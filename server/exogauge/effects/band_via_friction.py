@@ -13,8 +13,6 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.presliding import bristle
 from exogauge.effects.shaped import Shape
 
-LEAST = 1e-9  # coefficient about which the law without friction is linear
-
 
 @final
 class BandViaFriction:
@@ -53,10 +51,11 @@ class BandViaFriction:
     })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
+        least = 1e-9  # coefficient about which the law without friction is linear
         L, phi = signals.segment_length, signals.wrap
         if L is None or phi is None:
             return np.zeros((len(signals.time), 1, 1))
-        mu, way, n = max(shape[0], LEAST), *shape[1:]
+        mu, way, n = max(shape[0], least), *shape[1:]
         before = signals.natural_length * np.cumsum(L, axis=1)[:, :-1] / np.maximum(L.sum(axis=1, keepdims=True), 1e-9)
         c = np.stack([bristle(slid / way, n) for slid in before.T], axis=1) if before.size else before
         return self._pull(signals, L, phi * c, mu)[:, :, None]

@@ -12,8 +12,6 @@ from exogauge.effects.band import Array, BandSignals, Sort, Stated
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 
-USUAL = 0.1  # [m/s] of a band on a body that moves
-
 
 @final
 class BandViscous:
@@ -42,8 +40,9 @@ class BandViscous:
     })  # fmt: skip
 
     def added_tension(self, signals: BandSignals, shape: tuple[float, ...]) -> Array:
+        usual = 0.1  # [m/s] of a band on a body that moves
         (power,) = shape
-        return np.asarray(signals.taut * np.sign(signals.rate) * USUAL * np.abs(signals.rate / USUAL) ** power)[:, None]
+        return np.asarray(signals.taut * np.sign(signals.rate) * usual * np.abs(signals.rate / usual) ** power)[:, None]
 
     def applies(self, signals: BandSignals) -> bool:
         taut = signals.stretch > 0.0

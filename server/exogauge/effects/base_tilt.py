@@ -6,8 +6,8 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.base import BaseChange, BaseSignals
 from exogauge.effects.effect import Quantity
+from exogauge.effects.places import BaseChange, BaseSignals
 from exogauge.effects.shaped import Shape
 
 MOST = 0.2  # [rad]

@@ -1,4 +1,4 @@
-"""All effects there are: every module of this package that offers an `EFFECT`."""
+"""All effects there are: what every model has, and every module of this package that offers an `EFFECT`."""
 
 from __future__ import annotations
 
@@ -11,20 +11,18 @@ from typing import Any
 
 import exogauge.effects as package
 from exogauge.effects.band import BandEffect
-from exogauge.effects.base import BaseEffect
 from exogauge.effects.effect import JointEffect
-from exogauge.effects.link import LinkEffect
-from exogauge.effects.pair import PairEffect
-from exogauge.effects.sensor import SensorEffect
+from exogauge.effects.every_model import EFFECTS
+from exogauge.effects.places import BaseEffect, LinkEffect, PairEffect, SensorEffect
 from exogauge.effects.shaped import MissingEffect, ShapedEffect
 from exogauge.errors import BadInput, ExogaugeError, Fault
 
 
 @cache
 def all_effects() -> Mapping[str, JointEffect]:
-    """Identifier -> effect that a model is fitted with (it has one `column`), found by looking into the package."""
+    """Identifier -> effect that a model is fitted with: it has one `column`."""
     found: list[JointEffect] = [effect for effect in _offered() if hasattr(effect, "column")]
-    return MappingProxyType({effect.name: effect for effect in found})
+    return MappingProxyType({effect.name: effect for effect in sorted(found, key=lambda each: each.name)})
 
 
 @cache
@@ -97,7 +95,7 @@ def _placed(place: str) -> list[Any]:
 
 def _offered() -> list[Any]:
     modules = (importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__))
-    return apart([module.EFFECT for module in modules if hasattr(module, "EFFECT")])
+    return apart([*EFFECTS, *(module.EFFECT for module in modules if hasattr(module, "EFFECT"))])
 
 
 def apart(found: list[Any]) -> list[Any]:

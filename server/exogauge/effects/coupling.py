@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.pair import Array, PairSignals
+from exogauge.effects.places import Array, PairSignals
 from exogauge.effects.shaped import Shape
 
 

@@ -14,10 +14,7 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 SOFTEST = (2.0 * np.pi * 2.0) ** -2  # [s²] the link on its spring at 2 Hz; a softer joint is no robot's
-SOFT_HZ = 5.0  # a soft joint's resonance; where it would not show, none does
 USUAL_DAMPING = 0.15  # ζ
-LEAST_STIFF = 0.1  # of the spring's stiffness, that gravity leaves: with less a link would topple
-LEAST_SHARE = 0.01  # of the rms torque
 
 
 @final
@@ -56,6 +53,7 @@ class Elasticity:
         return self.columns_of_all(signals, [shape]).T
 
     def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
+        least_stiff = 0.1  # of the spring's stiffness, that gravity leaves: with less a link would topple
         f, zeta, gamma, power = np.array(shapes).T
         samples, J_0 = len(signals.time), signals.usual_inertia or 1.0
         if samples < 3:
@@ -65,22 +63,21 @@ class Elasticity:
         usual = (signals.torque_scale or 1.0) / k
         J = np.full(samples, J_0) if signals.inertia is None else signals.inertia
         slope = np.zeros(samples) if signals.slope is None else signals.slope
-        K = np.maximum(slope[:, None], (LEAST_STIFF - 1.0) * k)
+        K = np.maximum(slope[:, None], (least_stiff - 1.0) * k)
         step = float(signals.time[-1] - signals.time[0]) / (samples - 1)
         r, r_ddot = deflection(signals.load, J, 2.0 * zeta * omega * J_0, k, gamma / usual**power, power, K, step)
         return np.ascontiguousarray((-(omega**2) * (J[:, None] * r_ddot + K * r)).T)
 
     def applies(self, signals: AxisSignals) -> bool:
+        least_share = 0.01  # of the rms torque
+        soft_hz = 5.0  # a soft joint's resonance; where it would not show, none does
         if len(signals.time) < 3 or not np.any(signals.direction != 0.0):
             return False
-        lacking = self.columns(signals, (SOFT_HZ, USUAL_DAMPING, 0.0, 2.0)) / (2.0 * np.pi * SOFT_HZ) ** 2
-        return float(np.std(lacking)) > LEAST_SHARE * signals.torque_scale
+        lacking = self.columns(signals, (soft_hz, USUAL_DAMPING, 0.0, 2.0)) / (2.0 * np.pi * soft_hz) ** 2
+        return float(np.std(lacking)) > least_share * signals.torque_scale
 
 
 EFFECT = Elasticity()
-
-
-COARSEST_S = 1.25e-3  # of a step: a stiff gear rings at 30 Hz
 
 
 def deflection(
@@ -99,9 +96,10 @@ def deflection(
     stiffness k [N·m/rad], harder c [1/rad^p], power p: (L,), of springs that know nothing of each other, side by side.
     By the trapezoidal rule, which is stable for every step [s].
     """
+    coarsest_s = 1.25e-3  # of a step: a stiff gear rings at 30 Hz
     from exogauge.loops.deflection import bend
 
-    parts = max(1, int(np.ceil(step / COARSEST_S)))
+    parts = max(1, int(np.ceil(step / coarsest_s)))
     r, r_ddot = np.empty(slope.shape), np.empty(slope.shape)
     bend(load, inertia, damping, stiffness, harder, power, slope, step / parts, parts, r, r_ddot)
     return r, r_ddot

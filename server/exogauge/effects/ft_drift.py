@@ -8,10 +8,8 @@ import numpy as np
 
 from exogauge.effects.effect import Quantity
 from exogauge.effects.order import one_log
-from exogauge.effects.sensor import Array, SensorSignals
+from exogauge.effects.places import Array, SensorSignals
 from exogauge.effects.shaped import Shape
-
-LEAST_DURATION = 5.0  # [s]
 
 
 @final
@@ -48,7 +46,8 @@ class FtDrift:
         return np.hstack([self.columns(signals, (slower * t_d, log))[:, 1:] for slower in (3.0, 9.0)])
 
     def applies(self, signals: SensorSignals) -> bool:
-        return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION
+        least_duration = 5.0  # [s]
+        return len(signals.time) > 0 and float(np.ptp(signals.time)) >= least_duration
 
 
 EFFECT = FtDrift()

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.sensor import Array, SensorSignals
+from exogauge.effects.places import Array, SensorSignals
 from exogauge.effects.shaped import Shape
 
 

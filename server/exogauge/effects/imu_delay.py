@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import final
 
-from exogauge.effects.base import BaseChange, BaseSignals
 from exogauge.effects.effect import Quantity
+from exogauge.effects.places import BaseChange, BaseSignals
 from exogauge.effects.shaped import Shape
 
 

@@ -6,9 +6,9 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.base import Array, BaseChange, BaseSignals
 from exogauge.effects.base_tilt import MOST
 from exogauge.effects.effect import Quantity
+from exogauge.effects.places import Array, BaseChange, BaseSignals
 from exogauge.effects.shaped import Shape
 
 

@@ -9,8 +9,6 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-LEAST_SPREAD = 0.1  # of |load| in motion, in rms torques: with one load it is Coulomb friction and nothing else
-
 
 @final
 class LoadCoulomb:
@@ -31,8 +29,9 @@ class LoadCoulomb:
         return (-np.abs(signals.load) * signals.direction)[:, None]
 
     def applies(self, signals: AxisSignals) -> bool:
+        least_spread = 0.1  # of |load| in motion, in rms torques: with one load it is Coulomb friction and nothing else
         load = np.abs(signals.load[signals.direction != 0.0])
-        return load.size > 0 and float(np.ptp(load)) > LEAST_SPREAD * signals.torque_scale
+        return load.size > 0 and float(np.ptp(load)) > least_spread * signals.torque_scale
 
 
 EFFECT = LoadCoulomb()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import final
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.link import LinkSignals
 from exogauge.effects.order import since_log
+from exogauge.effects.places import LinkSignals
 
 
 @final

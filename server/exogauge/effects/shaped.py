@@ -1,7 +1,12 @@
-"""What an effect that is not in the model could be: columns that enter linearly, with shapes that do not."""
+"""What an effect that is not in the model could be: columns that enter linearly, with shapes that do not.
+
+Shapes are searched in sizes of the axis' own motion; a user reads them in SI. What only some effects say of themselves
+is asked by a function: yes where the file of the effect sets it to True, else no.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, final, runtime_checkable
@@ -24,7 +29,7 @@ class Shape:
     unit: str
     low: float
     high: float
-    grid: tuple[float, ...]
+    grid: tuple[float, ...] = ()
     choice: bool = False
     words: str = ""
 
@@ -134,3 +139,43 @@ class ManyShapes(Protocol):
     def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
         """(L C, T) what `columns` gives for each of L shapes, one column after the other."""
         ...
+
+
+def along_motion(effect: object) -> bool:
+    """Evidence is shown along the motion, what opposes it being negative: friction over anything but velocity would
+    cancel in a mean over both directions."""
+    return bool(getattr(effect, "along_motion", False))
+
+
+def at_turns(effect: object) -> bool:
+    """It shows where a joint turns round, as a low-pass does that is not quite the model's: it is not looked for where
+    every log was low-passed before it was stored."""
+    return bool(getattr(effect, "at_turns", False))
+
+
+def common_cause(effect: object) -> bool:
+    """Places have it in common (one bus, one filter, one amplifier that warms up): on most of them it is told once."""
+    return bool(getattr(effect, "common_cause", False))
+
+
+def of_logged_torque(effect: object) -> bool:
+    """It is a factor of the logged torque: where currents are logged, the model's own k_T is that factor."""
+    return bool(getattr(effect, "of_logged_torque", False))
+
+
+OWN_SIZES = ("rms velocity", "rms torque", "range", "cycles per range")
+
+
+def in_si(unit: str, speed_scale: float, torque_scale: float, span: float) -> tuple[float, str]:
+    """What a value in this unit of a shape is multiplied by on an axis, and the unit it then has.
+
+    speed_scale, torque_scale, span: the axis' rms velocity [rad/s], rms torque [N·m] and range [rad] (`AxisSignals`).
+    Other units than `OWN_SIZES` stay as they are.
+    """
+    sizes = {
+        "rms velocity": (speed_scale, "rad/s"),
+        "rms torque": (torque_scale, "N·m"),
+        "range": (span, "rad"),
+        "cycles per range": (2.0 * math.pi / span if span else 0.0, "1/rev"),
+    }
+    return sizes.get(unit, (1.0, unit))

@@ -10,10 +10,6 @@ from scipy.signal import lfilter
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-REFERENCE = 25.0  # [°C] at which k_d is told: nothing is taken away yet
-WARMER = 10.0  # [K] beyond it, which take k_w away
-LEAST_DURATION = 20.0  # [s] without a thermometer
-
 
 @final
 class ThermalViscous:
@@ -49,22 +45,25 @@ class ThermalViscous:
         return signals.velocity[:, None] * np.stack([taken**2, taken**3], axis=1)
 
     def applies(self, signals: AxisSignals) -> bool:
+        least_duration = 20.0  # [s] without a thermometer
         if not np.any(signals.direction != 0.0):
             return False
         if signals.temperature is not None:
             return bool(np.all(np.isfinite(signals.temperature)))
-        return float(np.ptp(signals.time)) >= LEAST_DURATION
+        return float(np.ptp(signals.time)) >= least_duration
 
 
 def _taken(signals: AxisSignals, shape: tuple[float, ...]) -> Array:
     """(T,) g"""
+    warmer = 10.0  # [K] beyond it, which take k_w away
+    reference = 25.0  # [°C] at which k_d is told: nothing is taken away yet
     t_w, beta = shape
     if signals.temperature is None:
         return np.asarray(-np.expm1(-signals.time / t_w))
-    warmth = _followed(signals.temperature, signals.time, t_w) - REFERENCE
+    warmth = _followed(signals.temperature, signals.time, t_w) - reference
     if abs(beta) < 1e-6:
-        return np.asarray(warmth / WARMER)
-    return np.asarray(np.expm1(-beta * warmth) / np.expm1(-beta * WARMER))
+        return np.asarray(warmth / warmer)
+    return np.asarray(np.expm1(-beta * warmth) / np.expm1(-beta * warmer))
 
 
 def _followed(values: Array, time: Array, time_constant: float) -> Array:

@@ -9,8 +9,6 @@ import numpy as np
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Array, AxisSignals, Shape
 
-LEAST_DURATION = 5.0  # [s]
-
 
 @final
 class TorqueOffsetDrift:
@@ -44,7 +42,8 @@ class TorqueOffsetDrift:
         return np.hstack([self.columns(signals, (slower * shape[0],))[:, 1:] for slower in (3.0, 9.0)])
 
     def applies(self, signals: AxisSignals) -> bool:
-        return len(signals.time) > 0 and float(np.ptp(signals.time)) >= LEAST_DURATION
+        least_duration = 5.0  # [s]
+        return len(signals.time) > 0 and float(np.ptp(signals.time)) >= least_duration
 
 
 EFFECT = TorqueOffsetDrift()

@@ -13,9 +13,6 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 
 STEP = 0.8  # cycles per range between tried orders: a range of motion tells orders one cycle apart, and hardly less
 SLOWEST, FASTEST = 3.5, 150.0  # cycles per range
-PLACES = 2048  # into which a range is divided to look for peaks: 13 of the fastest cycle
-SAME = 1e-9  # of a step between orders: as even as rounding leaves them
-FINER = 4  # points of the spectrum per cycle over the range
 
 
 @final
@@ -52,9 +49,10 @@ class TorqueRipple:
 
     def columns_of_all(self, signals: AxisSignals, shapes: Sequence[tuple[float, ...]]) -> Array:
         """Where orders follow each other evenly, each wave is the one before it turned by the same angle."""
+        same = 1e-9  # of a step between orders: as even as rounding leaves them
         cycles, once = np.array(shapes)[:, 0], 2.0 * np.pi / (signals.range or 1.0) * signals.position
         steps, waves = np.diff(cycles), np.empty((2 * len(cycles), len(once)))
-        even = len(steps) > 0 and bool(np.all(np.abs(steps - steps[0]) < SAME * np.abs(steps[0])))
+        even = len(steps) > 0 and bool(np.all(np.abs(steps - steps[0]) < same * np.abs(steps[0])))
         turn, wave = _wave(steps[0] * once) if even else None, _wave(cycles[0] * once)
         for k, each in enumerate(cycles):
             if k:
@@ -77,12 +75,14 @@ class TorqueRipple:
         The largest peaks of their spectrum over the position, strongest first, one cycle apart or more. span: the axis'
         range (`AxisSignals.range`). For all logs at once: a ripple has the same phase in each.
         """
+        finer = 4  # points of the spectrum per cycle over the range
+        places = 2048  # into which a range is divided to look for peaks: 13 of the fastest cycle
         if span <= 0.0 or len(position) == 0:
             return ()
-        place = np.floor((position - position.min()) / span * PLACES).astype(np.intp)
+        place = np.floor((position - position.min()) / span * places).astype(np.intp)
         sums = np.bincount(place, weights=residual - residual.mean())
-        power = np.abs(np.fft.rfft(sums, FINER * max(PLACES, len(sums)))) ** 2
-        cycles = np.arange(len(power)) * PLACES / (FINER * max(PLACES, len(sums)))
+        power = np.abs(np.fft.rfft(sums, finer * max(places, len(sums)))) ** 2
+        cycles = np.arange(len(power)) * places / (finer * max(places, len(sums)))
         power[(cycles < SLOWEST) | (cycles > FASTEST)] = 0.0
         found: list[float] = []
         while len(found) < count and power.max() > 0.0:

@@ -26,11 +26,7 @@ from exogauge.search.ambiguity import Undecided
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-SWALLOWED = 1e-9  # share of a column that counts as none
-NOTHING = 1e-12  # of the largest information
 OVER_TIME = ("time", "temperature")  # coordinates of effects that need minutes
-SEARCHED = 6  # halvings of that time
-CSV_RATE = 50.0  # [Hz] of the motion that is handed out
 
 
 @final
@@ -104,13 +100,14 @@ class _Known:
 
     def after(self, rows: NewRows) -> _After:
         """What repeats of a motion would leave. What its rows say is what the logs did not foretell."""
+        nothing = 1e-12  # of the largest information
         G, fresh = rows.A @ self.root, rows.c - rows.A @ self.taken
         if len(G) <= G.shape[1]:
             D, U = np.linalg.eigh(G @ G.T)
             along = U.T @ fresh
         else:
             D, V = np.linalg.eigh(G.T @ G)
-            along = (V.T @ (G.T @ fresh)) / np.sqrt(np.maximum(D, NOTHING * float(D.max())))[:, None]
+            along = (V.T @ (G.T @ fresh)) / np.sqrt(np.maximum(D, nothing * float(D.max())))[:, None]
         return _After(self.now, fresh.T @ fresh - along.T @ along, np.maximum(D, 0.0), along)
 
     def evidence(self, k: int, L: Array) -> float:
@@ -126,6 +123,7 @@ class _Known:
 
     def _apart(self, true: int, instead: int, L: Array) -> tuple[float, float]:
         """Square sum that is left of the true one beside the other one's best shape, and without the other one."""
+        swallowed = 1e-9  # share of a column that counts as none
         contender, rival, parts = self.doubt.contenders[true], self.doubt.contenders[instead], self.doubt.parts
         own = slice(parts[true].start, parts[true].start + contender.candidate.width)
         theta, wide = contender.coefficients, rival.candidate.width
@@ -134,8 +132,8 @@ class _Known:
             other = slice(start, start + wide)
             size = np.sqrt(np.maximum(np.diag(self.doubt.S)[other], 1e-300))
             U, g = L[other, other] / np.outer(size, size), (L[other, own] @ theta) / size
-            instead_of = np.linalg.pinv(U, rcond=SWALLOWED, hermitian=True) @ g
-            if wide == 1 and U[0, 0] > SWALLOWED:  # a friction that would have to push is no rival
+            instead_of = np.linalg.pinv(U, rcond=swallowed, hermitian=True) @ g
+            if wide == 1 and U[0, 0] > swallowed:  # a friction that would have to push is no rival
                 (range_,) = rival.candidate.effect.coefficients
                 instead_of = np.clip(g / U[0], range_.low * size, range_.high * size)
             lost = max(lost, float(2.0 * g @ instead_of - instead_of @ U @ instead_of))
@@ -211,6 +209,7 @@ class _Tried:
 
 def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -> float | None:
     """Repeats until the evidence has grown by `enough`; None where that takes more than `longest_s`."""
+    searched = 6  # halvings of that time
     criteria = known.doubt.model.criteria.planning
     if once >= criteria.enough:
         return criteria.enough / once
@@ -222,7 +221,7 @@ def _needed(known: _Known, after: _After, seconds: float, k: int, once: float) -
     low, high = 1.0, max(criteria.longest_s / seconds, 1.0)
     if not enough(high):
         return None
-    for _ in range(SEARCHED):
+    for _ in range(searched):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if enough(middle) else (middle, high)
     return high
@@ -238,8 +237,9 @@ def _in_one_log(shapes: Sequence[object], values: Sequence[float]) -> bool:
 
 
 def _motion(doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart]) -> PlannedMotion:
+    csv_rate = 50.0  # [Hz] of the motion that is handed out
     robot, choice = doubt.model.robot, best.choice
-    log = as_log(doubt.model, here, choice, CSV_RATE)
+    log = as_log(doubt.model, here, choice, csv_rate)
     names = tuple(joint.name for joint in robot.joints)
     body = int(np.flatnonzero(robot.tree.dof == choice.lead)[0])
     return PlannedMotion(

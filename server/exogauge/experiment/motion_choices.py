@@ -19,8 +19,6 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 
-SINE_S, LONG_S = 20.0, 300.0  # [s] of one repeat
-
 
 @final
 @dataclass(frozen=True)
@@ -92,7 +90,11 @@ def _of(model: RobotModel, room: Room, lead: int, beside: Sequence[int], slow_ch
         for side in (-1.0, 1.0)
     ]
     if slow_change:
-        alone += [(_sine(criteria, *seen, usual, LONG_S), 1.0), (_speeds(criteria, *seen, slowest, usual, LONG_S), 1.0)]
+        minutes = 300.0
+        alone += [
+            (_sine(criteria, *seen, usual, minutes), 1.0),
+            (_speeds(criteria, *seen, slowest, usual, minutes), 1.0),
+        ]
     for sweep, price in alone:
         if sweep is not None:
             yield Choice(lead, sweep, None, (0.0, 0.0), price)
@@ -122,7 +124,7 @@ def _speeds(
     return Sweep("speeds", size, offset, slowest, fastest, seconds)
 
 
-def _sine(criteria: Planning, offset: float, size: float, fastest: float, seconds: float = SINE_S) -> Sweep | None:
+def _sine(criteria: Planning, offset: float, size: float, fastest: float, seconds: float = 20.0) -> Sweep | None:
     period = max(2.0 * np.pi * size / max(fastest, 1e-9), criteria.least_period_s)
     if size < criteria.least_way or period > seconds:
         return None

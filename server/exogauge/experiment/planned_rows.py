@@ -23,11 +23,6 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 NAME = "planned"
-MOST_ROWS, FEWEST = 160, 40  # rows of a motion that are computed and stand for the others; samples, of many kinds
-FINE, COARSE = (6.0, 40.0), (4.0, 20.0)  # times the cut-off, and [Hz]: rate of a motion, of one that lasts for minutes
-LONG = 100.0  # [s]
-ONE_LOG = 50_000_000  # bytes: of a planned log, prepared
-APART = 4  # samples between those whose loads are computed; they change slowly
 
 
 @final
@@ -52,7 +47,8 @@ def with_next_log(model: RobotModel) -> RobotModel:
 
 def _for_one_log(model: RobotModel, order: Mapping[str, int]) -> RobotModel:
     """Planned logs are asked for once: little need be kept of one for the next."""
-    return replace(model, order=order, prepared=PerLog(ONE_LOG), computed=PerLog(ONE_LOG))
+    one_log = 50_000_000  # bytes: of a planned log, prepared
+    return replace(model, order=order, prepared=PerLog(one_log), computed=PerLog(one_log))
 
 
 def new_rows(doubt: Undecided, model: RobotModel, room: Room, choice: Choice, kept: IntArray) -> NewRows | None:
@@ -63,7 +59,8 @@ def new_rows(doubt: Undecided, model: RobotModel, room: Room, choice: Choice, ke
         return None
     columns = [_columns(each, model, prepared) for each in doubt.contenders]
     kinds = sorted({kind for each in columns for kind in each})
-    samples = prepared.kept[:: -(-len(prepared.kept) // max(MOST_ROWS // len(kinds), FEWEST))]
+    most, fewest = 160, 40  # rows of a motion that are computed and stand for the others; samples, of many kinds
+    samples = prepared.kept[:: -(-len(prepared.kept) // max(most // len(kinds), fewest))]
     share = _kept_rate(model, room) * (log.samples / log.rate_hz) / len(samples)  # of the rows that a log would have
     place = np.full(model.equations.size, -1, dtype=np.intp)
     place[kept] = np.arange(len(kept))
@@ -102,7 +99,8 @@ def _columns(contender: Contender, model: RobotModel, prepared: Prepared) -> dic
 
 def _loads(model: RobotModel, prepared: Prepared) -> Array:
     """As `loads`, in between of every few samples; where `loads` will find them."""
-    some, time = slice(None, None, APART), prepared.log.time
+    apart = 4  # samples between those whose loads are computed; they change slowly
+    some, time = slice(None, None, apart), prepared.log.time
     thin = replace(
         prepared,
         log=Log(f"{NAME}, thinned", time[some], {}),
@@ -116,7 +114,8 @@ def _loads(model: RobotModel, prepared: Prepared) -> Array:
 
 def _rate(model: RobotModel, room: Room, choice: Choice) -> float:
     """[Hz] a whole fraction of the logs' rate, as low as the filters bear."""
-    times, least = COARSE if choice.sweep.seconds > LONG else FINE
+    minutes = choice.sweep.seconds > 100.0
+    times, least = (4.0, 20.0) if minutes else (6.0, 40.0)  # of the cut-off, and [Hz]
     return room.rate_hz / max(1, int(room.rate_hz / max(times * model.cutoff_hz, least)))
 
 

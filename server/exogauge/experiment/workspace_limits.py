@@ -16,8 +16,6 @@ from exogauge.robots.kinematics import subtree
 
 Array = NDArray[np.float64]
 
-STEP_S = 0.1  # over which speed is taken
-
 
 @final
 @dataclass(frozen=True)
@@ -89,7 +87,8 @@ def carrying(robot: Robot) -> NDArray[np.bool_]:
 
 def _top_speed(q: Array, rate_hz: float, top: float) -> Array:
     """(J,) so fast, or nearly so, as a log ever is."""
-    step = max(1, round(STEP_S * rate_hz))
+    step_s = 0.1  # over which speed is taken
+    step = max(1, round(step_s * rate_hz))
     if len(q) <= step:
         return np.zeros(q.shape[1])
     return np.asarray(np.quantile(np.abs(q[step:] - q[:-step]), top, axis=0) * rate_hz / step)

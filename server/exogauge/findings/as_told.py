@@ -1,4 +1,7 @@
-"""Findings as they are told: what has one cause is told once, and what closes the widest gap comes first."""
+"""Findings as they are told: what has one cause is told once, and what closes the widest gap comes first. A curve
+whose shape the data do not decide is told as it is drawn, without numbers that nobody could use: its size and shape
+may trade against each other so far that each alone is open, while the curve is known.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from exogauge.criteria.judging import Judging
 from exogauge.criteria.planning import Telling
+from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import missing_effects
-from exogauge.effects.flags import common_cause
+from exogauge.effects.effect import Quantity
+from exogauge.effects.order import LOG, SINCE
+from exogauge.effects.shaped import common_cause
 from exogauge.findings.result import Finding, Place
+from exogauge.identification.model import Effect
 
 ALL = "all"
 
@@ -64,3 +72,28 @@ def by_importance(findings: Sequence[Finding]) -> tuple[Finding, ...]:
         return 1, -float(gone) if np.isfinite(gone) else 0.0
 
     return tuple(replace(each, rank=number) for number, each in enumerate(sorted(findings, key=place), 1))
+
+
+PLACES = (LOG, SINCE)  # in the order of the logs: no number of a curve
+
+
+def as_drawn(finding: Finding, effect: Effect, judging: Judging) -> Finding:
+    """Without the shapes whose std exceeds their value, and without coefficients that may as well be zero beside them.
+
+    A shape that may be negative, such as the angle at which a spring rests, is a place: zero is as good as any other.
+    """
+    shapes = [one.name for one in effect.shapes if not one.choice and one.low >= 0.0 and one.name not in PLACES]
+    own: Sequence[Quantity] = effect.coefficients
+    sizes = [one.name for one in own if one.name in finding.parameters]
+    open_shapes = [name for name in shapes if name in finding.parameters and _std_over_value(finding, name) > 1.0]
+    open_sizes = [name for name in sizes if judging.significant * _std_over_value(finding, name) > 1.0]
+    if not open_shapes and not (shapes and sizes and open_sizes == sizes):
+        return finding
+    dropped = (*open_sizes, *open_shapes)
+    kept = {name: each for name, each in finding.parameters.items() if name not in dropped}
+    return replace(finding, parameters=kept, as_drawn=dropped)
+
+
+def _std_over_value(finding: Finding, name: str) -> float:
+    found: Estimate = finding.parameters[name]
+    return float(found.std / max(abs(found.value), 1e-300))

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 
 Kind = Literal["speeds", "sine", "small"]
 
-TURN_S = 0.3  # [s] that a change of speed takes
 PASS_S = 3.0  # [s] in one direction at one speed: slow passes are shorter ways
-SPEEDS = 6  # of `speeds`
 PLACES = 4  # of `small`, over the range
 SMALL = 0.04  # of the range: half a small movement
 
@@ -49,8 +47,9 @@ class Sweep:
         return np.asarray(self.offset - self.amplitude * np.cos(2.0 * np.pi * t / self.period))
 
     def _speeds(self, rate_hz: float) -> Array:
+        speeds = 6  # of `speeds`
         legs: list[tuple[float, float]] = []
-        for v in np.geomspace(self.slowest, self.fastest, SPEEDS):
+        for v in np.geomspace(self.slowest, self.fastest, speeds):
             way = min(self.amplitude, 0.5 * v * PASS_S)  # from the middle
             for _ in range(max(1, round(PASS_S * v / (2.0 * way)))):
                 legs += [(v, way), (-v, 2.0 * way), (v, way)]
@@ -68,13 +67,14 @@ class Sweep:
 
 
 def _travelled(legs: Sequence[tuple[float, float]], rate_hz: float) -> Array:
-    """(T,) from rest to rest. legs: (velocity, way) one after the other; speeds change within `TURN_S`."""
+    """(T,) from rest to rest. legs: (velocity, way) one after the other; speeds change within 0.3 s."""
+    turn_s = 0.3  # [s] that a change of speed takes
     edges = np.concatenate([[0.0], np.cumsum([abs(way / v) if v else 0.0 for v, way in legs])])
     at = np.concatenate([[0.0], np.cumsum([np.sign(v) * way for v, way in legs])])
-    pause = TURN_S  # still before and after
+    pause = turn_s  # still before and after
     t = np.arange(-pause, edges[-1] + pause, 1.0 / rate_hz)
     sharp = np.interp(t, edges, at)
-    window = np.hanning(max(3, round(TURN_S * rate_hz)) + 2)
+    window = np.hanning(max(3, round(turn_s * rate_hz)) + 2)
     half = len(window) // 2
     padded = np.pad(sharp, (half, len(window) - 1 - half), mode="edge")
     return np.convolve(padded, window / window.sum(), mode="valid")

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import NotIdentifiable
 from exogauge.identification.equations import Equations
 from exogauge.identification.predict import measured_channels, motor_gain, predictions, split
@@ -20,13 +21,11 @@ from exogauge.identification.solution import FOLDS, PASSES, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import keeps_most
 from exogauge.identification.turns import WIDEST, rest_detection
-from exogauge.logs.bandwidth import FASTEST
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 
 Array = NDArray[np.float64]
 
-HALVINGS = 5  # at most: below the positions' own bandwidth by a factor of 32
 LOWEST_HZ = 2.0
 AS_GOOD = np.log(1.02)  # two per cent of the residual are of no use to anyone; a lower cut-off lets in less noise
 STOP = np.log(1.15)  # so much worse that no other gain makes up for it
@@ -63,11 +62,12 @@ def choose_cutoff(robot: Robot, logs: Sequence[Log], slowest_hz: float, trial: C
     keeps most of the motion, what keeps it may be worse by 15 %. Never more than 0.2 of the sampling rate, or than
     `slowest_hz`, the lowest sampling rate of any log that is to be predicted, bears.
     """
+    halvings = 5  # at most: below the positions' own bandwidth by a factor of 32
     log = max(logs, key=lambda one: one.samples)
-    highest = min(FASTEST * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
+    highest = min(LOGS.fastest * min(one.rate_hz for one in logs), WIDEST * slowest_hz)
     first = min(suggested_cutoff(robot, logs), highest)
     tried = {first: _tried(trial, log, first)}
-    for number in range(1, HALVINGS + 1):
+    for number in range(1, halvings + 1):
         cutoff_hz = first / 2.0**number
         if cutoff_hz < LOWEST_HZ:
             break

@@ -9,8 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.base import BaseChange
 from exogauge.effects.imu_tilt import turned
+from exogauge.effects.places import BaseChange
 from exogauge.identification.equations import Equations
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import response

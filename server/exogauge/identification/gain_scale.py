@@ -65,14 +65,16 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
     at = np.searchsorted(free, columns)
     others = np.setdiff1d(np.arange(len(free)), at)
     of_maker = ~np.isin(others, prior.measured_free)
-    H_inverse = np.linalg.inv(H)
+    unit = np.zeros((P, len(free)))
+    unit[free, np.arange(len(free))] = 1.0
+    H_inverse: Array = solved.divided(unit)[free]  # not of H itself: squared, a short or slow log leaves no digit
     V = H_inverse[np.ix_(at, at)]
     response = H_inverse[:, at] @ np.linalg.inv(V)  # of x to each k, (F, n)
     number = 1.0 + _decided_by(statistics, weights, kinds, free[others], H[np.ix_(others, others)], of_maker)
     by_prior = strength * np.einsum("fn,fg,gn->n", response, W, response) * np.diag(V)
     weight = np.asarray(1.0 + np.clip(by_prior, 0.0, 1.0) * (strength - 1.0))
     x_hat, m = solved.x[free], prior.seen_mean[free]
-    information, k_hat = np.linalg.inv(V), x_hat[at]
+    information, k_hat = np.asarray(np.linalg.inv(V), np.float64), x_hat[at]
     k = np.asarray(np.maximum(k_hat, 0.2 * np.abs(k_hat).max()))
     for _ in range(ITERATIONS):
         off = x_hat + response @ (k - k_hat) - m
@@ -82,9 +84,10 @@ def gain_scale(equations: Equations, statistics: Statistics, weights: Array, sol
             break
     step, doubt = np.zeros(P), np.zeros((P, P))
     step[free] = response @ (k - k_hat)
-    known = H_inverse @ (G + prior.information(strength**2)) @ H_inverse
     added = _less_known(
-        known[np.ix_(at, at)], np.maximum(distance, 0.0) / k**2, equations.criteria.identifying.gain_known
+        solved.covariance()[np.ix_(columns, columns)],
+        np.maximum(distance, 0.0) / k**2,
+        equations.criteria.identifying.gain_known,
     )
     doubt[np.ix_(free, free)] = response @ added @ response.T
     return GainScale(tuple(axes), columns, step, doubt)

@@ -55,7 +55,6 @@ from exogauge.side_by_side import each as side_by_side
 Array = NDArray[np.float64]
 
 NO_GAINS = np.zeros(0, dtype=np.intp)
-POSTURES = 50  # of a log, for the mean inertia about each axis
 
 
 def identify(
@@ -288,8 +287,9 @@ def _ranges(robot: Robot, logs: Sequence[Prepared]) -> Array:
 
 def _inertias(equations: Equations, identified: Parameters, logs: Sequence[Prepared]) -> Array:
     """(A,) mean of what each axis turns."""
+    postures = 50  # of a log, for the mean inertia about each axis
     phi = equations.base.regroup @ identified.phi.ravel()
-    some = [log.motion.rows(log.kept[:: max(1, len(log.kept) // POSTURES)]) for log in logs]
+    some = [log.motion.rows(log.kept[:: max(1, len(log.kept) // postures)]) for log in logs]
     return np.asarray(np.mean([inertia_and_slope(equations, phi, each)[0].mean(axis=0) for each in some], axis=0))
 
 

@@ -16,11 +16,11 @@ from exogauge.identification.added_columns import load_entries, zeros
 from exogauge.identification.smear import smeared
 from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
 from exogauge.logs.bandwidth import suggest_cutoff
-from exogauge.logs.beside import widened
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
+from exogauge.logs.segments import widened
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
 from exogauge.robots.rows import RowType

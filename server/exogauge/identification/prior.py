@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.effects.effect import JointEffect
 from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import Statistics
@@ -21,10 +22,6 @@ from exogauge.robots.parameters import BaseParameters
 Array = NDArray[np.float64]
 
 NOTHING_ADDED = np.zeros(0)
-INERTIAL_STD = 0.25  # relative, where the maker gives none
-GAIN_STD = 0.2  # relative, of k_T
-GYRATION_FLOOR_M = 0.03  # a link is not a point, even if its file says so
-MASS_FLOOR_SHARE = 0.05  # of the mean link mass, for the spread of links given (almost) no mass
 
 
 @final
@@ -145,11 +142,11 @@ def inertial_std(robot: Robot) -> Array:
     Inertia about the origin: 2 ρ of m (g² + c²), as lengths enter squared; half of that off the diagonal.
     """
     phi, rho = robot.tree.phi, relative_std(robot)
-    floor = MASS_FLOOR_SHARE * phi[:, 0].mean()
+    floor = DECLARED.light_share * phi[:, 0].mean()
     m = np.maximum(phi[:, 0], floor)
     c_squared = np.sum((phi[:, 1:4] / m[:, None]) ** 2, axis=1)
     trace = phi[:, 4] + phi[:, 6] + phi[:, 9]
-    gyration = np.maximum(np.sqrt(np.maximum(trace / (2.0 * m) - c_squared, 0.0)), GYRATION_FLOOR_M)
+    gyration = np.maximum(np.sqrt(np.maximum(trace / (2.0 * m) - c_squared, 0.0)), DECLARED.gyration_m)
     std = np.empty_like(phi)
     std[:, 0] = rho * m
     std[:, 1:4] = (rho * m * np.sqrt(gyration**2 + c_squared))[:, None]
@@ -160,7 +157,9 @@ def inertial_std(robot: Robot) -> Array:
 
 def relative_std(robot: Robot) -> Array:
     """(N,) of mass and of lengths."""
-    return np.array([robot.inertial_std.get(b, robot.inertial_std.get("", INERTIAL_STD)) for b in robot.tree.bodies])
+    return np.array(
+        [robot.inertial_std.get(b, robot.inertial_std.get("", DECLARED.inertial)) for b in robot.tree.bodies]
+    )
 
 
 def _joint_means(robot: Robot, effects: Sequence[JointEffect]) -> Array:
@@ -183,7 +182,7 @@ def _joint_stds(robot: Robot, effects: Sequence[JointEffect], seen: Scales) -> A
             elif name in joint.prior_std:
                 std[a, k] = joint.prior_std[name]
             elif name == "k_T":
-                std[a, k] = GAIN_STD * abs(joint_prior(joint, name))
+                std[a, k] = DECLARED.gain * abs(joint_prior(joint, name))
             else:
                 std[a, k] = possible.get(name, seen.torque)[a]
     return std

@@ -10,12 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from exogauge.effects.base import BaseChange, BaseSignals
-from exogauge.effects.link import LinkSignals
-from exogauge.effects.pair import PairSignals
-from exogauge.effects.scales import in_si
-from exogauge.effects.sensor import SensorSignals
-from exogauge.effects.shaped import AxisSignals
+from exogauge.effects.places import BaseChange, BaseSignals, LinkSignals, PairSignals, SensorSignals
+from exogauge.effects.shaped import AxisSignals, in_si
 from exogauge.identification.added_columns import COMPONENTS, kinds_of_body
 from exogauge.identification.axis_signals import axis_signals
 from exogauge.identification.equations import Equations

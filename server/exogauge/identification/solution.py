@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 
 PASSES = 4  # over the data; each takes the static friction's sign and the noise-free currents from the one before
 FOLDS = 4  # consecutive parts of a fitted log, left out in turn to choose the prior's strength
-ITERATIONS = 4  # of solving and re-weighting; 3 found noise stds within 3.3 % in trials
 SMALLEST_SHARE = 1e-6  # of the signal: noise-free data must not give infinite weights
 STRENGTHS = {
     "per_parameter": tuple(10.0**e for e in (-2, -1, 0, 1, 2, 3)),
@@ -121,10 +120,11 @@ def solve(
 
 def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array) -> Array:
     """(rows,) 1/variance of the residuals, from solving and re-weighting in turn. Rows with weight 0 keep it."""
+    iterations = 4  # of solving and re-weighting; 3 found noise stds within 3.3 % in trials
     seen = np.maximum(statistics.count, 1)
     signal = statistics.residual_square_sum(prior.seen_mean) / seen
     live = weights > 0.0
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         x = PriorLeastSquares(statistics.square_root(weights), prior, strength).x
         variance = statistics.residual_square_sum(x) / seen
         weights = np.where(live, 1.0 / np.maximum(variance, SMALLEST_SHARE**2 * signal + 1e-300), 0.0)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-PER_PERIOD = 6  # samples in a period of the cut-off frequency, which a cubic spline joins
-
 
 def thinned(samples: int, rate_hz: float, cutoff_hz: float) -> NDArray[np.intp]:
     """Samples at which to compute, rising, the first and the last among them; all where the rate is that low."""
-    stride = max(1, int(rate_hz / (PER_PERIOD * cutoff_hz)))
+    per_period = 6  # samples in a period of the cut-off frequency, which a cubic spline joins
+    stride = max(1, int(rate_hz / (per_period * cutoff_hz)))
     return np.unique(np.append(np.arange(0, samples, stride), samples - 1))

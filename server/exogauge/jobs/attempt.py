@@ -22,8 +22,10 @@ from exogauge.jobs.claims import MAX_ATTEMPTS
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import next_jobs
+from exogauge.storage import held_files
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
+from exogauge.storage.orphans import BlobGone
 from exogauge.storage.records import JobRecord
 from exogauge.storage.store import Installation, Storage, Store
 
@@ -75,11 +77,13 @@ class Runner:
 
     def __init__(self, installation: Installation, worker_id: str, scratch: Path) -> None:
         self._installation, self._worker, self._scratch = installation, worker_id, scratch
+        self.temporary = scratch / "tmp"
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
         self._looked = 0.0
         self._progress = 0.0
+        self._charged = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
 
     def run(self) -> None:
@@ -117,12 +121,13 @@ class Runner:
 
     def _of(self, job: JobRecord) -> Storage:
         """All that is read and written for a job is its lab's."""
-        return self._installation.of_lab(job.lab_id)
+        return self._installation.of_lab(job.lab_id, "worker")
 
     def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
         started, folder = time.monotonic(), self._scratch / job.id
         log.info("job %s: attempt %d", job.id, job.attempts)
+        self._charged = self._child.used_s
         try:
             self._compute_and_save(job, folder)
             log.info("job %s succeeded in %.1f s", job.id, time.monotonic() - started)
@@ -140,7 +145,8 @@ class Runner:
             failure = {"class": type(error).__name__, "faults": [], "defect": True}
             self._fail(job, f"unexpected error ({type(error).__name__}): {error}", failure=failure)
         finally:
-            shutil.rmtree(folder, ignore_errors=True)
+            for left in (folder, *(self.temporary.iterdir() if self.temporary.is_dir() else ())):
+                held_files.remove(left)
 
     def _compute_and_save(self, job: JobRecord, folder: Path) -> None:
         """A full disk is waited for: a computation that met one begins anew, what one made is kept until it fits."""
@@ -152,7 +158,15 @@ class Runner:
         self._progress, self._unsaid = 0.0, None
         until_it_works(lambda: self._compute(job, folder, out, wait), DISK_PATIENCE_S, wait, LONGEST_DISK_PAUSE_S)
         files = until_it_works(lambda: keep_folder(self._installation.blobs, out), DISK_PATIENCE_S, wait)
-        until_it_works(lambda: self._succeed(job, files))
+
+        def save() -> None:
+            try:
+                self._succeed(job, files)
+            except BlobGone:  # of an equal file that nothing needed
+                keep_folder(self._installation.blobs, out)
+                raise
+
+        until_it_works(save)
 
     def _compute(self, job: JobRecord, folder: Path, out: Path, wait: Callable[[float, Unavailable], None]) -> None:
         recipe, source = recipe_for(job.kind), folder / "study"
@@ -195,6 +209,7 @@ class Runner:
         try:
             if self._unsaid is not None:
                 with self._of(job).transaction() as store:
+                    self._charge(store, job)
                     claims.report(store.session, job.id, self._worker, *self._unsaid)
                 self._unsaid = None
             with self._of(job).reading() as store:
@@ -207,8 +222,15 @@ class Runner:
         if wanted:
             raise Cancelled("cancelled on request")
 
+    def _charge(self, store: Store, job: JobRecord) -> None:
+        """What was computed since it was last told."""
+        before, self._charged = self._charged, self._child.used_s
+        if self._charged > before:
+            claims.charge(store.session, job.id, self._worker, self._charged - before)
+
     def _succeed(self, job: JobRecord, files: tuple[PinnedFile, ...]) -> None:
         with self._of(job).transaction() as store:
+            self._charge(store, job)
             claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts} succeeded"))
             if not claims.succeed(store.session, job, self._worker, files):
                 raise NotMineAnyMore(job.id)
@@ -219,6 +241,7 @@ class Runner:
 
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 self._say_the_last(store, job)
                 claims.fail(store.session, job.id, self._worker, reason, failure)
 
@@ -234,6 +257,7 @@ class Runner:
 
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 self._say_the_last(store, job)
                 claims.end_cancelled(store.session, job.id, self._worker)
 
@@ -242,6 +266,7 @@ class Runner:
     def _note(self, job: JobRecord, text: str) -> None:
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
 
         until_it_works(write)

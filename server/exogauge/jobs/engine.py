@@ -18,8 +18,12 @@ import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
 from sqlalchemy.orm import Session
 
+from exogauge.storage.database import make_engine
+from exogauge.storage.row_security import grant_schema
+
 APPLICATION = "exogauge"
 QUEUE = "jobs"
+SCHEMA = "dbos"  # on PostgreSQL
 WORKFLOW = "run_job"
 VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
 POLL_S = 0.2
@@ -37,6 +41,12 @@ def migrate_engine(database_url: str) -> None:
     """Create or upgrade the queue's own tables (schema `dbos` on PostgreSQL, `dbos_…`-managed tables on SQLite)."""
     logging.getLogger("dbos").setLevel(logging.ERROR)
     DBOS.migrate(engine_url(database_url))
+    if database_url.startswith("sqlite"):
+        return
+    owner = make_engine(database_url, migrating=True)
+    with owner.begin() as connection:
+        grant_schema(connection, SCHEMA)
+    owner.dispose()
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from sqlalchemy.orm import Session
 from exogauge.jobs.claims import unattended
 from exogauge.jobs.engine import JobQueue
 from exogauge.storage.database import database_now
+from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.tables import WorkerLease
 
 log = logging.getLogger(__name__)
@@ -63,14 +64,14 @@ class Lease:
 
     def take(self) -> None:
         """Write the row; to be done before the first job is taken."""
-        with Session(self.engine) as session, session.begin():
+        with AllLabsSession(self.engine) as session, session.begin():
             now = database_now(session)
             host = socket.gethostname()
             session.add(WorkerLease(worker_id=self.worker_id, beat_at=now, started_at=now, host=host, pid=os.getpid()))
 
     def beat(self) -> bool:
         """Renew; False when somebody has declared this worker dead."""
-        with Session(self.engine) as session, session.begin():
+        with AllLabsSession(self.engine) as session, session.begin():
             mine = sa.update(WorkerLease).where(WorkerLease.worker_id == self.worker_id)
             renewed = mine.values(beat_at=database_now(session)).returning(WorkerLease.worker_id)
             return session.scalar(renewed) is not None
@@ -102,7 +103,7 @@ class Lease:
     def give_back(self) -> None:
         """Delete the row: this worker leaves on its own."""
         self._ended.set()
-        with Session(self.engine) as session, session.begin():
+        with AllLabsSession(self.engine) as session, session.begin():
             session.execute(sa.delete(WorkerLease).where(WorkerLease.worker_id == self.worker_id))
 
 
@@ -132,7 +133,7 @@ class Reaper:
         self._passes += 1
 
     def _judge(self) -> None:
-        with Session(self._engine) as session, session.begin():
+        with AllLabsSession(self._engine) as session, session.begin():
             for worker in delete_stale(session, self._ttl_s):
                 log.warning("worker %s did not answer for %.0f s; its work goes to another", worker, self._ttl_s)
 
@@ -141,7 +142,7 @@ class Reaper:
 
         Leases are read after the entries: a worker takes its lease before its first entry, so none is misjudged.
         """
-        with Session(self._engine) as session, session.begin():
+        with AllLabsSession(self._engine) as session, session.begin():
             waiting = unattended(session)
         if not waiting:
             return
@@ -153,11 +154,11 @@ class Reaper:
         without = [job for job in waiting if job not in usable]
         for job in without[: max(len(waiting) - len(usable), 0)]:
             log.warning("job %s gets a new entry in the queue", job)
-            with Session(self._engine) as session, session.begin():
+            with AllLabsSession(self._engine) as session, session.begin():
                 self._queue.enqueue(session, job)
 
     def _live(self) -> set[str]:
-        with Session(self._engine) as session, session.begin():
+        with AllLabsSession(self._engine) as session, session.begin():
             return live_workers(session)
 
     def _sweep(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import tempfile
 import threading
 
 from exogauge.jobs.attempt import Runner
@@ -29,7 +30,7 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
     migrate.at_newest_or_raise(migrate.current(settings.database_url))
     installation = open_installation(settings)
     worker_id = new_worker_id()
-    folder = settings.data_dir / "work" / worker_id
+    folder = settings.work / worker_id
     log.info("worker %s computes by %s", worker_id, code_version())  # as it is now, whatever is installed later
     lease = Lease(installation.engine, worker_id, lease_s)
     runner = Runner(installation, worker_id, folder)
@@ -47,7 +48,8 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent decides
         leave_with_parent(leaving.set)
     lease.take()
-    folder.mkdir(parents=True, exist_ok=True)
+    runner.temporary.mkdir(parents=True, exist_ok=True)
+    os.environ["TMPDIR"] = tempfile.tempdir = str(runner.temporary)  # also of what computes: swept with the worker
     lease.keep(lost, reaper.reap)
     take_jobs(settings.database_url, worker_id, runner.run)
     log.info("worker %s takes jobs", worker_id)

@@ -7,18 +7,13 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 from scipy.stats import chi2
 
+from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response, differentiate
 from exogauge.logs.filtering import LowPass
 
 Array = NDArray[np.float64]
 
-SLOWEST_HZ = 1.0
-FASTEST = 0.2  # of the sampling rate: the second derivative is still better than 1 % there
 SEGMENT_S = 8.0  # per spectrum: resolves 0.5 Hz
-FLOOR_BAND = (0.3, 0.45)  # of the sampling rate, where a position holds nothing but noise
-FAST_JOINTS = 0.75  # which quantile of the joints decides
-ROUND_OFF = 1e-9  # relative; what varies less does not vary
-FALSE_ALARM = 1e-3  # chance that noise alone is taken for motion, per joint
 
 
 def suggest_cutoff(values: Array, rate_hz: float, order: int = 2) -> float:
@@ -34,8 +29,8 @@ def suggest_cutoff(values: Array, rate_hz: float, order: int = 2) -> float:
     low-passed before it was stored shows too low a floor and so gets too high a cut-off: bounded, but look at the
     spectrum.
     """
-    fastest = FASTEST * rate_hz
-    slowest = min(SLOWEST_HZ, fastest)
+    fastest = LOGS.fastest * rate_hz
+    slowest = min(LOGS.slowest_hz, fastest)
     if values.shape[0] < 32:
         return slowest
     frequency, motion, noise = _spectra(values, rate_hz)
@@ -46,12 +41,12 @@ def suggest_cutoff(values: Array, rate_hz: float, order: int = 2) -> float:
     gain = np.array([LowPass(float(cutoff), rate_hz).gain(frequency) for cutoff in candidates])  # (C, F)
     weight = (2.0 * np.pi * frequency)[:, None] ** (2 * order)
     error = (1.0 - gain) ** 2 @ (weight * motion[:, moving]) + gain**2 @ (weight * noise[moving])
-    return float(np.quantile(candidates[np.argmin(error, axis=0)], FAST_JOINTS))
+    return float(np.quantile(candidates[np.argmin(error, axis=0)], LOGS.fast_joints))
 
 
 def varies(values: Array) -> NDArray[np.bool_]:
     """values: (T, K) -> (K,) whether each does more than round."""
-    return np.asarray(np.ptp(values, axis=0) > ROUND_OFF * np.max(np.abs(values), axis=0))
+    return np.asarray(np.ptp(values, axis=0) > LOGS.round_off * np.max(np.abs(values), axis=0))
 
 
 def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
@@ -64,11 +59,11 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     length = min(velocity.shape[0], round(SEGMENT_S * rate_hz))
     frequency, power = welch(velocity, rate_hz, "blackmanharris", nperseg=length, detrend="constant", axis=0)
     response = difference_response(frequency / rate_hz, 1) * rate_hz
-    kept = (frequency > 0.0) & (frequency < FLOOR_BAND[1] * rate_hz)
+    kept = (frequency > 0.0) & (frequency < LOGS.floor_band[1] * rate_hz)
     frequency, spectrum = frequency[kept], power[kept] / response[kept, None] ** 2
     freedom = 2.0 * max(1, 2 * velocity.shape[0] // length - 1)  # neighbours overlap by half and are nearly independent
-    in_floor = frequency > FLOOR_BAND[0] * rate_hz
+    in_floor = frequency > LOGS.floor_band[0] * rate_hz
     noise = np.median(spectrum[in_floor], axis=0) / (chi2.median(freedom) / freedom)
-    stands_out = chi2.isf(FALSE_ALARM / frequency.size, freedom) / freedom
+    stands_out = chi2.isf(LOGS.false_alarm / frequency.size, freedom) / freedom
     motion = np.where(varies(values) & (spectrum > stands_out * noise), spectrum - noise, 0.0)
     return frequency, motion, noise

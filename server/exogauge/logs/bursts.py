@@ -13,14 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.logs.model import Array, Note
-
-TINY = 0.25  # of a period: no timer fires again so soon, so such messages had waited
-SHARE = 0.1  # of all steps: so many tiny ones are no single hiccup
-OFFSET = 1.5  # periods by which the envelope may move: more is a gap, or rows that are there twice
-WINDOW = 4  # times the longest burst: holds a message on time
-FEWEST = 20  # samples in such a window
-EVERY = 1000  # windows that a slope is taken over, at most
 
 
 def evened(time: NDArray[Any], unit_s: float = 1.0) -> tuple[NDArray[Any], Note | None]:
@@ -32,22 +26,23 @@ def evened(time: NDArray[Any], unit_s: float = 1.0) -> tuple[NDArray[Any], Note 
     first = time[0]
     stamps = np.asarray(time - first, np.float64)
     steps = np.diff(stamps)
-    if time.size < 2 * FEWEST or (not (steps < 1e-9 * np.abs(steps).max()).any() and not _many_tiny(steps)):
+    fewest, times = 20, 4  # samples in a window, and how many times the longest burst: it holds a message on time
+    if time.size < 2 * fewest or (not (steps < 1e-9 * np.abs(steps).max()).any() and not _many_tiny(steps)):
         return time, None
     period = _period(stamps)
-    tiny = steps < TINY * period
-    if (steps < -TINY * period).any() or tiny.mean() < SHARE:
+    tiny = steps < LOGS.tiny * period
+    if (steps < -LOGS.tiny * period).any() or tiny.mean() < LOGS.tiny_share:
         return time, None
-    window = max(FEWEST, WINDOW * (_longest(tiny) + 1))
+    window = max(fewest, times * (_longest(tiny) + 1))
     if 2 * window > time.size:
         return time, None
     late = stamps - period * np.arange(time.size)
     behind, ahead = _lowest_before(late, window), _lowest_before(late[::-1], window)[::-1]
     moved = ahead[1:] - behind[:-1]
     moved[: window - 1] = moved[-(window - 1) :] = 0.0  # no whole window there, and perhaps no message on time
-    if moved.min() < -OFFSET * period:  # more messages than the clock has ticks
+    if moved.min() < -LOGS.envelope * period:  # more messages than the clock has ticks
         return time, None
-    edges = [0, *(_gaps(moved > OFFSET * period, window) + 1), time.size]
+    edges = [0, *(_gaps(moved > LOGS.envelope * period, window) + 1), time.size]
     even = np.empty_like(stamps)
     for start, stop in pairwise(edges):
         even[start:stop] = _beneath(stamps[start:stop], period, window)
@@ -77,14 +72,15 @@ def _beneath(stamps: Array, period: float, window: int) -> Array:
 
 
 def _many_tiny(steps: Array) -> bool:
-    return bool((steps < TINY * steps.mean()).mean() > SHARE)
+    return bool((steps < LOGS.tiny * steps.mean()).mean() > LOGS.tiny_share)
 
 
 def _period(stamps: Array) -> float:
     """Median slope over a tenth of the stamps: bursts average out, and a gap lies in few of them."""
+    every = 1000  # windows that a slope is taken over, at most
     lag = max(1, stamps.size // 10)
     slopes = (stamps[lag:] - stamps[:-lag]) / lag
-    return float(np.median(slopes[:: max(1, slopes.size // EVERY)]))
+    return float(np.median(slopes[:: max(1, slopes.size // every)]))
 
 
 def _longest(flags: NDArray[np.bool_]) -> int:

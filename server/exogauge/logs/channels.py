@@ -14,7 +14,6 @@ JOINT_UNITS: dict[Kind, str] = {"q": "rad", "dq": "rad/s", "ddq": "rad/s²", "i"
 VECTOR_UNITS: dict[Kind, str] = {"acc": "m/s²", "gyro": "rad/s"}
 WRENCH_AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 BASE_UNITS = {"x": "m", "y": "m", "z": "m", "qx": "1", "qy": "1", "qz": "1", "qw": "1"}
-NAME_LENGTH = 200
 FORMS = (
     "t",
     *(f"{kind}.<joint>" for kind in JOINT_UNITS),
@@ -61,7 +60,8 @@ def parse_channel(name: str, file: str | None = None) -> Channel:
 
 
 def _parse(name: str) -> Channel | None:
-    if len(name) > NAME_LENGTH or not name.isprintable():
+    name_length = 200
+    if len(name) > name_length or not name.isprintable():
         return None
     if name == "t":
         return Channel(name, "t", "", "", "s")

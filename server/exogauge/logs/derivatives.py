@@ -12,8 +12,6 @@ from exogauge.logs.filtering import LowPass
 Array = NDArray[np.float64]
 
 WIDTH = 7  # samples per difference; 6th order in the interior
-FIRST_BANDWIDTH = 0.175  # of the sampling rate: up to there the first derivative is less than 1 % too small
-SECOND_BANDWIDTH = 0.223  # the same for the second
 
 
 def differentiate(values: Array, rate_hz: float) -> Array:

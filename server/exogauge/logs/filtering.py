@@ -20,10 +20,7 @@ from exogauge.errors import BadLog, Fault
 
 Array = NDArray[np.float64]
 
-AT_ONCE = 16  # channels: what is worked on stays in the cache
 MANY = 20_000  # values from which loading numba pays, for a process that has not yet
-FREQUENCIES = 20_000  # at which a gain is computed, to be read off
-SETTLED = 0.01  # what is left of a filter transient when it counts as gone
 
 
 @final
@@ -80,7 +77,8 @@ class StoredPass:
 
     def falls_to(self, share: float, rate_hz: float) -> float:
         """[Hz] where this share of an amplitude is left in all."""
-        frequency = np.linspace(0.0, 0.5 * rate_hz, FREQUENCIES)
+        frequencies = 20_000  # at which a gain is computed, to be read off
+        frequency = np.linspace(0.0, 0.5 * rate_hz, frequencies)
         return float(np.interp(share, self.gain(frequency, rate_hz)[::-1], frequency[::-1]))
 
     def gain(self, frequency_hz: ArrayLike, rate_hz: float) -> Array:
@@ -141,6 +139,7 @@ class LowPass:
         reflection until a transient is over, however short the log. `settle_samples` at each end still deserve doubt:
         they lean on values that were never measured.
         """
+        at_once = 16  # channels: what is worked on stays in the cache
         if self.stored is not None:
             values = self.stored.apply(values, self.rate_hz)
         if not np.isfinite(values).all():
@@ -151,9 +150,9 @@ class LowPass:
         flat = values.reshape(len(values), -1)
         filtered = np.empty(flat.shape)
         zero_phase = _zero_phase(values.size) if beyond < len(flat) else zero_phase_by_scipy
-        for start in range(0, flat.shape[1], AT_ONCE):
-            channels = np.ascontiguousarray(flat[:, start : start + AT_ONCE], dtype=np.float64)
-            zero_phase(*_sections(self), channels, beyond, filtered[:, start : start + AT_ONCE])
+        for start in range(0, flat.shape[1], at_once):
+            channels = np.ascontiguousarray(flat[:, start : start + at_once], dtype=np.float64)
+            zero_phase(*_sections(self), channels, beyond, filtered[:, start : start + at_once])
         return filtered.reshape(values.shape)
 
     def gain(self, frequency_hz: ArrayLike) -> Array:
@@ -227,7 +226,8 @@ def _settle_samples(low_pass: LowPass) -> int:
 
 def _settled_after(poles: NDArray[np.complex128]) -> int:
     """Samples until the slowest has lost 99 % of its transient."""
-    return math.ceil(math.log(SETTLED) / math.log(float(np.max(np.abs(poles)))))
+    settled = 0.01  # what is left of a filter transient when it counts as gone
+    return math.ceil(math.log(settled) / math.log(float(np.max(np.abs(poles)))))
 
 
 def _not_finite(values: Array, place: Array) -> Fault:
@@ -239,3 +239,31 @@ def _not_finite(values: Array, place: Array) -> Fault:
         column=str(int(place[1]) + 1) if place.size > 1 else None,
         value=str(values[tuple(place)]),
     )
+
+
+IntArray = NDArray[np.intp]
+
+
+def low_passed_at(low_pass: LowPass, channels: Array, samples: IntArray) -> Array:
+    """channels: (K, T), one after the other. samples: (n,) -> (n, K) `low_pass.apply(channels.T)[samples]`.
+
+    The same steps in the same order; nothing between the wanted samples is written down.
+    """
+    from exogauge.loops.passes import both_ways, extended, picked
+
+    lanes = 16  # channels that are filtered side by side: what is worked on stays in the cache
+    beyond, length = low_pass.settle_samples, channels.shape[1]
+    if low_pass.stored is not None or beyond >= length:
+        return low_pass.apply(np.ascontiguousarray(channels.T))[samples]
+    out = np.empty((len(samples), len(channels)))
+    sections, steady = _sections(low_pass)
+    for start in range(0, len(channels), lanes):
+        some = channels[start : start + lanes]
+        if not start or len(some) < lanes:
+            buffer = np.empty((length + 2 * beyond, len(some)))
+        extended(some, beyond, buffer)
+        both_ways(sections, steady, buffer)
+        picked(some, beyond, buffer, samples, out[:, start : start + lanes])
+    if not np.isfinite(out).all():
+        return low_pass.apply(np.ascontiguousarray(channels.T))[samples]  # says which value is none
+    return out

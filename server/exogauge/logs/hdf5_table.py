@@ -13,13 +13,13 @@ from typing import Any, final
 import h5py
 import numpy as np
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadInput, BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
-from exogauge.logs.limits import MAX_COLUMNS, check_cells
+from exogauge.logs.limits import check_cells
 from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, broken
 
-MAX_DEPTH = 16
 BUILT_IN_FILTERS = {
     h5py.h5z.FILTER_DEFLATE,
     h5py.h5z.FILTER_SHUFFLE,
@@ -54,7 +54,7 @@ class Hdf5Table:
                     self._numeric[name] = dataset.dtype.kind in "fiu" and dataset.dtype.itemsize <= 8
                     self._shapes[name] = tuple(dataset.shape or ())
                     self._paths[name] = dataset.name
-                    if len(self._shapes) > MAX_COLUMNS:
+                    if len(self._shapes) > LOGS.most_columns:
                         check_cells(1, len(self._shapes), file)
         except BadInput:
             raise
@@ -96,8 +96,9 @@ class Hdf5Table:
         return columns
 
     def _walk(self, group: Any, prefix: str, depth: int, seen: set[Any]) -> Iterator[tuple[str, Any]]:
-        if depth > MAX_DEPTH:
-            raise TooLarge(Fault(f"groups are nested deeper than {MAX_DEPTH}", "too_deep", "", self.file))
+        max_depth = 16
+        if depth > max_depth:
+            raise TooLarge(Fault(f"groups are nested deeper than {max_depth}", "too_deep", "", self.file))
         for key in group:
             name = f"{prefix}{key}"
             link = group.get(key, getlink=True)

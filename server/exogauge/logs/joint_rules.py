@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags
 
 from exogauge.criteria.examining import Examining
-from exogauge.logs.bandwidth import FASTEST, suggest_cutoff
+from exogauge.criteria.logs import LOGS
+from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, varies
@@ -139,7 +140,7 @@ def _likeness(time: Array, position: Array, velocity: Array, criteria: Examining
     low_pass = LowPass(cutoff, rate)
     inner = slice(low_pass.settle_samples // 2, -(low_pass.settle_samples // 2) or None)
     derived, logged = low_pass.apply(differentiate(q, rate))[inner], low_pass.apply(dq)[inner]
-    noise = white_noise_std(q, rate, FASTEST * rate) * derivative_noise_gain(low_pass, 1)
+    noise = white_noise_std(q, rate, LOGS.fastest * rate) * derivative_noise_gain(low_pass, 1)
     if derived.size < 64 or np.std(derived) < criteria.moves * noise or not varies(logged):
         return None
     derived, logged = derived - derived.mean(), logged - logged.mean()

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import Fault, TooLarge
-
-MAX_BYTES = 2_000_000_000
-MAX_CELLS = 250_000_000  # 2 GB as float64: one hour at 1 kHz with 69 channels
-MAX_COLUMNS = 4096
-MIN_SAMPLES = 10
-MAX_FAULTS = 20
 
 
 def check_bytes(size: int, file: str) -> None:
     """size: bytes of the file, unpacked."""
-    if size > MAX_BYTES:
+    if size > LOGS.most_bytes:
         raise TooLarge(
             Fault(
-                f"the file holds more than {MAX_BYTES / 1e9:g} GB",
+                f"the file holds more than {LOGS.most_bytes / 1e9:g} GB",
                 "too_many_bytes",
                 "Split the recording, or hand it in as Parquet with only the columns needed.",
                 file=file,
@@ -27,20 +22,20 @@ def check_bytes(size: int, file: str) -> None:
 
 def check_cells(rows: int, columns: int, file: str, column: str | None = None) -> None:
     """rows x columns as declared by the file or counted without parsing."""
-    if columns > MAX_COLUMNS:
+    if columns > LOGS.most_columns:
         raise TooLarge(
             Fault(
-                f"the table has more than {MAX_COLUMNS} columns",
+                f"the table has more than {LOGS.most_columns} columns",
                 "too_many_columns",
                 "Keep the columns that are needed.",
                 file=file,
                 value=str(columns),
             )
         )
-    if rows * max(columns, 1) > MAX_CELLS:
+    if rows * max(columns, 1) > LOGS.most_cells:
         raise TooLarge(
             Fault(
-                f"the file declares {rows} rows x {columns} columns; at most {MAX_CELLS} values are read",
+                f"the file declares {rows} rows x {columns} columns; at most {LOGS.most_cells} values are read",
                 "too_many_values",
                 "Split the recording, drop columns, or lower the rate.",
                 file=file,

@@ -8,13 +8,13 @@ from typing import Any, Literal, final
 
 import numpy as np
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Array
 from exogauge.logs.tables import TextLayout
 
 Side = Literal["joint", "motor"]
 Order = Literal["force_first", "couple_first"]
-ROTATION_TOLERANCE = 1e-4
 
 
 @final
@@ -167,7 +167,7 @@ def check_rotation(rows: Sequence[Sequence[float]], file: str | None = None, col
         R = np.array(rows, dtype=np.float64)
     except (ValueError, TypeError):
         R = np.empty(0)
-    if R.shape == (3, 3) and np.isfinite(R).all() and np.allclose(R @ R.T, np.eye(3), atol=ROTATION_TOLERANCE):
+    if R.shape == (3, 3) and np.isfinite(R).all() and np.allclose(R @ R.T, np.eye(3), atol=LOGS.rotation):
         if np.linalg.det(R) > 0.0:
             return R
         detail = "the matrix mirrors (determinant -1) instead of rotating"

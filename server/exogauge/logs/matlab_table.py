@@ -28,8 +28,6 @@ _KINDS = {
     "f8": "double", "f4": "single", "b1": "logical", **{f"{sign}{size}": f"{word}{8 * size}"
     for sign, word in (("i", "int"), ("u", "uint")) for size in (1, 2, 4, 8)},
 }  # fmt: skip
-MAX_DEPTH = 16
-MOST_ELEMENTS = 100  # of a struct array; a log kept as one struct per sample is no table
 _FAILURES = (
     OSError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError, AttributeError, RuntimeError,
     NotImplementedError, UnicodeError, zlib.error, MatReadError, Warning,
@@ -112,7 +110,9 @@ class MatlabTable:
 
 def _flat(name: str, value: RawArray, depth: int) -> Iterator[tuple[str, RawArray]]:
     """The fields of a struct, and of those in it, that are no structs."""
-    if value.dtype.names is None or depth > MAX_DEPTH or value.size > MOST_ELEMENTS:
+    most_elements = 100  # of a struct array; a log kept as one struct per sample is no table
+    max_depth = 16
+    if value.dtype.names is None or depth > max_depth or value.size > most_elements:
         yield name, value
         return
     for number, element in enumerate(value.ravel()):

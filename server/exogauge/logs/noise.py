@@ -8,17 +8,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.logs.filtering import LowPass, StoredPass
 
 Array = NDArray[np.float64]
 
-SEGMENT = 200  # samples per robust estimate
 MAD_TO_STD = 1.4826  # of a Gaussian
-MANY = 50_000  # values show a lattice as well as all do, and sort faster
-ROUNDED = 3.0  # times what rounding leaves of itself, from which noise behind a low-pass is seen
-FALLEN = (0.1, 0.03, 0.01)  # of an amplitude behind a stored low-pass: beyond, noise is sought
-LEAST_S = 4.0  # of a log in which nothing jumps
-FEW_LEVELS = 20  # with fewer distinct values a lattice could be chance: then values must repeat
 
 
 def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
@@ -28,10 +23,11 @@ def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
     and the median of those, so that impacts and half a log of standing still do no harm; then scales up by the part
     of a white spectrum that lies there. Never less than step / sqrt(12), what rounding alone costs a moving channel.
     """
+    segment = 200  # samples per robust estimate
     low_pass = LowPass(above_hz, rate_hz)
     rest = values - low_pass.apply(values)
     step = quantisation_step(values)
-    spread = float(np.median(_spreads(rest, max(1, rest.size // SEGMENT))))
+    spread = float(np.median(_spreads(rest, max(1, rest.size // segment))))
     return max(spread / _seen_share(low_pass), step / math.sqrt(12.0) if step else 0.0)
 
 
@@ -43,16 +39,16 @@ def noise_before_stored(
     None where rounding hides it, or where something jumps all the time: a jump, of friction say, leaves more there than
     noise does. Of several frequencies what says least, for motion reaches the first. without_jumps: (T,)
     """
-    if np.count_nonzero(without_jumps) < LEAST_S * rate_hz:
+    if np.count_nonzero(without_jumps) < LOGS.least_s * rate_hz:
         return None
     step = quantisation_step(values)
     rounding = step / math.sqrt(12.0) if step else 0.0
     found = []
-    for share in FALLEN:
+    for share in LOGS.fallen:
         low_pass = LowPass(min(stored.falls_to(share, rate_hz), 0.4 * rate_hz), rate_hz)
         rest = (values - low_pass.apply(values))[without_jumps]
         spread = MAD_TO_STD * float(np.median(np.abs(rest - np.median(rest))))
-        if spread > ROUNDED * rounding * _seen_share(low_pass):
+        if spread > LOGS.rounded * rounding * _seen_share(low_pass):
             found.append(spread / _seen_share(low_pass, stored))
     return min(found, default=None)
 
@@ -62,13 +58,14 @@ def quantisation_step(values: Array) -> float | None:
 
     Decimals of a text file are a lattice too: they limit the log just as a converter does.
     """
-    values = values[:: 1 + values.size // MANY]
+    many = 50_000  # values show a lattice as well as all do, and sort faster
+    values = values[:: 1 + values.size // many]
     with np.errstate(over="ignore"):
         single = bool(np.all(values == values.astype(np.float32)))
     levels = np.unique(values)
     spacing = np.diff(levels)
     spacing = spacing[spacing > (1e-6 if single else 1e-11) * np.max(np.abs(levels), initial=0.0)]
-    if spacing.size == 0 or (spacing.size < FEW_LEVELS and values.size < 4 * levels.size):
+    if spacing.size == 0 or (spacing.size < LOGS.few_levels and values.size < 4 * levels.size):
         return None
     smallest = float(spacing.min())
     step = float(np.median(spacing[spacing < 1.5 * smallest]))

@@ -1,4 +1,6 @@
-"""Parquet through pyarrow; what the footer declares is checked before a value is read."""
+"""Parquet through pyarrow: read, after what the footer declares was checked, and written in the one form in which
+logs are kept: `t` and the channels as float64, in row groups of one chunk.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,9 @@ import pyarrow.parquet as pq
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
 from exogauge.logs.limits import check_cells
-from exogauge.logs.model import Note
+from exogauge.logs.model import Log, Note
 from exogauge.logs.tables import RawArray, broken
 
-BATCH_ROWS = 1 << 16
 _FAILURES = (pa.ArrowException, OSError, ValueError, OverflowError, KeyError, IndexError)
 
 
@@ -48,6 +49,7 @@ class ParquetTable:
         return tuple(str(name) for name in self._schema.names)
 
     def read(self, names: Sequence[str], exact: Sequence[str] = ()) -> dict[str, RawArray]:
+        batch_rows = 1 << 16
         faults = [self._type_fault(name) for name in names if not _is_numeric(self._schema.field(name).type)]
         if faults:
             raise BadLog(faults)
@@ -55,7 +57,7 @@ class ParquetTable:
         columns: dict[str, RawArray] = {name: np.empty(self._rows, kind) for name, kind in kinds.items()}
         row = 0
         try:
-            for batch in self._source.iter_batches(BATCH_ROWS, columns=list(names), use_threads=False):
+            for batch in self._source.iter_batches(batch_rows, columns=list(names), use_threads=False):
                 if row + batch.num_rows > self._rows:
                     raise ValueError("more rows than declared")
                 for name in names:
@@ -108,3 +110,17 @@ def _values(column: Any, kind: Any, name: str, row: int, file: str) -> RawArray:
             raise BadLog(Fault("a time stamp is missing", "missing_value", "", file, row + first + 1, shorten(name)))
         return np.asarray(pc.cast(column, pa.int64()).to_numpy(zero_copy_only=False))
     return np.asarray(pc.cast(column, pa.float64(), safe=False).to_numpy(zero_copy_only=False), np.float64)
+
+
+def write_log(log: Log, path: Path) -> None:
+    """Write the log; the same log gives the same bytes. `reading.read_log` reads it back exactly."""
+    row_group = 12_000
+    names = ["t", *log.channels]
+    schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
+    with pq.ParquetWriter(
+        path, schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True, write_statistics=False
+    ) as writer:
+        for start in range(0, log.samples, row_group):
+            chunk = slice(start, start + row_group)
+            arrays = [pa.array(values[chunk]) for values in (log.time, *log.channels.values())]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema), row_group_size=row_group)

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.bursts import evened
 from exogauge.logs.channels import parse_channel, shorten, suggestion
-from exogauge.logs.limits import MAX_FAULTS, MIN_SAMPLES, rows_outside
+from exogauge.logs.limits import rows_outside
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import as_vector, read_names
@@ -88,10 +89,10 @@ def cut(values: Array, rows: tuple[int, int] | None, file: str) -> Array:
         if not 0 <= start < stop <= values.size:
             raise BadLog(rows_outside(rows, values.size, file))
         values = values[start:stop]
-    if values.size < MIN_SAMPLES:
+    if values.size < LOGS.fewest_samples:
         raise BadLog(
             Fault(
-                f"{values.size} samples are too few; at least {MIN_SAMPLES} are needed",
+                f"{values.size} samples are too few; at least {LOGS.fewest_samples} are needed",
                 "too_few_samples",
                 "Check that the recording is complete.",
                 file,
@@ -138,11 +139,11 @@ def value_faults(values: Array, file: str, column: str, *, allow_gaps: bool, fir
 
 
 def refuse(faults: list[Fault]) -> None:
-    """Raise what was collected, at most `MAX_FAULTS` of it."""
-    if len(faults) > MAX_FAULTS:
-        rest = len(faults) - MAX_FAULTS + 1
+    """Raise what was collected, at most `LOGS.most_faults` of it."""
+    if len(faults) > LOGS.most_faults:
+        rest = len(faults) - LOGS.most_faults + 1
         faults = [
-            *faults[: MAX_FAULTS - 1],
+            *faults[: LOGS.most_faults - 1],
             Fault(f"{rest} more faults are not listed", "more_faults", "", faults[0].file),
         ]
     if faults:

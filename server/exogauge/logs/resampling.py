@@ -8,15 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
 
-EVEN = 0.02  # of a sample period: stamps closer than that to an even clock are even (printed decimals)
-LONGEST_GAP = 5.0  # sample periods that interpolation may bridge
-ANTI_ALIAS = 0.4  # cut-off when going down, as a fraction of the new rate
 QUATERNION = ("base.qx", "base.qy", "base.qz", "base.qw")
 
 
@@ -62,12 +60,12 @@ def is_even(time: Array) -> bool:
     if time.size < 3:
         return True
     even = np.linspace(time[0], time[-1], time.size)
-    return bool(np.max(np.abs(time - even)) < EVEN * (time[-1] - time[0]) / (time.size - 1))
+    return bool(np.max(np.abs(time - even)) < LOGS.even * (time[-1] - time[0]) / (time.size - 1))
 
 
 def _covered(log: Log, longest_gap_s: float | None) -> tuple[float, float]:
     """First and last time [s] between which every channel of the log has values, or BadLog where one has too few."""
-    limit = LONGEST_GAP / log.rate_hz if longest_gap_s is None else longest_gap_s
+    limit = LOGS.longest_gap / log.rate_hz if longest_gap_s is None else longest_gap_s
     start, end = float(log.time[0]), float(log.time[-1])
     faults = []
     for channel, values in log.channels.items():
@@ -95,7 +93,7 @@ def _at(time: Array, rate_hz: float, known_time: Array, known: Array) -> Array:
             known_time[0], known_time[-1], max(2, round((known_time[-1] - known_time[0]) * own_rate) + 1)
         )
         even_rate = (even.size - 1) / float(even[-1] - even[0])
-        known = LowPass(ANTI_ALIAS * rate_hz, even_rate).apply(_interpolate(known_time, known, even))
+        known = LowPass(LOGS.anti_alias * rate_hz, even_rate).apply(_interpolate(known_time, known, even))
         known_time = even
     return _interpolate(known_time, known, time)
 

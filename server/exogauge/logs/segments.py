@@ -1,21 +1,20 @@
-"""A recording with gaps in time becomes several logs: neither filter nor derivative may reach across them."""
+"""A recording with gaps in time becomes several logs: neither filter nor derivative may reach across them. Parts
+without a gap between them are filtered as one: what lies beside a part is kept with it, and cut off again.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
-from exogauge.logs.limits import MIN_SAMPLES
-from exogauge.logs.model import Log, Note
-from exogauge.logs.resampling import LONGEST_GAP, uniform
-
-LATE = 1.5  # nominal steps: from here on a sample is missing between two
-SHORTEST_S = 2.0  # a low-pass of 2 Hz, the lowest that is chosen, leans on half a second at either end
-MOST_TOLD = 5
+from exogauge.logs.model import Beside, Log, Note
+from exogauge.logs.resampling import uniform
 
 
 def segments(log: Log, first: int = 0) -> list[Log]:
@@ -28,11 +27,15 @@ def segments(log: Log, first: int = 0) -> list[Log]:
     """
     step = np.diff(log.time)
     nominal = float(np.median(step))
-    if not (step > LATE * nominal).any():
+    if not (step > LOGS.late * nominal).any():
         return [log]
-    edges = [0, *(np.flatnonzero(step > LONGEST_GAP * nominal) + 1), log.samples]
+    edges = [0, *(np.flatnonzero(step > LOGS.longest_gap * nominal) + 1), log.samples]
     pieces = list(pairwise(edges))
-    long = [(a, b) for a, b in pieces if b - a >= MIN_SAMPLES and log.time[b - 1] - log.time[a] >= SHORTEST_S]
+    long = [
+        (a, b)
+        for a, b in pieces
+        if b - a >= LOGS.fewest_samples and log.time[b - 1] - log.time[a] >= LOGS.shortest_part_s
+    ]
     if not long:
         raise BadLog(_nothing_left(log, step, nominal, first))
     if len(pieces) == 1:
@@ -53,7 +56,7 @@ def segments(log: Log, first: int = 0) -> list[Log]:
 
 def _bridged(log: Log, step: NDArray[np.float64], nominal: float) -> Log:
     """On an even clock where single samples are missing."""
-    late = step > LATE * nominal
+    late = step > LOGS.late * nominal
     if not late.any():
         return log
     lost = round(float(log.time[-1] - log.time[0]) / nominal) + 1 - log.samples
@@ -75,6 +78,7 @@ def _told(
     nominal: float,
     first: int,
 ) -> Note:
+    most_told = 5
     places = [b for _, b in pieces[:-1]]
     gaps = "1 gap" if len(places) == 1 else f"{len(places)} gaps"
     longest = max(places, key=lambda b: step[b - 1])
@@ -86,17 +90,66 @@ def _told(
     short = [piece for piece in pieces if piece not in long]
     if short:
         lost = sum(log.time[b - 1] - log.time[a] for a, b in short)
-        rows = ", ".join(f"{first + a}-{first + b}" for a, b in short[:MOST_TOLD])
-        more = f" and {len(short) - MOST_TOLD} more" if len(short) > MOST_TOLD else ""
-        detail += f". Left out, as shorter than {SHORTEST_S:g} s: rows {rows}{more}, {lost:.3g} s in all"
+        rows = ", ".join(f"{first + a}-{first + b}" for a, b in short[:most_told])
+        more = f" and {len(short) - most_told} more" if len(short) > most_told else ""
+        detail += f". Left out, as shorter than {LOGS.shortest_part_s:g} s: rows {rows}{more}, {lost:.3g} s in all"
     return Note("cut_at_gaps", detail, "", None)
 
 
 def _nothing_left(log: Log, step: NDArray[np.float64], nominal: float, first: int) -> Fault:
     at = int(np.argmax(step))
-    late = int((step > LONGEST_GAP * nominal).sum())
+    late = int((step > LOGS.longest_gap * nominal).sum())
     detail = (
-        f"{late} gaps in time leave no stretch of {SHORTEST_S:g} s; the longest gap lasts {step[at]:.6g} s where "
-        f"{nominal:.6g} s is usual"
+        f"{late} gaps in time leave no stretch of {LOGS.shortest_part_s:g} s; the longest gap lasts {step[at]:.6g} s "
+        f"where {nominal:.6g} s is usual"
     )
     return Fault(detail, "time_gap", "Record again without losing samples.", log.name, first + at + 2, "t")
+
+
+Array = NDArray[np.float64]
+
+
+def with_beside(log: Log, parts: Sequence[Log]) -> Log:
+    """The log with what the parts of its recording that lie right before and after it hold.
+
+    parts: those of its recording that its filters may see, on one clock; in any order, with or without itself.
+    """
+    line = sorted([log, *(each for each in parts if each is not log)], key=lambda each: float(each.time[0]))
+    own = next(k for k, each in enumerate(line) if each is log)
+    after = own
+    while after + 1 < len(line) and _follows(line[after], line[after + 1]):
+        after += 1
+    first = own
+    while first > 0 and _follows(line[first - 1], line[first]):
+        first -= 1
+    if first == after:
+        return log
+    before = {name: _joined(line[first:own], name) for name in log.channels}
+    beyond = {name: _joined(line[own + 1 : after + 1], name) for name in log.channels}
+    return replace(log, beside=Beside(before, beyond))
+
+
+def widened(log: Log) -> tuple[Log, slice]:
+    """The log with what is beside it as one, and where it lies there; without it as it is."""
+    if log.beside is None:
+        return log, slice(0, log.samples)
+    before, after = log.beside.before, log.beside.after
+    channels = {name: np.concatenate([before[name], own, after[name]]) for name, own in log.channels.items()}
+    first, step = len(next(iter(before.values()))), 1.0 / log.rate_hz
+    samples = len(next(iter(channels.values())))
+    earlier = log.time[0] - step * np.arange(first, 0, -1)
+    later = log.time[-1] + step * np.arange(1, samples - first - log.samples + 1)
+    time = np.concatenate([earlier, log.time, later])
+    return replace(log, time=time, channels=channels, beside=None), slice(first, first + log.samples)
+
+
+def _follows(one: Log, other: Log) -> bool:
+    """Whether the other begins one step after the end of the one, at its rate and with its channels."""
+    step = 1.0 / one.rate_hz
+    late = float(other.time[0] - one.time[-1]) - step
+    same_rate = abs(other.rate_hz * step - 1.0) < LOGS.joined / max(other.samples, 1)
+    return abs(late) < LOGS.joined * step and same_rate and other.channels.keys() == one.channels.keys()
+
+
+def _joined(parts: Sequence[Log], name: str) -> Array:
+    return np.concatenate([np.zeros(0), *(each.channels[name] for each in parts)])

@@ -14,26 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
 
+from exogauge.criteria.logs import LOGS
 from exogauge.logs.bandwidth import varies
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
 
 EFFORTS = ("i.", "tau.")  # channels that a motor's noise and a joint's reversals keep busy at every frequency
-SEGMENT_S = 8.0  # per spectrum
-SHORTEST = 512  # samples: below, a spectrum shows no edge
-RESOLVED = 5.0  # bins of the spectrum: what lies below is the window's own width
-OCTAVES = 1.5  # over which a fall is seen
-FALL_DB = 50.0  # in those; friction that turns round falls by 9, as it builds up over a short way by 27 at most
-LIKE_OTHERS_DB = 40.0  # the same of a log whose fellows end
-BIN = 1.15  # half width, as a factor, of what one level is the median of
-HIGHEST = 0.1  # of the sampling rate: an edge above is the anti-aliasing that every log should have
-SHARE = 0.5  # of a log's varying efforts that must end alike
-ALIKE = 2.0  # ratio of their edges
 POSITIONS = "q."
-NOISE_LOW, NOISE_HIGH = (0.1, 0.15), (0.3, 0.45)  # of the sampling rate: far above any motion, noise is all there is
-NOISE_FALL_DB = 10.0  # from the one to the other; a pass of first order makes it fall by 15, white noise by 0
-NOISE_SEGMENT_S = 4.0
 HELD = 500_000  # values of channels whose spectra are made at once: their segments and powers take 20 MB
 NOISE_WINDOW = ("kaiser", 24.0)  # leaks less than 1e-18 of the motion's power, where encoders' noise has 1e-12 of it
 
@@ -54,10 +42,10 @@ class Edge:
 def stored_edges(logs: Sequence[Log]) -> dict[str, Edge]:
     """Log -> its edge, of those that end. Where more than half end, a lesser fall will do for the others."""
     spectra = {log.name: _Spectra.of(log) for log in logs}
-    own = {name: each.edge(FALL_DB) for name, each in spectra.items()}
+    own = {name: each.edge(LOGS.fall_db) for name, each in spectra.items()}
     steep = {name for name, edge in own.items() if edge and edge.steep}
-    if len(steep) > SHARE * len(own):
-        own |= {name: each.edge(LIKE_OTHERS_DB) for name, each in spectra.items() if name not in steep}
+    if len(steep) > LOGS.alike_share * len(own):
+        own |= {name: each.edge(LOGS.like_others_db) for name, each in spectra.items() if name not in steep}
     return {name: edge for name, edge in own.items() if edge}
 
 
@@ -67,7 +55,7 @@ def stored_edge(log: Log) -> Edge | None:
 
     A log made without noise ends as well: what is seen is that nothing is there, not why.
     """
-    return _Spectra.of(log).edge(FALL_DB)
+    return _Spectra.of(log).edge(LOGS.fall_db)
 
 
 @final
@@ -96,11 +84,11 @@ class _Spectra:
 
     def _common(self, edges: Sequence[Edge]) -> Edge | None:
         """What at least half of the efforts agree on."""
-        if not edges or len(edges) < SHARE * self.efforts:
+        if not edges or len(edges) < LOGS.alike_share * self.efforts:
             return None
         hz = float(np.median([edge.hz for edge in edges]))
-        near = [edge for edge in edges if hz / ALIKE < edge.hz < hz * ALIKE]
-        if len(near) < SHARE * self.efforts:
+        near = [edge for edge in edges if hz / LOGS.alike_edges < edge.hz < hz * LOGS.alike_edges]
+        if len(near) < LOGS.alike_share * self.efforts:
             return None
         return Edge(hz, float(np.median([edge.fall_db for edge in near])))
 
@@ -120,34 +108,36 @@ def _fading(positions: Array, efforts: Array, rate_hz: float) -> Edge | None:
     if not len(positions) or not len(efforts):
         return None
     motion, effort = (float(np.median(_noise_fall(x, rate_hz))) for x in (positions, efforts))
-    return Edge(NOISE_LOW[0] * rate_hz, motion, steep=False) if NOISE_FALL_DB < motion < effort else None
+    return Edge(LOGS.noise_low[0] * rate_hz, motion, steep=False) if LOGS.noise_fall_db < motion < effort else None
 
 
 def _noise_fall(values: Array, rate_hz: float) -> Array:
-    """(K,) [dB] of channels (K, T), from `NOISE_LOW` to `NOISE_HIGH`."""
-    length = min(values.shape[1] - 1, round(NOISE_SEGMENT_S * rate_hz))
+    """(K,) [dB] of channels (K, T), from `noise_low` to `noise_high`."""
+    noise_segment_s = 4.0
+    length = min(values.shape[1] - 1, round(noise_segment_s * rate_hz))
     frequency, level = _spectra(values, rate_hz, NOISE_WINDOW, length)
     low, high = (
         np.median(level[:, (frequency > a * rate_hz) & (frequency < b * rate_hz)], axis=1)
-        for a, b in (NOISE_LOW, NOISE_HIGH)
+        for a, b in (LOGS.noise_low, LOGS.noise_high)
     )
     return np.asarray(low - high)
 
 
 def _varies(values: Array) -> bool:
-    finite = bool(np.isfinite(values).all()) and values.size >= SHORTEST
+    finite = bool(np.isfinite(values).all()) and values.size >= LOGS.shortest_spectrum
     return finite and bool(varies(values[:, None])[0])
 
 
 def _steepest(efforts: Array, rate_hz: float) -> tuple[Edge, ...]:
     """Of each channel (K, T): where its spectrum falls by most over an octave and a half, and by how much."""
-    length = min(efforts.shape[1] - 1, round(SEGMENT_S * rate_hz))
-    lowest, highest = RESOLVED * rate_hz / length, HIGHEST * rate_hz
+    segment_s = 8.0  # per spectrum
+    length = min(efforts.shape[1] - 1, round(segment_s * rate_hz))
+    lowest, highest = LOGS.resolved * rate_hz / length, LOGS.highest_edge * rate_hz
     if not len(efforts) or lowest >= highest:
         return ()
     frequency, level = _spectra(efforts, rate_hz, "blackmanharris", length)
     starts = np.geomspace(lowest, highest, 60)
-    falls = _levels(frequency, level, starts) - _levels(frequency, level, starts * 2.0**OCTAVES)
+    falls = _levels(frequency, level, starts) - _levels(frequency, level, starts * 2.0**LOGS.octaves)
     steepest = np.argmax(falls, axis=1)
     return tuple(Edge(float(starts[k]), float(fall[k])) for k, fall in zip(steepest, falls, strict=True))
 
@@ -170,7 +160,8 @@ def _levels(frequency: Array, level: Array, at: Array) -> Array:
     found = np.empty((len(level), len(at)))
     for place, centre in enumerate(at):
         near = slice(
-            np.searchsorted(frequency, centre / BIN, "right"), np.searchsorted(frequency, centre * BIN, "left")
+            np.searchsorted(frequency, centre / LOGS.level, "right"),
+            np.searchsorted(frequency, centre * LOGS.level, "left"),
         )
         found[:, place] = np.median(
             level[:, near if near.stop - near.start >= 5 else _nearest(frequency, centre)], axis=1

@@ -12,9 +12,9 @@ from typing import Any, Literal, Protocol, final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault
 from exogauge.logs.channels import shorten
-from exogauge.logs.limits import MAX_FAULTS
 from exogauge.logs.model import Note
 
 RawArray = NDArray[Any]
@@ -81,7 +81,7 @@ def read_names(table: Table) -> tuple[str, ...]:
     if not names:
         faults = [Fault("the file holds no columns of numbers", "no_columns", "", table.file)]
     if faults:
-        raise BadLog(faults[:MAX_FAULTS])
+        raise BadLog(faults[: LOGS.most_faults])
     return names
 
 

@@ -21,15 +21,13 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadLog, Fault, TooLarge
 from exogauge.logs.channels import shorten
-from exogauge.logs.limits import MAX_CELLS, MAX_COLUMNS, MAX_FAULTS, check_bytes, check_cells, rows_outside
+from exogauge.logs.limits import check_bytes, check_cells, rows_outside
 from exogauge.logs.model import Note
 from exogauge.logs.tables import RawArray, TextLayout, broken, unpacked_head
 
-HEAD_BYTES = 1 << 18
-BLOCK_BYTES = 1 << 20  # of text per step: fastest of those tried; a row must fit into it
-TAIL_BYTES = 1 << 16  # of the end of a file, in which its last two lines are looked for
 _ARROW_FAILURES = (pa.ArrowException, OSError, ValueError, EOFError, zlib.error)
 _QUOTED = re.compile(r'"[^"]*"')
 _USUAL_NUMBER = {sign: re.compile(rf"[+-]?[0-9]+({re.escape(sign)}[0-9]+)?([eE][+-]?[0-9]+)?") for sign in ".,"}
@@ -48,12 +46,13 @@ class TextTable:
     notes: tuple[Note, ...] = ()
 
     def __init__(self, path: Path, file: str, layout: TextLayout, rows: tuple[int, int] | None = None) -> None:
+        head_bytes = 1 << 18
         self.file = file
         self._path = path
-        head, self._packed = unpacked_head(path, file, HEAD_BYTES)
+        head, self._packed = unpacked_head(path, file, head_bytes)
         self._utf16 = head[:2] in (b"\xff\xfe", b"\xfe\xff")
         text = self._text(head)
-        complete = text[: text.rfind("\n")] if len(head) == HEAD_BYTES and "\n" in text else text
+        complete = text[: text.rfind("\n")] if len(head) == head_bytes and "\n" in text else text
         lines = complete.splitlines()
         self._skip = layout.skip_lines
         body = lines[self._skip :]
@@ -123,7 +122,7 @@ class TextTable:
         return {name: values[:rows] for name, values in columns.items()}
 
     def _find_faults(self, index: dict[str, int]) -> list[Fault]:
-        """Cells that are no number, at most `MAX_FAULTS`, with the rows that have too few or too many cells."""
+        """Cells that are no number, at most `LOGS.most_faults`, with the rows that have too few or too many cells."""
         faults, ragged, row = list[Fault](), list[Fault](), self._first
         number = pa.float64()
         try:
@@ -137,13 +136,13 @@ class TextTable:
                         pc.cast(plain, number)
                         continue
                     except _ARROW_FAILURES:
-                        faults += self._bad_cells(cells, name, row, MAX_FAULTS - len(faults))
+                        faults += self._bad_cells(cells, name, row, LOGS.most_faults - len(faults))
                 row += batch.num_rows
-                if len(faults) + len(ragged) >= MAX_FAULTS:
+                if len(faults) + len(ragged) >= LOGS.most_faults:
                     break
         except _ARROW_FAILURES as problem:
             faults.append(broken(problem, self.file))
-        return (faults + ragged)[:MAX_FAULTS]
+        return (faults + ragged)[: LOGS.most_faults]
 
     def _bad_cells(self, cells: Any, name: str, row: int, room: int) -> Iterator[Fault]:
         found = 0
@@ -165,11 +164,12 @@ class TextTable:
             )
 
     def _batches(self, types: dict[str, Any], ragged: list[Fault], **convert: Any) -> Iterator[Any]:
+        block_bytes = 1 << 20  # of text per step: fastest of those tried; a row must fit into it
         width = len(self._names)
         skip = 0 if self.part else self._skip_rows
 
         def on_ragged(row: Any) -> str:
-            if len(ragged) < MAX_FAULTS:
+            if len(ragged) < LOGS.most_faults:
                 number = None if row.number is None else row.number - skip + self._first
                 ragged.append(
                     Fault(
@@ -188,7 +188,7 @@ class TextTable:
                 self._stream(),
                 read_options=pacsv.ReadOptions(
                     use_threads=False,
-                    block_size=BLOCK_BYTES,
+                    block_size=block_bytes,
                     skip_rows=skip,
                     column_names=[str(k) for k in range(width)],
                 ),
@@ -288,6 +288,7 @@ class TextTable:
 
     def _count_rows(self) -> int:
         """Lines of the unpacked file, an upper bound of its rows; stops at the byte cap and at what is no UTF-8."""
+        tail_bytes = 1 << 16  # of the end of a file, in which its last two lines are looked for
         size = feeds = returns = 0
         tail = b""
         decoder = codecs.getincrementaldecoder("utf-16" if self._utf16 else "utf-8")()
@@ -303,7 +304,7 @@ class TextTable:
                         raise BadLog(self._not_utf8(row, problem)) from None
                     feeds += block.count(b"\n")
                     returns += block.count(b"\r")
-                    tail = (tail + block)[-TAIL_BYTES:]
+                    tail = (tail + block)[-tail_bytes:]
         except (pa.ArrowException, OSError) as problem:
             raise BadLog(broken(problem, self.file)) from None
         self._feeds, self._returns, self._end, self._whole = feeds, returns, size, size
@@ -399,7 +400,7 @@ def _number_advice(text: str, decimal: str) -> str:
 
 def _memory(file: str) -> Fault:
     return Fault(
-        f"the values do not fit into memory (at most {MAX_CELLS} values in {MAX_COLUMNS} columns are read)",
+        f"the values do not fit into memory (at most {LOGS.most_cells} values in {LOGS.most_columns} columns are read)",
         "memory_limit",
         "Split the recording or drop columns.",
         file=file,

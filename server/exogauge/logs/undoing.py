@@ -12,16 +12,13 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response
 from exogauge.logs.filtering import LowPass, StoredPass
 from exogauge.logs.model import Log
 from exogauge.logs.noise import white_noise_std
 
 Array = NDArray[np.float64]
-
-LEAST = (0.03, 0.1, 0.3)  # of an amplitude: where a low-pass has left less, it is not undone
-NOISE_ABOVE = 0.25  # of the sampling rate: there a stored position holds nothing but rounding
-QUIET = 3e-4  # of the top speed: the most noise that undoing may make of rounding
 
 
 class StoredPositions:
@@ -41,15 +38,15 @@ class StoredPositions:
         return self._finest.apply(values)
 
     def _undone(self, k: int, stored: StoredPass, late: bool) -> Array:
-        for least in LEAST:
-            if self._rounding[k] * _velocity_noise(stored, self._finest, least) <= QUIET * self._top[k]:
+        for least in LOGS.undone:
+            if self._rounding[k] * _velocity_noise(stored, self._finest, least) <= LOGS.quiet * self._top[k]:
                 return undone(self._values[:, k], stored, self._finest.rate_hz, least, late)
         return self._values[:, k]
 
     @cached_property
     def _rounding(self) -> list[float]:
         rate_hz = self._finest.rate_hz
-        return [white_noise_std(values, rate_hz, NOISE_ABOVE * rate_hz) for values in self._values.T]
+        return [white_noise_std(values, rate_hz, LOGS.rounding_above * rate_hz) for values in self._values.T]
 
     @cached_property
     def _top(self) -> Array:

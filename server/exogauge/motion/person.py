@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.result import HumanFit
@@ -51,6 +52,43 @@ class Person:
     def slowed(self, factor: float) -> Person:
         """The same in `factor` times the time."""
         return replace(self, time=self.time * factor)
+
+    def mirrored(self) -> Person:
+        """Left and right exchanged."""
+        flip = np.diag([1.0, -1.0, 1.0])
+        other: dict[Segment, Segment] = {
+            "l_upper_arm": "r_upper_arm", "r_upper_arm": "l_upper_arm", "l_forearm": "r_forearm",
+            "r_forearm": "l_forearm",
+        }  # fmt: skip
+        limbs = {other[part]: along @ flip for part, along in self.limbs.items()}
+        contacts = self.contacts and Contacts(self.contacts.right, self.contacts.left)
+        return replace(
+            self, pelvis=self.pelvis @ flip, turn=flip @ self.turn @ flip, trunk=flip @ self.trunk @ flip,
+            limbs=limbs, contacts=contacts,
+        )  # fmt: skip
+
+    def repeated(self, times: int, pause: float) -> Person:
+        """One after the other; `pause` [s] leads from the end of one to the begin of the next."""
+        period = self.time[-1] - self.time[0] + pause
+        time = np.concatenate([self.time + k * period for k in range(times)])
+        contacts = self.contacts and Contacts(np.tile(self.contacts.left, times), np.tile(self.contacts.right, times))
+        return replace(
+            self, time=time, pelvis=np.tile(self.pelvis, (times, 1)), turn=np.tile(self.turn, (times, 1, 1)),
+            trunk=np.tile(self.trunk, (times, 1, 1)), contacts=contacts,
+            limbs={part: np.tile(along, (times, 1)) for part, along in self.limbs.items()},
+        )  # fmt: skip
+
+    def trunk_share(self, share: float) -> Person:
+        """The trunk's turn in the pelvis that many times as far."""
+        turns = Rotation.from_matrix(self.trunk).as_rotvec()
+        return replace(self, trunk=Rotation.from_rotvec(share * turns).as_matrix())
+
+    def without(self, part: Literal["arms", "pelvis"]) -> Person:
+        """Nothing asked of the arms; or a pelvis that stays as it is at first."""
+        if part == "arms":
+            return replace(self, limbs={})
+        still = np.broadcast_to(self.pelvis[:1], self.pelvis.shape), np.broadcast_to(self.turn[:1], self.turn.shape)
+        return replace(self, pelvis=still[0].copy(), turn=still[1].copy())
 
 
 def person_of(motion: HumanMotion) -> Person:

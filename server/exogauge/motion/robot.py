@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.motion.human import Segment
+from exogauge.motion.shapes import Shape
 from exogauge.robots.joint_limits import JointLimits
 
 Array = NDArray[np.float64]
@@ -50,7 +51,8 @@ class MotionRobot:
     """model: pinocchio; nq = nv = B + J, dq/dt = v (`flat_model`). joints: (J,) names, in the model's order.
 
     soles: those of the feet, left first where there are two. segments: part of the human body -> link that stands for
-    it. home: (B + J,) posture in which motions begin and end, the soles on the floor.
+    it. home: (B + J,) posture in which motions begin and end, the soles on the floor. shapes: of links that must not
+    touch; ignored: pairs of links that may; shapeless: links whose shape is in a file that cannot be read.
     """
 
     name: str
@@ -61,11 +63,19 @@ class MotionRobot:
     soles: tuple[Sole, ...] = ()
     segments: Mapping[Segment, str] = field(default_factory=dict)
     home: Array | None = None
+    shapes: tuple[Shape, ...] = ()
+    ignored: tuple[tuple[str, str], ...] = ()
+    shapeless: tuple[str, ...] = ()
 
     @property
     def base(self) -> int:
         """B: 6 or 0."""
         return 6 if self.floating else 0
+
+    @property
+    def jerk(self) -> Array:
+        """(J,) bounds [rad/s³ or m/s³], inf where there is none."""
+        return np.full(len(self.joints), np.inf) if self.limits.jerk is None else self.limits.jerk
 
     @cached_property
     def data(self) -> pin.Data:

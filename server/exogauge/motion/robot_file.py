@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from exogauge.errors import BadRobot, Fault
 from exogauge.motion.human import Segment
 from exogauge.motion.robot import MotionRobot, Sole, flat_model
+from exogauge.motion.shape_files import shapes_of
 from exogauge.robots.joint_limits import JointLimits
 from exogauge.studies.intake.bundle import Bundle
+from exogauge.studies.intake.mesh_files import mesh_opener
 from exogauge.studies.intake.robot_file import read_robot
 
 Array = NDArray[np.float64]
@@ -34,7 +36,12 @@ def load_motion_robot(path: Path) -> MotionRobot:
     def fault(detail: str, rule: str, advice: str, column: str, value: str) -> BadRobot:
         return BadRobot(Fault(detail, rule, advice, path.name, None, column, value))
 
-    for key, named in (("soles", [sole.link for sole in entry.soles]), ("human_map", list(entry.human_map.values()))):
+    ignored = tuple(entry.collision.left_out)
+    for key, named in (
+        ("soles", [sole.link for sole in entry.soles]), ("human_map", list(entry.human_map.values())),
+        ("collision.shapes", list(entry.collision.shapes)),
+        ("collision.left_out", [link for pair in ignored for link in pair]),
+    ):  # fmt: skip
         for link in named:
             if link not in links:
                 raise fault("the URDF has no such link", "unknown_link", "Name one of its links", key, link)
@@ -42,16 +49,22 @@ def load_motion_robot(path: Path) -> MotionRobot:
         if part not in parts:
             raise fault("no such part of the body", "unknown_segment", f"One of {', '.join(sorted(parts))}",
                         f"human_map.{part}", part)  # fmt: skip
-    for key, stated in (("home", entry.home), ("limits.acceleration", entry.limits.acceleration)):
-        for name in stated:
+    stated = {f"limits.{key}": value for key, value in entry.limits}
+    for key, value in {"home": entry.home, **stated}.items():
+        for name in value if isinstance(value, dict) else ():
             if name not in joints:
                 raise fault(
                     "the robot has no such joint", "unknown_joint", "Name one of `joints`", f"{key}.{name}", name
                 )
-    fast = np.array([entry.limits.acceleration.get(name, np.inf) for name in joints])
+
+    def of_joints(key: str, none: float) -> Array:
+        value = stated[f"limits.{key}"]
+        return np.array([value.get(name, none) if isinstance(value, dict) else value for name in joints])
+
     limits = JointLimits(
-        tree.lower[order], tree.upper[order], tree.velocity_limit[order], fast, tree.effort_limit[order]
-    )
+        tree.lower[order], tree.upper[order], tree.velocity_limit[order], of_joints("acceleration", np.inf),
+        tree.effort_limit[order] * of_joints("torque_share", 1.0), of_joints("jerk", np.inf),
+    )  # fmt: skip
     posture = np.array([entry.home.get(name, 0.0) for name in joints])
     for name, value, low, high in zip(joints, posture, limits.lower, limits.upper, strict=True):
         if not low <= value <= high:
@@ -59,7 +72,10 @@ def load_motion_robot(path: Path) -> MotionRobot:
                         f"home.{name}", f"{value:g}")  # fmt: skip
     soles = tuple(Sole(sole.link, np.array(sole.outline)) for sole in entry.soles)
     segments: dict[Segment, str] = dict(entry.human_map)  # type: ignore[assignment]
-    made = MotionRobot(robot.name, model, joints, robot.floating, limits, soles, segments)
+    shapes, shapeless = shapes_of(urdf, entry.collision.shapes, mesh_opener(path.parent))
+    made = MotionRobot(
+        robot.name, model, joints, robot.floating, limits, soles, segments, None, shapes, ignored, shapeless
+    )
     home = np.concatenate([np.zeros(base), posture])
     if not soles or not robot.floating:
         return replace(made, home=home)

@@ -17,7 +17,6 @@ from exogauge.progress import Doing, Stage
 from exogauge.studies.words.progress_words import phrase
 
 PLAN = "plan.json"
-READ = 0.1  # of a job: by then the logs are in memory
 Progress = Callable[[float, str], None]
 Report = Callable[[float, str, Stage], None]
 
@@ -25,8 +24,10 @@ Report = Callable[[float, str, Stage], None]
 def identify(folder: Path, out: Path, report: Report, settings: Mapping[str, Any]) -> None:
     """results.json and its schema, report.html and the one-page summary. settings: override those of payload.yaml."""
 
+    read = 0.1  # of a job: by then the logs are in memory
+
     def progress(share: float, stage: Stage, doing: Doing, of: str = "") -> None:
-        report(READ + (0.95 - READ) * share, phrase(doing, of), stage)
+        report(read + (0.95 - read) * share, phrase(doing, of), stage)
 
     report(0.0, phrase(Doing.READING_LOGS), Stage.READING)
     payload = with_settings(open_payload(folder), settings)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from exogauge.studies.intake.contract import Name, NotNegative, Number, Positive, RelativePath, Vector
 
@@ -230,11 +230,19 @@ class PayloadFile(_Part):
     plan: PlanEntry | None = None
     ground_truth: GroundTruth = GroundTruth()
 
+    @field_validator("gravity")
+    @classmethod
+    def _of_this_planet(cls, gravity: Vector) -> Vector:
+        size = sum(x * x for x in gravity) ** 0.5
+        if not 9.7 < size < 9.9:
+            raise ValueError(
+                f"gravity has the size {size:.4g} m/s², on this planet it has 9.76 to 9.84: give it in m/s² in the "
+                "base's axes, as [0, 0, -9.81]"
+            )
+        return gravity
+
     @model_validator(mode="after")
     def _check(self) -> Self:
-        size = sum(x * x for x in self.gravity) ** 0.5
-        if not 9.7 < size < 9.9:
-            raise ValueError(f"gravity has the size {size:.4g} m/s²; on this planet it has 9.76 to 9.84")
         if self.pose.joints is not None and self.sensor.frame is None:
             raise ValueError("joint angles need `sensor.frame`, a link or frame of the URDF")
         return self

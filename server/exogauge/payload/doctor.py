@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadInput, NotIdentifiable
-from exogauge.logs.findings import Finding, longest_run
+from exogauge.logs.findings import Finding
 from exogauge.payload.dynamics import dynamic_rows
 from exogauge.payload.evaluate import evaluate
 from exogauge.payload.holds import find_holds
 from exogauge.payload.imu import find_axes
 from exogauge.payload.intake import Payload, Recording
+from exogauge.payload.limits import axes, saturated, saturation
 from exogauge.payload.prepare import holds_of, moving, std_of
 from exogauge.payload.statics import static_stage, told_sign
 
@@ -40,51 +41,12 @@ def examine(payload: Payload, criteria: Criteria = USUAL) -> list[tuple[str, Fin
         moved = moving(payload, each, gravity, evaluation.imu)
         rows = dynamic_rows(moved.motion, moved.wrench, gravity, evaluation.sign, std_of(payload))
         found += [(each.name, finding) for finding in delayed(moved.motion.time, rows.z, criteria)]
-    return [*found, *(("all", Finding("warning", "ft", "doubt", text, "")) for text in evaluation.warnings)]
-
-
-def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
-    """Beyond the rated range, or cut off at a value below it."""
-    rated = payload.file.sensor.range
-    limits = np.full(6, np.inf) if rated is None else np.array([*rated.force_n, *rated.moment_nm])
-    for name, values, limit in _axes(payload, recording, limits):
-        over = np.abs(values) >= criteria.payload.full * limit
-        if over.any():
-            row = int(np.argmax(over)) + 1
-            detail = f"{int(over.sum())} samples reach {np.abs(values).max():.4g}, the sensor is rated for {limit:.4g}"
-            advice = "move slower or hold the payload nearer to the sensor; these samples are cut off"
-            yield Finding("error", name, "saturated", detail, advice, row, float(np.abs(values).max()))
-        else:
-            yield from cut_off(name, values, criteria)
-
-
-def cut_off(name: str, values: Array, criteria: Criteria = USUAL) -> Iterator[Finding]:
-    """One extreme so often in a row that a channel which repeats itself as this one does elsewhere hardly gives it. A
-    channel that stands still elsewhere, as a coarse one at rest, tells nothing."""
-    said, same = criteria.payload, np.diff(values) == 0.0
-    extremes = (float(values.max()), float(values.min()))
-    inside = ~np.isin(values, extremes)
-    elsewhere = same[inside[1:] & inside[:-1]]
-    if len(elsewhere) < said.cut_off_judged:
-        return
-    repeats = max(float(each.mean()) for each in np.array_split(elsewhere, len(elsewhere) // said.cut_off_judged))
-    if repeats > said.cut_off_alive:
-        return
-    chance = np.log(said.cut_off_chance / len(values)) / np.log(max(repeats, 1.0 / len(elsewhere)))
-    needed = max(said.cut_off_run, 1.0 + chance)
-    for extreme in extremes:
-        start, length = longest_run(values == extreme)
-        if length >= needed:
-            count = int(np.sum(values == extreme))
-            detail = (
-                f"{count} samples are exactly {extreme:.4g}, {length} of them in a row: the channel is cut off there"
-            )
-            advice = "a limit of the amplifier, the converter or the driver: widen it, or move slower"
-            yield Finding("error", name, "saturated", detail, advice, start + 1, extreme)
+    doubts = [text for text in evaluation.warnings if text not in saturation(payload, criteria)]
+    return [*found, *(("all", Finding("warning", "ft", "doubt", text, "")) for text in doubts)]
 
 
 def quantised(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
-    for name, values, std in _axes(payload, recording, std_of(payload)):
+    for name, values, std in axes(payload, recording, std_of(payload)):
         levels = np.unique(values)
         step = float(np.diff(levels).min()) if 1 < len(levels) < len(values) / 2 else 0.0
         if step > criteria.payload_doctor.coarse * std:
@@ -94,7 +56,7 @@ def quantised(payload: Payload, recording: Recording, criteria: Criteria = USUAL
 
 def noise_in_holds(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
     spans = _spans(payload, recording, criteria)
-    for name, values, std in _axes(payload, recording, std_of(payload)) if spans else ():
+    for name, values, std in axes(payload, recording, std_of(payload)) if spans else ():
         time = recording.wrench.time
         within = [np.diff(values[(time >= a) & (time <= b)]).std() / np.sqrt(2.0) for a, b in spans]
         ratio = float(np.median(within)) / std
@@ -107,7 +69,7 @@ def noise_in_holds(payload: Payload, recording: Recording, criteria: Criteria = 
 
 def drift_in_holds(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
     spans = _spans(payload, recording, criteria)
-    for name, values, std in _axes(payload, recording, std_of(payload)) if spans else ():
+    for name, values, std in axes(payload, recording, std_of(payload)) if spans else ():
         time = recording.wrench.time
         worst = (0.0, 0.0, 0.0)
         for a, b in spans:
@@ -181,11 +143,6 @@ def delayed(time: Array, z: Array, criteria: Criteria = USUAL) -> Iterator[Findi
         detail = f"the wrench is {1e3 * delta:.1f} ± {1e3 * chance:.1f} ms late against the pose"
         advice = "take the same filter off both channels, or shift the stamps by that"
         yield Finding("warning", "ft", "late", detail, advice, None, delta)
-
-
-def _axes(payload: Payload, recording: Recording, per_axis: Array) -> Iterator[tuple[str, Array, float]]:
-    names = payload.file.sensor.wrench
-    yield from zip(names, recording.wrench.values.T, map(float, per_axis), strict=True)
 
 
 def _spans(payload: Payload, recording: Recording, criteria: Criteria) -> list[tuple[float, float]]:

@@ -103,13 +103,18 @@ class DynamicSolution:
         return replace(self, covariance=covariance, decided=decided)
 
 
-def dynamic_rows(motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array) -> Rows:
+def dynamic_rows(
+    motion: SensorMotion, wrench: Array, gravity: Array, sign: int, std: Array, *, tipping: bool = True
+) -> Rows:
     """wrench: (T, 6) as read. gravity: (3,) [m/s²] in {B}, as the static stage left it. std: (6,) of the wrench.
+    tipping: whether it is told what a turn of gravity changes.
 
     Row covariance by first order: A is linear in a - g and α and quadratic in ω.
     """
     z, noise = np.empty((len(wrench), 6, 17)), np.empty((len(wrench), 17, 17))
     fill(*motion.arrays(gravity), np.ascontiguousarray(wrench), std, float(sign), z, noise)
+    if not tipping:
+        return Rows(z, noise, std, sign)
     turned = np.stack([np.cross(axis, gravity) for axis in upright(gravity)[:2]], axis=1)
     return Rows(z, noise, std, sign, -np.swapaxes(motion.rotation, 1, 2) @ turned)
 

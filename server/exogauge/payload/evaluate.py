@@ -17,13 +17,22 @@ from exogauge.payload.contract import Role
 from exogauge.payload.dynamics import batch, reading_of_mu, static_prior
 from exogauge.payload.imu import ImuFrame, find_axes, find_lag
 from exogauge.payload.intake import Payload
+from exogauge.payload.limits import saturation
 from exogauge.payload.missing.effect import Frame
 from exogauge.payload.missing.search import Missing, find_missing, unjudged
 from exogauge.payload.missing.stretch import Stretch, moving_stretch, still_stretch
 from exogauge.payload.missing.words import cause_of_residual
 from exogauge.payload.prepare import Moved, holds_of, low_pass_of, moving, rows_of, std_of
 from exogauge.payload.remainder import Remainder, remainder
-from exogauge.payload.stages import Excitation, Postures, excitation_stage, postures_stage, prior_of, stated_sign
+from exogauge.payload.stages import (
+    Excitation,
+    Postures,
+    excitation_stage,
+    naming,
+    postures_stage,
+    prior_of,
+    stated_sign,
+)
 from exogauge.payload.statics import Holds, static_stage
 from exogauge.progress import Doing, Stage, Staged, nobody
 
@@ -109,13 +118,15 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
         holds, acceleration = holds_of(payload, criteria.payload_static)
         progress(0.05, Stage.POSTURES, Doing.IDENTIFYING_STILL)
     postures, said = _still(payload, holds, acceleration, criteria)
+    if postures is not None:
+        holds, acceleration = postures.holds, postures.acceleration  # without those that were touched
     sign = postures.chosen.sign if postures else stated_sign(payload)
     gravity = postures.chosen.gravity if postures else np.array(payload.file.gravity)
     imu = None
     if payload.file.imu is not None and postures:
         progress(0.08, Stage.POSTURES, Doing.PLACING_IMU)
         imu = _imu(payload, postures, gravity, criteria)
-    excitation, test, contact = (_moved(payload, role, gravity, imu, progress) for role in MOVED)
+    excitation, test, contact = (_moved(payload, role, gravity, imu, progress, criteria) for role in MOVED)
     logs = _Logs(holds, acceleration, excitation, test, contact)
     if excitation:
         progress(0.3, Stage.EXCITATION, Doing.IDENTIFYING_MOVED)
@@ -133,7 +144,8 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     if contact:
         progress(0.8, Stage.CONTACT, Doing.LOOKING_FOR_TOUCHES)
     touches, thresholds = _touches(payload, stages.compensation, clean.contact, sign, criteria)
-    warnings = [*stages.warnings, *_doubts(stages, rigid, missing, criteria)]
+    touched = postures.touched if postures else ()
+    warnings = [*saturation(payload, criteria), *touched, *stages.warnings, *_doubts(stages, rigid, missing, criteria)]
     if test:
         progress(0.9, Stage.CONTACT, Doing.COMPARING_METHODS)
     level = _level(payload, (rigid or stages).postures, logs.excitation, criteria)
@@ -144,12 +156,14 @@ def evaluate(payload: Payload, progress: Staged = nobody, criteria: Criteria = U
     )  # fmt: skip
 
 
-def _moved(payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, progress: Staged) -> list[Moved]:
+def _moved(
+    payload: Payload, role: Role, gravity: Array, imu: ImuFrame | None, progress: Staged, criteria: Criteria
+) -> list[Moved]:
     out = list[Moved]()
     for recording in payload.of(role):
         done = MOVED.index(role) + len(out) / len(payload.of(role))
         progress(0.1 + 0.2 * done / len(MOVED), Stage.KINEMATICS, Doing.SMOOTHING_MOTION, recording.name)
-        out.append(moving(payload, recording, gravity, imu))
+        out.append(moving(payload, recording, gravity, imu, criteria.payload_dynamic))
     return out
 
 
@@ -157,7 +171,10 @@ def _still(
     payload: Payload, holds: Holds | None, acceleration: Array | None, criteria: Criteria
 ) -> tuple[Postures | None, list[str]]:
     warnings: list[str] = []
-    return None if holds is None else postures_stage(payload, holds, acceleration, warnings, criteria), warnings
+    if holds is None:
+        return None, warnings
+    with naming(payload.of("postures")):
+        return postures_stage(payload, holds, acceleration, warnings, criteria), warnings
 
 
 def _stages(
@@ -204,13 +221,13 @@ def _missing(payload: Payload, stages: Stages, logs: _Logs, sign: int, criteria:
 
     def stretches(role: Role, moved: Sequence[Moved]) -> list[Stretch]:
         return [
-            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std)
+            moving_stretch(recording.name, each.motion, each.wrench, gravity, sign, body, std, criteria.payload)
             for recording, each in zip(payload.of(role), moved, strict=True)
         ]
 
     fitted, held_out = stretches("excitation", logs.excitation), stretches("test", logs.test)
     others = stretches("contact", logs.contact)
-    still = [still_stretch(postures.holds, gravity, sign)] if postures else []
+    still = [still_stretch(postures.holds, gravity, sign, criteria.payload)] if postures else []
     frame = Frame(gravity, sign, body)
     inclined = postures is not None and postures.chosen.inclined
     whole = find_missing([*still, *fitted], held_out, others, frame, inclined, criteria)
@@ -319,6 +336,14 @@ def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteri
     if postures.acceleration is None:
         return None
     frame = find_axes(postures.acceleration, postures.holds.rotation, gravity)
+    most, imu = criteria.payload_doctor.other_gain, payload.file.imu
+    gain = 1.0 / float(np.median(frame.gain))
+    if imu is not None and not 1.0 / most < gain < most:
+        detail = f"the IMU reads {gain:.4g} times gravity in the postures"
+        files = payload.of("postures")[0].acceleration
+        advice = "Check `imu.unit`: m/s^2, g, mg."
+        file = "" if files is None else files.file
+        raise BadStudy(Fault(detail, "imu_unit", advice, file, None, imu.acceleration[0], f"{gain:.4g}"))
     if payload.file.imu is not None and payload.file.imu.delay_s is not None:
         return replace(frame, lag_s=0.0)  # taken off when the file was read
     carrying = [
@@ -329,7 +354,10 @@ def _imu(payload: Payload, postures: Postures, gravity: Array, criteria: Criteri
 
     def rows(lag: float) -> list[Array]:
         """Of the logs one by one: each has its own zero, and all share the stamps of one IMU."""
-        moved = (moving(payload, recording, gravity, replace(frame, lag_s=lag)) for recording in carrying)
+        moved = (
+            moving(payload, recording, gravity, replace(frame, lag_s=lag), criteria.payload_dynamic)
+            for recording in carrying
+        )
         return [rows_of(payload, [each], gravity, sign).z for each in moved]
 
     return find_lag(frame, rows, criteria.payload_static) if carrying else frame

@@ -10,6 +10,7 @@ from typing import final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_doctor import USUAL, Complaining
 from exogauge.errors import BadStudy, Fault
 from exogauge.logs.channels import shorten
 from exogauge.logs.open_table import open_table
@@ -25,9 +26,6 @@ from exogauge.studies.intake.yaml_file import load_yaml, suggestion
 Array = NDArray[np.float64]
 
 ROLES: tuple[Role, ...] = get_args(Role)
-ORTHONORMAL = 1e-3  # of RᵀR: four printed digits
-FEWEST = 20  # samples of a log: fewer hold no motion that a filter settles in
-MOST_TURN = 8.0  # rad: more than any joint has; 30 in degrees is more
 
 
 @final
@@ -81,7 +79,7 @@ class Payload:
         return [each for each in self.recordings if each.role == role]
 
 
-def open_payload(path: Path, roles: Collection[Role] = ROLES) -> Payload:
+def open_payload(path: Path, roles: Collection[Role] = ROLES, criteria: Complaining = USUAL) -> Payload:
     """path: payload.yaml, or its folder. roles: of the logs that are read. Raises BadInput."""
     path = path / "payload.yaml" if path.is_dir() else path
     if not path.is_file():
@@ -104,14 +102,34 @@ def open_payload(path: Path, roles: Collection[Role] = ROLES) -> Payload:
             fault = Fault("the URDF has no such frame", "unknown_frame", advice, path.name, None, "sensor.frame")
             raise BadStudy(fault)
     named_logs = zip(log_names(file.logs, path.name), file.logs, strict=True)
-    recordings = tuple(_recording(folder, file, entry, name) for name, entry in named_logs if entry.role in roles)
+    recordings = tuple(
+        _recording(folder, file, entry, name, criteria) for name, entry in named_logs if entry.role in roles
+    )
+    if set(roles) == set(ROLES):
+        _require_somewhere(file, recordings, folder, path.name)
     return Payload(file, path.name, tree, recordings)
 
 
-def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str) -> Recording:
+def _require_somewhere(file: PayloadFile, recordings: Sequence[Recording], folder: Path, name: str) -> None:
+    """What may be left out of a log must not be left out of all."""
+    optional = {
+        "imu.acceleration": (() if file.imu is None else file.imu.acceleration, [r.acceleration for r in recordings]),
+        "pose.position": (file.pose.position or (), [r.position for r in recordings]),
+    }
+    for key, (columns, found) in optional.items():
+        if columns and recordings and not any(found):
+            tables = [open_table(folder / each, each) for entry in file.logs for each in entry.file]
+            held = {column for table in tables for column in read_names(table)}
+            lacking = next((each for each in columns if each not in held), columns[0])
+            detail = "no log has all of these columns"
+            advice = suggestion(lacking, sorted(held))
+            raise BadStudy(Fault(detail, "missing_column", advice, name, None, key, shorten(lacking)))
+
+
+def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str, criteria: Complaining) -> Recording:
     tables = [open_table(folder / name, name) for name in entry.file]
     sensor, pose, imu = file.sensor, file.pose, file.imu
-    clocks = None if entry.each_row else _clocks(tables, file)
+    clocks = None if entry.each_row else _clocks(tables, file, criteria.fewest_samples)
 
     def stream(columns: Sequence[str], unit: str, dimension: str, late: float = 0.0) -> Stream:
         table = _holding(tables, columns)
@@ -135,12 +153,12 @@ def _recording(folder: Path, file: PayloadFile, entry: LogEntry, name: str) -> R
     angles = rotation = position = acceleration = None
     if pose.joints is not None:
         angles = stream(list(pose.joints.values()), pose.angle_unit, "angle")
-        check_angles(angles, list(pose.joints.values()))
+        check_angles(angles, list(pose.joints.values()), criteria)
     elif pose.rotation is not None:
         rotation = stream(pose.rotation, "1", "ratio")
-        check_rotation(rotation, pose.rotation[0])
+        check_rotation(rotation, pose.rotation[0], criteria)
     elif pose.quaternion is not None:
-        rotation = from_quaternion(stream(pose.quaternion, "1", "ratio"), pose.quaternion_order or "xyzw")
+        rotation = from_quaternion(stream(pose.quaternion, "1", "ratio"), pose.quaternion_order or "xyzw", criteria)
     names = {name for table in tables for name in read_names(table)}
     if pose.position is not None and set(pose.position) <= names:
         position = stream(pose.position, pose.position_unit, "length")
@@ -164,7 +182,7 @@ def _span(stream: Stream) -> str:
     return f"{stream.time[0]:.3f} to {stream.time[-1]:.3f} s" if len(stream.time) else "nothing"
 
 
-def _clocks(tables: Sequence[Table], file: PayloadFile) -> dict[str, Array]:
+def _clocks(tables: Sequence[Table], file: PayloadFile, fewest: int) -> dict[str, Array]:
     """Seconds per file, 0 at the earliest sample of all; whole stamps are subtracted before they become floats."""
     column, factor = file.time.column, factor_of(file.time.unit, "time", tables[0].file)
     raw = {}
@@ -172,7 +190,7 @@ def _clocks(tables: Sequence[Table], file: PayloadFile) -> dict[str, Array]:
         if column not in read_names(table):
             raise BadStudy(_no_column(column, [table], "Name it in `time.column`, or say `each_row: true`."))
         raw[table.file] = as_vector(table.read([column], exact=(column,))[column], table.file, column)
-        if len(raw[table.file]) < FEWEST:
+        if len(raw[table.file]) < fewest:
             detail, advice = f"the log has {len(raw[table.file])} samples", "Record a few seconds at least."
             raise BadStudy(Fault(detail, "too_few_samples", advice, table.file))
         refuse(time_faults(raw[table.file], table.file, column))
@@ -206,19 +224,19 @@ def factor_of(unit: str, dimension: str, file: str) -> float:
     return found.factor
 
 
-def check_angles(angles: Stream, columns: Sequence[str]) -> None:
+def check_angles(angles: Stream, columns: Sequence[str], criteria: Complaining = USUAL) -> None:
     k = int(np.argmax(np.abs(angles.values).max(axis=0)))
     most = float(np.abs(angles.values[:, k]).max())
-    if most > MOST_TURN:
+    if most > criteria.most_turn_rad:
         advice = "If the column is in degrees, say `pose.angle_unit: deg`."
         detail = f"an angle of {most:.4g} rad is more than a joint turns"
         raise BadStudy(Fault(detail, "angle_too_large", advice, angles.file, column=columns[k], value=f"{most:.6g}"))
 
 
-def check_rotation(rotation: Stream, column: str) -> None:
+def check_rotation(rotation: Stream, column: str, criteria: Complaining = USUAL) -> None:
     R = rotation.values.reshape(-1, 3, 3)
     off = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
-    wrong = (off > ORTHONORMAL) | (np.linalg.det(R) < 0)
+    wrong = (off > criteria.orthonormal) | (np.linalg.det(R) < 0)
     if wrong.any():
         k = int(np.argmax(wrong))
         advice = "Name the nine entries row by row: r11, r12, r13, r21, …"
@@ -227,11 +245,11 @@ def check_rotation(rotation: Stream, column: str) -> None:
         raise BadStudy(fault)
 
 
-def from_quaternion(stream: Stream, order: str) -> Stream:
+def from_quaternion(stream: Stream, order: str, criteria: Complaining = USUAL) -> Stream:
     from scipy.spatial.transform import Rotation
 
     size = np.linalg.norm(stream.values, axis=1)
-    if np.abs(size - 1.0).max() > ORTHONORMAL:
+    if np.abs(size - 1.0).max() > criteria.orthonormal:
         k = int(np.argmax(np.abs(size - 1.0)))
         detail, advice = "a quaternion of another length than 1", "Check which four columns it is."
         raise BadStudy(Fault(detail, "not_a_quaternion", advice, stream.file, k + 1, value=f"{size[k]:.6g}"))

@@ -19,7 +19,7 @@ from exogauge.payload.contact import Compensation, false_alarm_limit, zero_helps
 from exogauge.payload.dynamics import Prior, Rows, dynamic_rows
 from exogauge.payload.live_fit import Estimate, LiveFit, exciting
 from exogauge.payload.live_track import Pose, Track, Tracked
-from exogauge.payload.sensor_motion import SensorMotion
+from exogauge.payload.sensor_motion import SensorMotion, joined
 
 Array = NDArray[np.float64]
 Zero = Literal["none", "taking", "held", "beyond", "refused"]
@@ -86,8 +86,10 @@ class Live:
         self._barred = 0  # samples that are still beside an alarm
         self._released = 0  # samples that wait no longer
         self._last_used = -round(says.lately_s * rate_hz) - 1
+        self._thawed = 0  # samples used since the estimate was frozen
         self._wrench = np.zeros((0, 6))
         self._held = Held(np.zeros((0, 6, 17)), np.zeros((0, 17, 17)), np.zeros(0, bool), np.zeros(0, bool))
+        self._unlearned = list[tuple[SensorMotion, Array, NDArray[np.bool_], NDArray[np.bool_]]]()
         self._last_time = np.nan
         self._zero = SecondZero(start.gravity, round(start.criteria.payload_dynamic.zero_s * rate_hz), start.criteria)
         self._compensation = self._compensated(self.fit.estimate(False))
@@ -129,10 +131,15 @@ class Live:
         external, zero = self._zero.applied(motion, touched.external, alarm, settled)
         std = np.sqrt(np.diagonal(touched.spread, axis1=1, axis2=2))
         yield Sensed(motion.time, -self.start.sign * external, std, alarm, settled, zero)
-        self._learn(motion, wrench, alarm, settled & tracked.noise_known)  # who waits for the wrench has it
+        self._unlearned.append((motion, wrench, alarm, settled & tracked.noise_known))
         before, self.given = self.given, self.given + n
-        if self.given // self._every > before // self._every:
-            estimate = self.fit.estimate(self._released - self._last_used <= self._says.lately_s * self.rate_hz)
+        if self.given // self._every > before // self._every:  # who waits for the wrench has it
+            motions, wrenches, alarms, trusted = zip(*self._unlearned, strict=True)
+            self._unlearned = []
+            self._learn(joined(motions), np.concatenate(wrenches), np.concatenate(alarms), np.concatenate(trusted))
+            if self._released - self._last_used > self._says.lately_s * self.rate_hz:
+                self._thawed = 0
+            estimate = self.fit.estimate(self._thawed > self._says.thaws_s * self.rate_hz)
             self._compensation = self._compensated(estimate)
             force = touched.spread[-1, :3, :3]
             threshold = float(np.sqrt(self.limit * np.linalg.eigvalsh(force)[-1]))
@@ -141,7 +148,7 @@ class Live:
     def _learn(self, motion: SensorMotion, wrench: Array, alarm: NDArray[np.bool_], trusted: NDArray[np.bool_]) -> None:
         """Rows wait until it is known that no alarm follows them."""
         start = self.start
-        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std)
+        rows = dynamic_rows(motion, wrench, start.gravity, start.sign, start.std, tipping=False)
         barred, alarms = alarm.copy(), np.flatnonzero(alarm)
         barred[: self._barred] = True
         for k in alarms:
@@ -158,6 +165,7 @@ class Live:
         if use.any():
             self.fit.take(Rows(held.z[:ripe][use], held.noise[:ripe][use], start.std, start.sign))
             self._last_used = self._released + int(np.flatnonzero(use)[-1])
+            self._thawed += int(use.sum())
         self._released += ripe
         self._held = held.after(ripe)
 

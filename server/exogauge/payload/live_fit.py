@@ -51,12 +51,14 @@ class LiveFit:
         self.prior, self._believed, self._says = prior, believed, criteria.payload_live
         self._surer = criteria.payload_dynamic.decided
         self._known = prior_information(prior)
-        self.recursion = Recursion(16, prior.rows, start=prior.value)
+        self.recursion = Recursion(16, prior.rows, start=prior.value, criteria=criteria.payload_dynamic)
         self.used = 0
         kept = (self._says.blocks, 17, 17)
         self._sums, self._noise = np.zeros(kept), np.zeros(kept)
         self._meat, self._blocks, self._filled = np.zeros((16, 16)), 0, 0
-        self._recent = list[Array]()
+        self._recent, self._converged = list[Array](), False
+        before = np.sqrt(np.diag(prior.covariance)) < self._surer * believed
+        self._began = bool(before[4:10].all())  # with an inertia, or since something excited
 
     def take(self, rows: Rows) -> None:
         """Rows of samples that excite, and that nothing touches."""
@@ -102,14 +104,17 @@ class LiveFit:
         wanted = self._says.steady
         self._recent = [*self._recent[-wanted + 1 :], x]
         moved = np.abs(self._recent[0] - x)[:10]
-        steady = len(self._recent) == wanted and bool(np.all(moved < self._says.stays * std[:10]))
+        stays = self._says.moves_again if self._converged else self._says.stays
+        steady = len(self._recent) == wanted and bool(np.all(moved < stays * std[:10]))
         decided = std < self._surer * self._believed
+        self._converged = steady and bool(decided[4:10].all())
         state: State = "converging"
-        if self.used == 0 and not decided[4:10].all():
+        self._began |= learning
+        if not self._began:
             state = "static"
         elif not learning:
             state = "frozen"
-        elif steady and bool(decided[4:10].all()):
+        elif self._converged:
             state = "converged"
         mu, mu_std = self._mu(np.append(x, -1.0))
         return Estimate(x, covariance, mu, mu_std, decided, state, self.used)

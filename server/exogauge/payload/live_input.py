@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_live import USUAL, Streaming
 from exogauge.errors import BadInput, BadStudy, Fault
 from exogauge.logs.channels import shorten
 from exogauge.payload.contract import PayloadFile
@@ -18,9 +19,6 @@ from exogauge.payload.prepare import into_sensor
 from exogauge.payload.sensor_motion import Chain
 
 Array = NDArray[np.float64]
-
-LATE_S = 0.1  # behind the quickest sample so far: more than the smoother waits for
-REMEMBERED = 10_000  # numbers of samples that have not come
 
 
 @final
@@ -117,15 +115,16 @@ class Counts:
 class Arrivals:
     """Which samples are taken: each later than all before, by number and by time. The rest is counted."""
 
-    def __init__(self, last: int | None = None, time: float = -np.inf) -> None:
+    def __init__(self, last: int | None = None, time: float = -np.inf, criteria: Streaming = USUAL) -> None:
         """last, time: number and time [s] of the last sample of a stream that goes on; None: any number begins."""
-        self.counts = Counts()
+        self.counts, self._criteria = Counts(), criteria
         self.last, self.time = last, time
         self._missing = set[int]()
         self._quickest = np.inf
 
     def admit(self, numbers: NDArray[np.int64], time: Array, clock: float | None = None) -> NDArray[np.bool_]:
         """(n,) which are taken. time: (n,) [s] of the sender. clock: [s] now, here; None where nobody waits."""
+        remembered = 10_000  # numbers of samples that have not come
         keep = np.zeros(len(numbers), dtype=bool)
         counts = self.counts
         for k, (number, t) in enumerate(zip(numbers.tolist(), time.tolist(), strict=True)):
@@ -138,10 +137,10 @@ class Arrivals:
                 continue
             if self.last is not None and number > self.last + 1:
                 counts.missing += number - self.last - 1
-                first = max(self.last + 1, number - REMEMBERED)
+                first = max(self.last + 1, number - remembered)
                 self._missing.update(range(first, number))
-                if len(self._missing) > REMEMBERED:
-                    self._missing = set(sorted(self._missing)[-REMEMBERED:])
+                if len(self._missing) > remembered:
+                    self._missing = set(sorted(self._missing)[-remembered:])
             self.last = number
             if t <= self.time:
                 counts.out_of_order += 1
@@ -150,6 +149,6 @@ class Arrivals:
             keep[k] = True
             if clock is not None:
                 self._quickest = min(self._quickest, clock - t)
-                counts.late += clock - t > self._quickest + LATE_S
+                counts.late += clock - t > self._quickest + self._criteria.late_s
         counts.taken += int(keep.sum())
         return keep

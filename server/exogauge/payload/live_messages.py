@@ -16,17 +16,16 @@ from exogauge.payload.live_input import Counts
 
 Array = NDArray[np.float64]
 
-DIGITS = 6  # of a number that is told: a hundredth of its standard deviation needs no more
-
 
 def wrench_message(sensed: Sensed, numbers: Sequence[int]) -> dict[str, Any]:
     """numbers: of the samples. Wrench and std in N, N·m."""
+    digits = 6  # of a number that is told: a hundredth of its standard deviation needs no more
     return {
         "type": "wrench",
         "seq": list(numbers),
         "t": sensed.time.tolist(),
-        "wrench": sensed.wrench.round(DIGITS).tolist(),
-        "std": sensed.std.round(DIGITS).tolist(),
+        "wrench": sensed.wrench.round(digits).tolist(),
+        "std": sensed.std.round(digits).tolist(),
         "alarm": sensed.alarm.tolist(),
         "settled": sensed.settled.tolist(),
         "zero": sensed.zero,

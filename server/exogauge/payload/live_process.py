@@ -42,9 +42,6 @@ AT_ONCE = 1024  # samples of one message
 ALLOWED = 2.0  # times the stated rate that may come in the mean …
 BURST_S = 10.0  # … after so much at once: what a client sends again when it comes back
 MOST_FAULTS = 20  # of one connection
-AGAIN_S = 60.0  # of a stream that was killed, from which Φ is found again
-COUNTED_EVERY_S = 1.0
-LARGEST_NUMBER = 2**62
 
 
 def main() -> None:
@@ -67,6 +64,7 @@ def main() -> None:
 
 
 def run(folder: Path, rate_hz: float, silence_s: float, conversation: Conversation) -> None:
+    counted_every_s = 1.0
     file, start = open_start(folder / "payload")
     taker = Taker(file, start, rate_hz, folder / RAW)
     (folder / COLUMNS).write_text(json.dumps(taker.stream.columns.names), encoding="utf-8")
@@ -88,7 +86,7 @@ def run(folder: Path, rate_hz: float, silence_s: float, conversation: Conversati
         now = time.monotonic()
         if taker.stream.arrivals.counts.received > before:
             silent_since = now
-        if now - counted > COUNTED_EVERY_S:
+        if now - counted > counted_every_s:
             conversation.control(counts=taker.counts())
             counted = now
         if ended or now - silent_since >= silence_s:
@@ -134,10 +132,11 @@ class Taker:
     """What the messages of a client do to its stream."""
 
     def __init__(self, file: PayloadFile, start: Start, rate_hz: float, path: Path) -> None:
+        again_s = 60.0  # of a stream that was killed, from which Φ is found again
         self.rate_hz = rate_hz
         columns = Columns(file, start.pose.chain)
         self.record = Record(path, len(columns.names))
-        numbers, rows = self.record.tail(round(AGAIN_S * rate_hz))
+        numbers, rows = self.record.tail(round(again_s * rate_hz))
         self.stream = Stream(file, start, rate_hz)
         if len(numbers):
             for _ in self.stream.take(numbers, rows):
@@ -264,10 +263,11 @@ class Taker:
         return self._numbered(seq, rows)
 
     def _numbered(self, seq: int, rows: Array) -> tuple[int, Array]:
+        largest_number = 2**62
         if len(rows) > AT_ONCE:
             detail, advice = f"a message may have {AT_ONCE} samples", "Send several messages."
             raise BadStudy(Fault(detail, "too_many", advice, "stream", value=str(len(rows))))
-        if seq > LARGEST_NUMBER:
+        if seq > largest_number:
             detail, advice = "the number of the sample is too large", "Number samples from 0."
             raise BadStudy(Fault(detail, "no_number", advice, "stream", value=str(seq)))
         return seq, rows

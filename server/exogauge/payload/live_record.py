@@ -18,9 +18,6 @@ from exogauge.storage.blobs import disk
 
 Array = NDArray[np.float64]
 
-SYNC_S = 1.0  # between two syncs: what a power cut can cost; a killed process loses nothing that was written
-ROWS = 100_000  # of a log at once
-
 
 def record_type(columns: int) -> np.dtype[np.void]:
     return np.dtype([("seq", "<i8"), ("row", "<f8", (columns,))])
@@ -43,13 +40,14 @@ class Record:
         return self.path.stat().st_size // self._type.itemsize
 
     def append(self, numbers: NDArray[np.int64], rows: Array) -> None:
+        sync_s = 1.0  # between two syncs: what a power cut can cost; a killed process loses nothing that was written
         record = np.empty(len(rows), self._type)
         record["seq"], record["row"] = numbers, rows
         with disk("record the stream"):
             left = memoryview(record.tobytes())
             while left:
                 left = left[self._file.write(left) :]
-            if time.monotonic() - self._synced > SYNC_S:
+            if time.monotonic() - self._synced > sync_s:
                 os.fsync(self._file.fileno())
                 self._synced = time.monotonic()
 
@@ -67,12 +65,13 @@ class Record:
 
 def write_log(path: Path, columns: Sequence[str], out: Path) -> int:
     """The samples of a record as Parquet, with the columns of payload.yaml and `seq`; returns how many there are."""
+    rows = 100_000  # of a log at once
     kind = record_type(len(columns))
     total = path.stat().st_size // kind.itemsize if path.exists() else 0
     schema = pa.schema([("seq", pa.int64()), *((name, pa.float64()) for name in columns)])
     with disk("write the stream's log"), pq.ParquetWriter(out, schema, compression="zstd") as writer:
-        for first in range(0, total, ROWS):
-            found = np.fromfile(path, kind, min(ROWS, total - first), offset=first * kind.itemsize)
+        for first in range(0, total, rows):
+            found = np.fromfile(path, kind, min(rows, total - first), offset=first * kind.itemsize)
             arrays = [pa.array(found["seq"]), *(pa.array(found["row"][:, k]) for k in range(len(columns)))]
             writer.write_table(pa.table(arrays, schema=schema))
     return total

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import USUAL, Criteria
-from exogauge.criteria.payload_live import Streaming
 from exogauge.errors import BadStudy, Fault
 from exogauge.payload.contract import PayloadFile
 from exogauge.payload.dynamics import Prior, static_prior
@@ -20,7 +19,7 @@ from exogauge.payload.live import Start
 from exogauge.payload.live_track import Pose
 from exogauge.payload.prepare import std_of
 from exogauge.payload.sensor_motion import Chain
-from exogauge.payload.smoothing import STILL, likeliest
+from exogauge.payload.smoothing import likeliest
 from exogauge.payload.stages import prior_of, stated_sign
 
 Array = NDArray[np.float64]
@@ -54,7 +53,7 @@ def start_of(payload: Payload, criteria: Criteria = USUAL) -> Start:
             prior = _after(stages.excitation.chosen.value, stages.excitation.chosen.covariance, prior, settings.zero)
     else:
         sign = stated_sign(payload)
-    std, density = _channels(payload, criteria.payload_live)
+    std, density = _channels(payload, criteria)
     chain = None if payload.tree is None else Chain.of(payload.tree, payload.file.sensor.frame or "")
     return Start(
         Pose(chain, std, density), gravity, sign, std_of(payload), prior, believed, settings.false_alarms_per_hour,
@@ -75,7 +74,7 @@ def _after(value: Array, covariance: Array, before: Prior, zero: str) -> Prior:
     return Prior(value, covariance)
 
 
-def _channels(payload: Payload, criteria: Streaming) -> tuple[Array, Array]:
+def _channels(payload: Payload, criteria: Criteria) -> tuple[Array, Array]:
     """(K,) std and jerk density of the channels of a pose."""
     file = payload.file
     logs = [each for each in (*payload.of("excitation"), *payload.of("postures")) if not each.each_row]
@@ -89,16 +88,16 @@ def _channels(payload: Payload, criteria: Streaming) -> tuple[Array, Array]:
     return std, np.concatenate([np.full(9, turned.max()), np.full(3, stated or moved.max())])
 
 
-def _densities(streams: Sequence[Stream], channels: int, std: float, criteria: Streaming) -> Array:
+def _densities(streams: Sequence[Stream], channels: int, std: float, criteria: Criteria) -> Array:
     """(K,) of each channel, in the first log that moves it; the largest of all where none does."""
     found = np.zeros(channels)
     for each in streams:
-        inside = each.time <= each.time[0] + criteria.judged_s
+        inside = each.time <= each.time[0] + criteria.payload_live.judged_s
         time, values = each.time[inside], each.values[inside]
         period = float(np.median(np.diff(time)))
         step = np.concatenate([[1.0], np.diff(time)]) / period
         for k in np.flatnonzero(found == 0.0):
             z = np.ascontiguousarray(values[:, k] - values[0, k]) / std
-            if np.ptp(z) >= STILL:
+            if np.ptp(z) >= criteria.payload_dynamic.still_noises:
                 found[k] = likeliest(z, step) * std**2 / period**5
-    return np.where(found > 0.0, found, found.max() or criteria.density)
+    return np.where(found > 0.0, found, found.max() or criteria.payload_live.density)

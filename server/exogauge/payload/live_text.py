@@ -10,8 +10,6 @@ import numpy as np
 
 from exogauge.criteria.payload_dynamic import USUAL, Moving
 
-EVERY = 10  # estimates for one line
-
 
 @final
 class Contact:
@@ -33,6 +31,7 @@ class Contact:
 
 
 def lines(messages: Iterable[Mapping[str, Any]], criteria: Moving = USUAL) -> Iterator[str]:
+    every = 10  # estimates for one line
     contact: Contact | None = None
     told, state, counts = 0, "", dict[str, int]()
     for each in messages:
@@ -47,7 +46,7 @@ def lines(messages: Iterable[Mapping[str, Any]], criteria: Moving = USUAL) -> It
                     contact.goes_on(time, wrench)
         elif each["type"] == "payload":
             counts = each["counts"]
-            if told % EVERY == 0 or each["state"] != state:
+            if told % every == 0 or each["state"] != state:
                 yield known_line(each)
             told, state = told + 1, each["state"]
         elif each["type"] == "error":

@@ -9,6 +9,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL as MOVING
+from exogauge.criteria.payload_dynamic import Moving
 from exogauge.criteria.payload_static import USUAL, Standing
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
 from exogauge.logs.filtering import LowPass
@@ -27,7 +29,8 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Moved:
-    """A log on one clock. noise_known: every sample is as it was measured, so that its noise is the stated one."""
+    """A log on one clock. noise_known: every wrench is as it was measured, and its motion that of a smoother of
+    known noise. Not with an IMU, whose noise nobody stated."""
 
     motion: SensorMotion
     wrench: Array
@@ -84,7 +87,9 @@ def holds_of(payload: Payload, criteria: Standing = USUAL) -> tuple[Holds, Array
     return holds, np.array(acceleration) if len(acceleration) == len(F_S) else None
 
 
-def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None) -> Moved:
+def moving(
+    payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame | None, criteria: Moving = MOVING
+) -> Moved:
     """The sensor's motion and the wrench (T, 6) in {S}, on one clock. gravity: (3,) [m/s²] in {B}."""
     pose, settings = payload.file.pose, payload.file.settings
     streams: dict[str, Stream] = {"w": recording.wrench, "p": recording.pose}
@@ -99,26 +104,43 @@ def moving(payload: Payload, recording: Recording, gravity: Array, imu: ImuFrame
         raise BadStudy(Fault(detail, "no_acceleration", advice, recording.pose.file))
     first = recording.wrench.time
     same = all(np.array_equal(each.time, first) for each in streams.values())
-    if not same:
+    at = None if same or "a" in streams else first
+    if not same and at is None:
         streams = _one_clock(streams, recording.name)
     time, values = streams["p"].time, streams["p"].values
     if payload.tree is not None:
         frame = payload.file.sensor.frame or ""
-        motion = from_joints(payload.tree, frame, time, values, pose.noise_rad, gravity, density=settings.jerk_density)
+        motion = from_joints(
+            payload.tree,
+            frame,
+            time,
+            values,
+            pose.noise_rad,
+            gravity,
+            density=settings.jerk_density,
+            criteria=criteria,
+            at=at,
+        )
     elif "x" in streams:
         motion = from_pose(
             time, values.reshape(-1, 3, 3), streams["x"].values, pose.noise_rad, pose.noise_m, gravity,
-            density=settings.jerk_density,
+            density=settings.jerk_density, criteria=criteria, at=at, position_time=streams["x"].time,
         )  # fmt: skip
     else:
-        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad)
+        R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad, criteria)
         a = streams["a"].values + np.einsum("tji,j->ti", R, gravity)
         motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
     wrench = streams["w"].values
+    if at is not None:
+        wrench = wrench[np.isin(at, motion.time)]
     if payload.file.sensor.axes == "base":
         wrench = into_sensor(motion.rotation, wrench)
-    inner = slice(motion.edge, len(time) - motion.edge)
-    return Moved(motion.inner(), wrench[inner], same and "a" not in streams)
+    if not len(motion.time):
+        advice = "Record longer, or check `time.unit` and `span`."
+        detail = "pose and wrench have too little time in common"
+        raise BadStudy(Fault(detail, "clocks_apart", advice, recording.pose.file))
+    inner = slice(motion.edge, len(motion.time) - motion.edge)
+    return Moved(motion.inner(), wrench[inner], "a" not in streams)
 
 
 def rows_of(

@@ -22,7 +22,6 @@ NAMES = {
     "mz0": "zero τ_z", "U": "inclination U", "V": "inclination V",
 }  # fmt: skip
 MOST_LOGS, MOST_CONTACTS, MOST_WARNINGS = 4, 6, 5  # on the sheet; the report has all
-MOST_EFFECTS = 2  # on the sheet
 LONGEST = 200  # characters of a warning on the sheet
 
 
@@ -129,8 +128,9 @@ def _left_by_axis(found: PayloadResults) -> Block:
 
 def _missing(missing: MissingResults, *, whole: bool) -> Block:
     """What the rigid body behind an ideal sensor lacks; on the sheet the first ones."""
+    most_effects = 2  # on the sheet
     effects = [*missing.found, *missing.suspected]
-    said = [missing.said, *(each.said for each in (effects if whole else effects[:MOST_EFFECTS]))]
+    said = [missing.said, *(each.said for each in (effects if whole else effects[:most_effects]))]
     return Block("What the model lacks", tuple(plain(each, 400 if whole else LONGEST) for each in said))
 
 

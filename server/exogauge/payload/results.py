@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge import __version__
+from exogauge.criteria.criterion import Z95, entries
 from exogauge.criteria.payload_dynamic import Moving
 from exogauge.payload.contact import Compensation
 from exogauge.payload.dynamics import NAMES, ZERO_NAMES, enough
@@ -20,6 +21,7 @@ from exogauge.payload.remainder import Figures, Remainder
 from exogauge.payload.schema import (
     ChannelRatios,
     ContactResults,
+    Deciding,
     DynamicResults,
     FigureResults,
     Further,
@@ -38,7 +40,7 @@ from exogauge.terminal import text_table
 
 Array = NDArray[np.float64]
 
-Z95 = 1.959964
+DECIDING = ("judging", "payload", "payload_doctor", "payload_static", "payload_dynamic")
 ZERO_UNITS = ("N",) * 3 + ("N·m",) * 3
 
 
@@ -60,6 +62,7 @@ def results(evaluation: Evaluation) -> PayloadResults:
         },
         contact_threshold_n=dict(evaluation.thresholds), imu=_imu(evaluation), missing=_missing(evaluation),
         mass_error_kg=None if truth is None else float(mass - truth), warnings=list(evaluation.warnings),
+        criteria=[Deciding(**each) for each in entries(evaluation.criteria, DECIDING)],
     )  # fmt: skip
 
 

@@ -160,8 +160,20 @@ class MissingResults(_Part):
     said: str
 
 
+class Deciding(_Part):
+    """A number that decides. source: `derived`, `measured`, `convention` or `judgement`; where: of what, or in which
+    document."""
+
+    name: str
+    value: float | list[float]
+    unit: str
+    why: str
+    source: str
+    where: str
+
+
 class PayloadResults(_Part):
-    """frame: of every vector. sees: told from the data."""
+    """frame: of every vector. sees: told from the data. criteria: numbers that decided."""
 
     version: Literal[1]
     exogauge: str
@@ -177,6 +189,7 @@ class PayloadResults(_Part):
     missing: MissingResults
     mass_error_kg: float | None
     warnings: list[str]
+    criteria: list[Deciding] = []
 
 
 class Certainty(_Part):

@@ -5,21 +5,20 @@ State [q, q̇, q̈], white noise as jerk: [Payload] takes a Kalman filter and do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.jerk_filter import WARM, backward, forward, gains
 
 Array = NDArray[np.float64]
 Kind = Literal["smoother", "fixed_lag", "causal"]
 
 LAG_S = 0.1  # of the fixed-lag smoother: at 250 Hz it leaves what the full smoother leaves
-RATIO = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
-STILL = 20.0  # standard deviations of noise between the ends of what a channel does not move
 MEMORY = 8.0  # time constants of the smoother after which nothing of an impulse is left (e⁻⁸)
 
 
@@ -37,8 +36,9 @@ class Smoothed:
 
 
 def smooth(
-    time: Array, positions: Array, std: float, *, density: float | None = None, kind: Kind = "smoother"
-) -> Smoothed:
+    time: Array, positions: Array, std: float, *, density: float | None = None, kind: Kind = "smoother",
+    criteria: Moving = USUAL,
+) -> Smoothed:  # fmt: skip
     """positions: (T, J) [rad or m] at time (T,) [s], with errors of `std`.
 
     density: None chooses each channel's by the likelihood of its innovations, which is done for still channels anyway.
@@ -53,7 +53,7 @@ def smooth(
     edge = 0
     for j in range(channels):
         z = (positions[:, j] - positions[0, j]) / std
-        moves = float(np.ptp(z)) >= STILL
+        moves = float(np.ptp(z)) >= criteria.still_noises
         ratio = density * period**5 / std**2 if density is not None and moves else likeliest(z, step)
         states = _pass(z, step, ratio, lag) * std * units
         state[:, j] = states
@@ -64,15 +64,35 @@ def smooth(
     return Smoothed(state, densities, noise, edge)
 
 
+def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
+    """The same at (n,) times within the samples that are known: positions and velocities by cubics through both and
+    their slopes, accelerations by straight lines, whose errors are no larger than those of the samples.
+    time: (T,) of the samples."""
+    k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    h = (time[k + 1] - time[k])[:, None]
+    s = (at - time[k])[:, None] / h
+    first, last = smoothed.state[k], smoothed.state[k + 1]
+    state = np.empty((len(at), *smoothed.state.shape[1:]))
+    for order in (0, 1):
+        a, b, slope_a, slope_b = (each[:, :, order + up] for up in (0, 1) for each in (first, last))
+        state[:, :, order] = (
+            (1 + 2 * s) * (1 - s) ** 2 * a + s**2 * (3 - 2 * s) * b
+            + h * s * (1 - s) * ((1 - s) * slope_a - s * slope_b)
+        )  # fmt: skip
+    state[:, :, 2] = (1 - s) * first[:, :, 2] + s * last[:, :, 2]
+    return replace(smoothed, state=state, edge=0)
+
+
 def likeliest(z: Array, step: Array) -> float:
     """Density in units of variance and period, by the likelihood of the innovations. z: (T,) in units of its noise."""
+    ratio = (-14.0, 4.0)  # log10 of jerk density x period⁵ / variance: straight lines; noise that is all motion
     x, P = np.empty((len(z), 3)), np.empty((len(z), 3, 3))
 
     def cost(exponent: float) -> float:
         logs, squares = forward(z, step, 10.0**exponent, x, P)
         return logs + squares
 
-    found = minimize_scalar(cost, bounds=RATIO, method="bounded", options={"xatol": 0.02})
+    found = minimize_scalar(cost, bounds=ratio, method="bounded", options={"xatol": 0.02})
     return float(10.0**found.x)
 
 

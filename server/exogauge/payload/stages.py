@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from exogauge.criteria.criteria import USUAL, Criteria
 from exogauge.errors import BadStudy, Fault, NotIdentifiable
@@ -16,12 +18,14 @@ from exogauge.payload.dynamics import (
     DynamicSolution,
     Method,
     Prior,
+    Rows,
     dynamic_stage,
     recursive,
     require_excitation,
     static_prior,
 )
-from exogauge.payload.intake import Payload
+from exogauge.payload.intake import Payload, Recording
+from exogauge.payload.other_units import moments_over_forces, units_for
 from exogauge.payload.prepare import Moved, rows_of, std_of
 from exogauge.payload.statics import (
     Holds,
@@ -32,6 +36,7 @@ from exogauge.payload.statics import (
     misread_rotation,
     static_stage,
     told_sign,
+    touched_postures,
 )
 from exogauge.studies.intake.robot_file import SIGN
 
@@ -45,7 +50,8 @@ METHODS: tuple[Method, ...] = ("ls", "tls", "gtls")
 class Postures:
     """holds; level, inclined: errors in left-out postures without and with U, V, None where one cannot be missed;
     chosen: the solution used; by_method: the same by LS, TLS, GTLS; further: gravity's direction in {S} and std (12,)
-    with one more posture. acceleration: (K, 3) the IMU's mean in each, if there is one."""
+    with one more posture. acceleration: (K, 3) the IMU's mean in each, if there is one. touched: what is said of
+    postures that were left out."""
 
     holds: Holds
     level: LeftOut | None
@@ -54,6 +60,7 @@ class Postures:
     by_method: Mapping[Method, StaticSolution]
     further: tuple[Array, Array]
     acceleration: Array | None
+    touched: tuple[str, ...]
 
 
 @final
@@ -71,17 +78,30 @@ class Excitation:
     left_out: tuple[tuple[float, float], ...]
 
 
+@contextmanager
+def naming(recordings: Sequence[Recording]) -> Iterator[None]:
+    """What cannot be identified is told with the files that it is not in."""
+    try:
+        yield
+    except NotIdentifiable as error:
+        files = ", ".join(dict.fromkeys(each.wrench.file for each in recordings))
+        raise NotIdentifiable(f"{files}: {error}", error.parameters) from error
+
+
 def postures_stage(
     payload: Payload, holds: Holds, acceleration: Array | None, warnings: list[str], criteria: Criteria = USUAL
 ) -> Postures:
     """holds: every posture of every log. acceleration: (K, 3) of the IMU in each, if there is one. Raises BadStudy."""
     gravity, settings, limits = np.array(payload.file.gravity), payload.file.settings, criteria.payload
     still = criteria.payload_static
-    if np.all(holds.wrench[:, :3].std(axis=0) < limits.no_weight * holds.std[:3]):
+    flat = np.all(holds.wrench[:, :3].std(axis=0) < limits.no_weight * holds.std[:3])
+    if flat and not holds.alike(gravity, still):
         advice = "Is the payload on the sensor, and are these the columns of a sensor that is read?"
         detail = f"the force is the same in all {len(holds)} postures: nothing hangs on the sensor"
         raise BadStudy(Fault(detail, "no_weight", advice, payload.of("postures")[0].wrench.file))
     misread = misread_rotation(holds, gravity, still)
+    if misread is not None and payload.file.pose.quaternion is not None:
+        _require_order(payload, holds, gravity, criteria)
     if misread is not None:
         detail, advice = {
             "transposed": ("the postures fit the transpose of this pose", "Give R_base_sensor: its columns are the "
@@ -99,6 +119,16 @@ def postures_stage(
         detail = "the weight points the other way than `sensor.sees` and `gravity` say"
         advice = f"Say `sees: {other}`, or turn `gravity` round."
         raise BadStudy(Fault(detail, "sees_contradicted", advice, payload.name, None, "sensor.sees", stated))
+    touched, said = touched_postures(holds, gravity, sign, still), list[str]()
+    for number, beyond in touched.items():
+        span = "" if holds.spans is None else f", {_span_of(holds.spans[number])}"
+        said.append(
+            f"Posture {number + 1}{span}: {np.linalg.norm(beyond[:3]):.3g} N and {np.linalg.norm(beyond[3:]):.3g} N·m "
+            "beyond what the others say. Something touched the payload there, or it had moved: left out."
+        )
+    if touched:
+        keep = ~np.isin(np.arange(len(holds)), list(touched))
+        holds, acceleration = holds.only(keep), None if acceleration is None else acceleration[keep]
     errors: list[LeftOut | None] = []
     for inclined in (False, True):
         try:
@@ -119,12 +149,12 @@ def postures_stage(
             "sensor's axes are wrong, or the base really leans."
         )
     if float(np.linalg.norm(chosen.centre)) > limits.far_m:
-        warnings.append(
-            f"The centre of mass comes out {np.linalg.norm(chosen.centre):.3g} m from the sensor: check "
-            "`sensor.moment_unit`."
-        )
+        detail = f"the centre of mass comes out {np.linalg.norm(chosen.centre):.3g} m from the sensor"
+        advice = "Check `sensor.moment_unit` (Nmm is a thousandth of Nm) and `sensor.force_unit`."
+        file = payload.of("postures")[0].wrench.file
+        raise BadStudy(Fault(detail, "centre_too_far", advice, file, None, payload.file.sensor.wrench[3]))
     further = further_posture(holds, chosen, still)
-    return Postures(holds, level, tilted, chosen, by_method, further, acceleration)
+    return Postures(holds, level, tilted, chosen, by_method, further, acceleration, tuple(said))
 
 
 def excitation_stage(
@@ -138,8 +168,7 @@ def excitation_stage(
     method: Method = settings.method if known else "ls"
     if settings.method != method:
         warnings.append(
-            "Several clocks, an IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not "
-            "read."
+            "An IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not read."
         )
 
     rows = rows_of(payload, moved, gravity, sign)
@@ -150,7 +179,9 @@ def excitation_stage(
         if pushed:
             rows = rows_of(payload, moved, gravity, sign, keep)
             solution = dynamic_stage(rows, prior, method, criteria=deciding)
-    require_excitation(solution)
+    _require_units(payload, rows, criteria)
+    with naming(payload.of("excitation")):
+        require_excitation(solution)
     by_method = {method: solution}
     by_method |= {
         each: dynamic_stage(rows, prior, each, criteria=deciding) for each in METHODS if known and each != method
@@ -177,6 +208,39 @@ def excitation_stage(
         by_method, solution, track[-1], (float(alone.value[0]), float(alone.std[0])), known,
         np.concatenate([np.zeros(0) if m.motion.density is None else m.motion.density for m in moved]), tuple(pushed),
     )  # fmt: skip
+
+
+def _require_units(payload: Payload, rows: Rows, criteria: Criteria) -> None:
+    """Forces and moments must agree on m c: else one of them is in another unit. An IMU that sits elsewhere, and a zero
+    moment arm, say nothing of it."""
+    sensor = payload.file.sensor
+    if payload.file.settings.moments == "from_motion" or payload.file.imu is not None:
+        return
+    found = moments_over_forces(rows, criteria.payload)
+    most = criteria.payload.other_ratio
+    if found is None or found[0] <= 0.0 or 1.0 / most <= found[0] <= most:
+        return
+    ratio, std = found
+    file, said = payload.of("excitation")[0].wrench.file, units_for(ratio, std, sensor.force_unit, sensor.moment_unit)
+    detail = f"moments are {ratio:.4g} ± {std:.1g} times what forces say of the payload in motion: a unit is wrong"
+    advice = f"Say {said}." if said else "Check `sensor.force_unit` and `sensor.moment_unit`."
+    raise BadStudy(Fault(detail, "units_disagree", advice, file, None, sensor.wrench[3], f"{ratio:.4g}"))
+
+
+def _require_order(payload: Payload, holds: Holds, gravity: Array, criteria: Criteria) -> None:
+    """Raises BadStudy where the quaternion is explained by its other order."""
+    q = Rotation.from_matrix(holds.rotation).as_quat()
+    stated = payload.file.pose.quaternion_order
+    other = "wxyz" if stated == "xyzw" else "xyzw"
+    turned = Rotation.from_quat(np.roll(q, -1 if other == "wxyz" else 1, axis=1)).as_matrix()
+    if misread_rotation(replace(holds, rotation=turned), gravity, criteria.payload_static) is None:
+        detail, advice = f"the postures fit the order {other}, not {stated}", f"Say `pose.quaternion_order: {other}`."
+        file, key = payload.of("postures")[0].pose.file, "pose.quaternion_order"
+        raise BadStudy(Fault(detail, "quaternion_order", advice, file, None, key, stated or ""))
+
+
+def _span_of(span: Array) -> str:
+    return f"row {span[0]:.0f}" if span[0] == span[1] else f"{span[0]:.2f} to {span[1]:.2f} s"
 
 
 def prior_of(payload: Payload, postures: Postures | None, criteria: Criteria = USUAL) -> Prior:

@@ -44,8 +44,16 @@ class Holds:
 
     def but(self, k: int) -> Holds:
         """Without posture k."""
-        keep = np.arange(len(self)) != k
-        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise)
+        return self.only(np.arange(len(self)) != k)
+
+    def only(self, keep: NDArray[np.bool_]) -> Holds:
+        spans = None if self.spans is None else self.spans[keep]
+        return Holds(self.rotation[keep], self.wrench[keep], self.std, self.tilt_noise, spans, self.unrest)
+
+    def alike(self, gravity: Array, criteria: Standing = USUAL) -> bool:
+        """Whether gravity, (3,) in {B}, pulls in the same direction of the sensor in all of them."""
+        down = np.einsum("kji,j->ki", self.rotation, gravity / np.linalg.norm(gravity))
+        return bool(np.arccos(np.clip(down @ down[0], -1.0, 1.0)).max() < np.radians(criteria.alike_deg))
 
 
 @final
@@ -211,13 +219,40 @@ class LeftOut:
 
 def leave_one_out(holds: Holds, gravity: Array, sign: int, *, inclined: bool, criteria: Standing = USUAL) -> LeftOut:
     """Each posture predicted from the others. Raises NotIdentifiable where one of them cannot be missed."""
+    errors = left_out_errors(holds, gravity, sign, inclined=inclined, criteria=criteria)
+    return LeftOut(float(np.sqrt(np.mean(errors[:, :3] ** 2))), float(np.sqrt(np.mean(errors[:, 3:] ** 2))))
+
+
+def left_out_errors(holds: Holds, gravity: Array, sign: int, *, inclined: bool, criteria: Standing = USUAL) -> Array:
+    """(K, 6) what a posture reads beyond what the others say. Raises NotIdentifiable."""
 
     def predicted(k: int) -> Array:
         others = static_stage(holds.but(k), gravity, sign, inclined=inclined, criteria=criteria)
         return np.asarray(others.predict(holds.rotation[[k]])[0])
 
-    errors = np.array([holds.wrench[k] - predicted(k) for k in range(len(holds))])
-    return LeftOut(float(np.sqrt(np.mean(errors[:, :3] ** 2))), float(np.sqrt(np.mean(errors[:, 3:] ** 2))))
+    return np.array([holds.wrench[k] - predicted(k) for k in range(len(holds))])
+
+
+def touched_postures(holds: Holds, gravity: Array, sign: int, criteria: Standing = USUAL) -> dict[int, Array]:
+    """By number the (6,) that a posture reads beyond what the others say, where they agree and it does not: something
+    touched. None where many differ."""
+    keep, found = np.ones(len(holds), dtype=bool), dict[int, Array]()
+    while True:
+        try:
+            errors = left_out_errors(holds.only(keep), gravity, sign, inclined=True, criteria=criteria)
+            sizes = np.linalg.norm(errors / holds.std, axis=1)
+            worst = int(np.argmax(sizes))
+            without = holds.only(keep).but(worst)
+            others = left_out_errors(without, gravity, sign, inclined=True, criteria=criteria) / without.std
+        except NotIdentifiable:
+            return found
+        rest = float(np.sqrt(np.mean(np.sum(others**2, axis=1))))
+        if sizes[worst] < criteria.outlier * max(rest, np.sqrt(6.0)):
+            return found
+        number = int(np.flatnonzero(keep)[worst])
+        keep[number], found[number] = False, errors[worst]
+        if len(found) > criteria.outliers * len(holds):
+            return {}
 
 
 def further_posture(holds: Holds, solution: StaticSolution, criteria: Standing = USUAL) -> tuple[Array, Array]:

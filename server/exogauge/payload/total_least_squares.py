@@ -14,14 +14,13 @@ import numpy as np
 import scipy.linalg as sl
 from numpy.typing import NDArray
 
+from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.errors import NotIdentifiable
 from exogauge.loops.restricted_tls import add_rows, inverse_iteration, track
 
 Array = NDArray[np.float64]
 
-SETTLED_ROWS = 3  # rows per parameter before an estimate is given without a prior
 NOT_GENERIC = 1e-8  # of the scaled vector: below, no parameters solve the rows
-FREEZE = 0.5  # of the information that forgetting takes per sample, which a sample must bring
 
 
 @final
@@ -90,11 +89,12 @@ class Recursion:
 
     def __init__(
         self, parameters: int, prior: Array | None = None, *, start: Array | None = None, forget: float = 1.0,
-        relative: float = 1e-6,
+        relative: float = 1e-6, criteria: Moving = USUAL,
     ) -> None:  # fmt: skip
         """prior: (k, n+1) rows [A b] known beforehand, divided by their std. start: (n,) first estimate, default 0.
         forget: λ per sample. relative: size of the first G in units of the first sample's columns, without a prior."""
         self.forget, self._relative, self._rows, self._has_prior = forget, relative, 0, prior is not None
+        self._criteria = criteria
         size = parameters + 1
         self.R = np.zeros((size, size)) if prior is None else triangle(prior)
         self.P = only_output(size, 0 if prior is None else len(prior))
@@ -105,7 +105,9 @@ class Recursion:
     def update(self, Z: Array, noise: Array) -> None:
         """Z: (r, n+1) rows of one sample. noise: (n+1, n+1) their summed covariance."""
         self._begin(Z)
-        self.frozen = self.forget < 1.0 and self._rows > SETTLED_ROWS * len(self.v) and self._brings_little(Z)
+        self.frozen = (
+            self.forget < 1.0 and self._rows > self._criteria.settled_rows * len(self.v) and self._brings_little(Z)
+        )
         if not self.frozen:
             add_rows(self.R, self.P, np.array(Z, dtype=np.float64), noise, self.forget)
             inverse_iteration(self.R, self.P, self.v)
@@ -127,7 +129,7 @@ class Recursion:
     @property
     def value(self) -> Array | None:
         """(n,), or None while there is none to be trusted."""
-        too_early = not self._has_prior and self._rows < SETTLED_ROWS * (len(self.v) - 1)
+        too_early = not self._has_prior and self._rows < self._criteria.settled_rows * (len(self.v) - 1)
         if too_early or abs(self.v[-1]) < NOT_GENERIC:
             return None
         return np.asarray(-self.v[:-1] / self.v[-1])
@@ -143,4 +145,4 @@ class Recursion:
 
     def _brings_little(self, Z: Array) -> bool:
         brought = float(np.sum(sl.solve_triangular(self.R, Z.T, trans="T") ** 2))
-        return brought < FREEZE * (1.0 - self.forget) * len(self.v)
+        return brought < self._criteria.freeze * (1.0 - self.forget) * len(self.v)

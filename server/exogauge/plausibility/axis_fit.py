@@ -17,17 +17,9 @@ Array = NDArray[np.float64]
 PLAUSIBLE = 2.5  # a description's masses and k_T together: beyond this factor something else is wrong
 DECADES = 3.5  # of factors that are tried, up and down: N·mm read as N·m is 3, a gear seldom 300
 PER_DECADE = 8
-UNMODELLED = (
-    0.05,
-    0.1,
-    0.2,
-    0.4,
-)  # of an effort's rms: friction that is no straight line, ripple, what nobody described
-OFFSET = 0.3  # of an effort's rms: std of what is constant in it
 GAINS = 10.0 ** (np.arange(-DECADES * PER_DECADE, DECADES * PER_DECADE + 1) / PER_DECADE)
 ALL_GAINS = np.ones(len(GAINS), dtype=bool)
 AS_DESCRIBED = (GAINS >= 1.0 / PLAUSIBLE) & (GAINS <= PLAUSIBLE)
-INDEPENDENT = 0.25  # of these: what is left unmodelled is alike at neighbours
 
 
 @final
@@ -72,9 +64,16 @@ class AxisFit:
     """
 
     def __init__(
-        self, load: Array, spread: Array, velocity: Array, acceleration: Array, moving: NDArray[np.bool_]
+        self,
+        load: Array,
+        spread: Array,
+        velocity: Array,
+        acceleration: Array,
+        moving: NDArray[np.bool_],
+        criteria: Comparing,
     ) -> None:
-        self.moving = m = moving
+        self.moving, self._criteria = moving, criteria
+        m = moving
         self._lambda, U = np.linalg.eigh(spread[m] @ spread[m].T)
         self._lambda = np.maximum(self._lambda, 0.0)
         Z = np.column_stack([velocity, np.sign(velocity), acceleration, np.ones_like(velocity)])[m]
@@ -93,11 +92,11 @@ class AxisFit:
         y, Z = self._U.T @ y, self._Z * np.where(backwards, [-1.0, -1.0, -1.0, 1.0], 1.0)
         products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
         logs, lefts = np.full(len(gains), -np.inf), np.zeros((len(gains), len(y)))
-        for share in UNMODELLED:
+        for share in self._criteria.unmodelled:
             w = 1.0 / (gains[:, None] ** 2 * self._lambda + (share * rms) ** 2)  # (G, N)
             r = y - gains[:, None] * self._L
             M = (w @ products).reshape(-1, 4, 4)
-            M[:, 3, 3] += 1.0 / (OFFSET * rms) ** 2
+            M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
             explained, coefficients = _explained(M, (w * r) @ Z)
             found = 0.5 * (explained - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
             better = found > logs
@@ -108,7 +107,7 @@ class AxisFit:
         near = int(np.flatnonzero(described)[np.argmax(logs[described])])
         misfit = float(np.sqrt(np.mean(lefts[near] ** 2))) / rms
         all_logs = np.full(len(GAINS), -np.inf)
-        all_logs[among] = INDEPENDENT * logs
+        all_logs[among] = self._criteria.independent * logs
         return Likelihood(all_logs, misfit)
 
 

@@ -44,7 +44,9 @@ class Expected:
             spread = self._spread[:, axis]
             spread = spread[:, np.any(spread != 0.0, axis=0)]
             velocity, acceleration = self._velocity[:, axis], self._acceleration[:, axis]
-            self._fits[axis] = AxisFit(self.load[:, axis], spread, velocity, acceleration, self.moving[:, axis])
+            self._fits[axis] = AxisFit(
+                self.load[:, axis], spread, velocity, acceleration, self.moving[:, axis], self.seen.criteria
+            )
         return self._fits[axis]
 
     def tells(self, axis: int) -> bool:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Comparing
 from exogauge.identification.contacts import ContactPaths
 from exogauge.logs.findings import Finding
-from exogauge.plausibility.axis_fit import INDEPENDENT
 from exogauge.plausibility.snapshot import Snapshot
 from exogauge.robots.description import Robot
 
@@ -22,7 +21,6 @@ Array = NDArray[np.float64]
 
 LEAST = np.radians(10.0)  # a mounting is not stated better than that by everybody, nor does a walking body obey it
 CERTAIN = np.radians(1.0)  # std that no direction falls below: what bodies do relative to the base is left out
-REVERSED = np.radians(150.0)
 
 
 @final
@@ -40,7 +38,7 @@ class Directions:
 
     def gain(self, before: Array, after: Array) -> float:
         """In log likelihood, moments counted as in `AxisFit`; two components of a direction each."""
-        return float(2.0 * INDEPENDENT * len(self.up) * np.log(self.left(before) / self.left(after)))
+        return float(2.0 * self.criteria.independent * len(self.up) * np.log(self.left(before) / self.left(after)))
 
 
 def directions(robot: Robot, seen: Snapshot) -> Directions | None:
@@ -72,7 +70,7 @@ def imu_rules(robot: Robot, found: Directions) -> Iterator[Finding]:
     if (
         angle < LEAST
         or after > found.criteria.halved * before
-        or 2.0 * INDEPENDENT * len(found.up) * np.log(before / after) < found.criteria.decisive
+        or 2.0 * found.criteria.independent * len(found.up) * np.log(before / after) < found.criteria.decisive
     ):
         return
     lies = f"lies {np.degrees(before):.0f}° from the direction in which the contacts bear the robot"

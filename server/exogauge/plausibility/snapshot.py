@@ -22,11 +22,6 @@ from exogauge.robots.motion import Motion
 
 Array = NDArray[np.float64]
 
-MOMENTS = 160  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
-FASTEST_HZ, SLOWEST_HZ = 8.0, 1.0  # of the low-pass: gravity and inertia of a robot's motion lie below
-LATEST_S = 0.12  # by which efforts are tried to be late, or early
-LAGS = 13  # that are tried
-
 
 @final
 @dataclass(frozen=True)
@@ -67,6 +62,9 @@ class Snapshot:
 
 def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
     """None where channels are missing or hold no number, or the log is too short to be low-passed."""
+    lags = 13  # that are tried
+    latest_s = 0.12  # by which efforts are tried to be late, or early
+    moments = 160  # of a log: with more, neighbours say the same, and the whole has to cost well under a second
     names = needed_channels(robot)
     if not log.has(*names) or log.samples < 50 or not all(np.isfinite(log.channels[name]).all() for name in names):
         return None
@@ -75,12 +73,12 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
         even = np.arange(log.time[0], log.time[-1], 1.0 / rate)
         log = Log(log.name, even, {name: np.interp(even, log.time, log.channels[name]) for name in names})
     q = log.stack([f"q.{joint.name}" for joint in joints])
-    hz = float(np.clip(suggest_cutoff(q, rate), SLOWEST_HZ, FASTEST_HZ))
+    hz = float(np.clip(suggest_cutoff(q, rate), criteria.slowest_hz, criteria.fastest_hz))
     low_pass = LowPass(min(hz, 0.2 * rate), rate)
     settle = low_pass.settle_samples
     if len(q) < 4 * settle:
         return None
-    at = np.linspace(settle, len(q) - 1 - settle, MOMENTS).astype(np.intp)
+    at = np.linspace(settle, len(q) - 1 - settle, moments).astype(np.intp)
     still, q = np.ptp(q, axis=0) == 0.0, low_pass.apply(q)
     dq, ddq = differentiate(q, rate), differentiate_twice(q, rate)
     effort, alive, zeros = np.zeros_like(q), np.zeros(len(joints), dtype=bool), np.zeros(len(joints))
@@ -90,8 +88,8 @@ def take(robot: Robot, log: Log, criteria: Comparing) -> Snapshot | None:
             raw = log.channels[f"{DRIVE[joint.actuation]}.{joint.name}"]
             effort[:, k], alive[k] = low_pass.apply(raw) * joint_prior(joint, "k_T"), np.ptp(raw) > 0.0
             zeros[k] = np.mean(raw[moving[:, k]] == 0.0) if moving[:, k].any() else 0.0
-    latest = min(round(LATEST_S * rate), settle)
-    steps = np.unique(np.round(np.linspace(-latest, latest, LAGS)).astype(np.intp))
+    latest = min(round(latest_s * rate), settle)
+    steps = np.unique(np.round(np.linspace(-latest, latest, lags)).astype(np.intp))
     acc, gyro, gyro_dot = (each[at] for each in base_motion(robot, log, low_pass))
     wrenches = [sensor.sign * low_pass.apply(log.stack(wrench_channels(sensor.name)))[at] for sensor in robot.contacts]
     return Snapshot(

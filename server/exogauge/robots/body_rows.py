@@ -14,8 +14,6 @@ from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
 
-CHUNK = 2000  # samples at once: 30 MB of states of a humanoid
-
 
 def body_rows(tree: RigidTree, axes_from_joints: Array, motion: Motion, body: int, cuts: Sequence[str] = ()) -> Array:
     """(T, 6 + A + 6 C, 10), or without the six base rows for a fixed base: the columns of one body in Y.
@@ -23,8 +21,9 @@ def body_rows(tree: RigidTree, axes_from_joints: Array, motion: Motion, body: in
     Base force and moment about the base link's origin, in its frame; actuator axes; then, for the frame of each sensor
     in `cuts`, force and moment about its origin, in its axes, 0 where it does not carry the body.
     """
-    starts = range(0, motion.samples, CHUNK)
-    parts = [_rows(tree, axes_from_joints, motion.rows(slice(k, k + CHUNK)), body, cuts) for k in starts]
+    chunk = 2000  # samples at once: 30 MB of states of a humanoid
+    starts = range(0, motion.samples, chunk)
+    parts = [_rows(tree, axes_from_joints, motion.rows(slice(k, k + chunk)), body, cuts) for k in starts]
     return np.concatenate(parts)
 
 

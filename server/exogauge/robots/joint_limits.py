@@ -21,3 +21,4 @@ class JointLimits:
     velocity: Array
     acceleration: Array
     torque: Array
+    jerk: Array | None = None  # None: of no joint

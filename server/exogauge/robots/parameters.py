@@ -51,7 +51,6 @@ def inertia_by_first_moment(c: Array) -> Array:
 
 
 DEPENDENT = 1e-8  # what is left of a unit column that depends on the kept ones; 1e-14 and 1e-3 are seen
-NEGLIGIBLE = 1e-14  # regrouping coefficients below this are zeros; rounding leaves 1e-15, angles like 1.5708 1e-12
 
 
 @final
@@ -87,6 +86,7 @@ def find_base_parameters(
 
     Implements [Evaluator] (11), (13), text: minimal set of inertial parameters.
     """
+    negligible = 1e-14  # regrouping coefficients below this are zeros; rounding leaves 1e-15, angles like 1.5708 1e-12
     rng = np.random.default_rng(0) if rng is None else rng
     n = 10 * len(tree.bodies)
     rows_each = len(tree.joints) + (6 if tree.floating else 0)
@@ -106,7 +106,7 @@ def find_base_parameters(
     K = np.linalg.solve(R, Q.T @ D)
     K += np.linalg.solve(R, Q.T @ (D - A @ K))  # one refinement
     K *= scale[dependent] / scale[columns][:, None]
-    K[np.abs(K) < NEGLIGIBLE] = 0.0
+    K[np.abs(K) < negligible] = 0.0
     regroup = np.zeros((len(columns), n))
     regroup[np.arange(len(columns)), columns] = 1.0
     regroup[:, dependent] = K

@@ -27,9 +27,9 @@ def _log(
     import numpy as np
     import pyarrow as pa
 
-    from exogauge.logs.canonical import write_log
     from exogauge.logs.mapping import read_mapped
     from exogauge.logs.mapping_rules import LogMapping
+    from exogauge.logs.parquet_table import write_log
     from exogauge.logs.reading import read_log
 
     pa.set_cpu_count(1)

@@ -18,10 +18,10 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
     """folder: the study's files. series: the log's series file, if it has one. results: results.json."""
     import json
 
-    from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.recording import record
     from exogauge.scene.take import take
     from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.series.recorded_motion import read_logged
 
     logged = read_logged(Bundle(Path(folder), "study.yaml"), log)
@@ -32,10 +32,10 @@ def recording(folder: str, log: str, series: str | None, results: str) -> dict[s
 
 def still(robot_folder: str, device_folder: str | None) -> dict[str, Any]:
     """The robot that robot_folder/robot.yaml describes, wearing what device_folder/device.yaml does."""
-    from exogauge.scene.mesh_files import mesh_opener
-    from exogauge.scene.still import draw_still
+    from exogauge.scene.recording import draw_still
     from exogauge.studies.intake.bundle import Bundle
     from exogauge.studies.intake.device_file import read_device
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.intake.robot_file import read_robot
 
     robot, _, urdf = read_robot(Bundle(Path(robot_folder), "robot.yaml"), "robot.yaml")
@@ -57,8 +57,8 @@ def payload(folder: str, results: str | None, postures: str | None) -> dict[str,
     from exogauge.payload.planning.plan import caps_of
     from exogauge.robots.description import Joint, Robot
     from exogauge.robots.urdf import load_tree
-    from exogauge.scene.mesh_files import mesh_opener
     from exogauge.scene.payload_view import draw_payload
+    from exogauge.studies.intake.mesh_files import mesh_opener
     from exogauge.studies.intake.yaml_file import load_yaml
 
     here = Path(folder)
@@ -73,9 +73,11 @@ def payload(folder: str, results: str | None, postures: str | None) -> dict[str,
     if postures is not None:
         with Path(postures).open(encoding="utf-8", newline="") as table:
             ghosts = np.array([[float(row[f"q.{name}"]) for name in joints] for row in csv.DictReader(table)])
-    body = None if results is None else body_of(read_results(Path(results)))
-    opener = mesh_opener(here)
-    Path(SCENE).write_bytes(draw_payload(robot, urdf, opener, file.sensor.frame or "", home, caps, ghosts, body))
+    found = None if results is None else read_results(Path(results))
+    body = None if found is None else body_of(found)
+    touches = [] if found is None else [np.array(each.force_n) for log in found.contacts.values() for each in log]
+    scene = draw_payload(robot, urdf, mesh_opener(here), file.sensor.frame or "", home, caps, ghosts, body, touches)
+    Path(SCENE).write_bytes(scene)
     return {}
 
 

@@ -17,12 +17,13 @@ from exogauge.scene.colours import MARK, SLACK, UNKNOWN, Rgb, as_hex
 from exogauge.scene.poses import InBase, quaternions
 from exogauge.scene.recording import aim
 from exogauge.scene.robot_view import ROOT, RobotView, draw_robot
-from exogauge.scene.shapes import Opener
 from exogauge.scene.stage import Stage
+from exogauge.studies.intake.mesh_files import Opener
 
 Array = NDArray[np.float64]
 
 AXES: tuple[Rgb, ...] = ((204, 51, 51), (51, 153, 51), (51, 85, 204))  # x, y, z
+CONTACT: Rgb = (176, 32, 32)
 ARROW, DOME, BALL = 0.14, 0.24, 0.012  # of the robot's size: sensor's axes, radius of caps, centre of mass
 SHOWN = 0.06  # of the robot's size, at most: three standard deviations of the centre, magnified to be seen
 SIGMAS = 3.0
@@ -31,10 +32,11 @@ STEP = np.radians(7.5)  # of a cap's mesh
 
 def draw_payload(
     robot: Robot, urdf: bytes, open_mesh: Opener, frame: str, home: Array, caps: Sequence[Cap], postures: Array | None,
-    body: Body | None,
+    body: Body | None, contacts: Sequence[Array] = (),
 ) -> bytes:  # fmt: skip
     """The packed scene, of one frame at time 0. frame: of the sensor. home: (J,), postures: (K, J) [rad]. body: in the
-    sensor's frame, None before anything was identified."""
+    sensor's frame, None before anything was identified. contacts: (3,) [N] largest force on the payload of each, in
+    the sensor's axes."""
     stage = Stage.empty()
     view = draw_robot(stage, robot, urdf, open_mesh, home[None], None, None)
     carrier, T = robot.tree.frames[frame]
@@ -58,6 +60,8 @@ def draw_payload(
         legend.append(_entry("postures", "planned postures", SLACK, f"{len(postures)}; where z points, in their order"))
     if body is not None:
         notes += _add_body(stage, view, sensor, body, legend)
+    if len(contacts):
+        _add_contacts(stage, sensor, np.array(contacts), 2.0 * ARROW * view.size, legend)
     aim(stage, view)
     about = {"log": "", "start": 0.0, "end": 0.0, "fps": 1.0, "frames": 1, "legend": legend, "marked": []}
     return stage.packed({**about, "notes": notes, "points": []})
@@ -143,6 +147,25 @@ def _add_body(stage: Stage, view: RobotView, sensor: str, body: Body, legend: li
     size = " × ".join(f"{2e3 * half:.0f}" for half in sorted(found[0], reverse=True))
     legend.append(_entry("inertia", "solid ellipsoid of the same inertia", UNKNOWN, f"{size} mm"))
     return []
+
+
+def _add_contacts(stage: Stage, sensor: str, forces: Array, reach: float, legend: list[dict[str, Any]]) -> None:
+    """Arrows that end at the sensor's origin, whence the force pushes; the largest is `reach` [m] long."""
+    most = float(np.linalg.norm(forces, axis=1).max())
+    tails = -reach * forces / most
+    tips = np.zeros_like(tails)
+    back = 0.15 * tails
+    across = np.cross(tails, [0.0, 0.0, 1.0])
+    level = np.linalg.norm(across, axis=1) < 0.1 * np.linalg.norm(tails, axis=1)
+    across[level] = np.cross(tails[level], [1.0, 0.0, 0.0])
+    across *= 0.06 * np.linalg.norm(tails, axis=1, keepdims=True) / np.linalg.norm(across, axis=1, keepdims=True)
+    lines = np.concatenate(
+        [np.stack([tails, tips], axis=1), *(np.stack([back + s * across, tips], 1) for s in (-1, 1))]
+    )
+    name = f"{sensor}/contacts"
+    stage.scene.add_line_segments(name, lines.astype(np.float32), CONTACT, thickness=4.0, thickness_units="screen")
+    stage.layers["contacts"] = [name]
+    legend.append(_entry("contacts", "largest force of each contact", CONTACT, f"the longest {most:.3g} N"))
 
 
 def _add_ellipsoid(

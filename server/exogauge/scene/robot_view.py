@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from exogauge.robots.description import Robot
 from exogauge.scene.colours import BODY, BODY_DARKER
 from exogauge.scene.poses import InBase, planted, quaternions, upright
-from exogauge.scene.shapes import Opener, body_shapes
+from exogauge.scene.shapes import body_shapes
 from exogauge.scene.stage import Stage
+from exogauge.studies.intake.mesh_files import Opener
 
 Array = NDArray[np.float64]
 BaseKnown = Literal["fixed", "logged", "tilt", "none"]

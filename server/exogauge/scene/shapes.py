@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Callable, Iterator
-from pathlib import PurePosixPath
+from collections.abc import Iterator
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -14,13 +12,11 @@ from numpy.typing import NDArray
 
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf_check import numbers, read_urdf
+from exogauge.studies.intake.mesh_files import Opener, load_mesh
 
 Array = NDArray[np.float64]
-Opener = Callable[[str], bytes | None]
 
-MESHES = (".stl", ".obj", ".ply")
 MOST_FACES = 4000  # of one mesh; finer ones are simplified
-MESH_BYTES = 20_000_000  # of one mesh file; a larger one is left out
 SLIMMEST, WIDEST = 0.012, 0.06  # [m] radii of made-up limbs
 BODY_DENSITY = 600.0  # [kg/m³] of made-up bodies: motors, shells and air
 
@@ -137,19 +133,9 @@ def _shapes(geometry: Element, open_mesh: Opener) -> Iterator[trimesh.Trimesh]:
 
 
 def read_mesh(name: str, open_mesh: Opener) -> trimesh.Trimesh | None:
-    """A mesh file simplified to `MOST_FACES`; None where it is missing, too large, of another kind, or broken."""
-    kind = PurePosixPath(name).suffix.lower()
-    data = open_mesh(name) if kind in MESHES else None
-    if data is None or len(data) > MESH_BYTES:
-        return None
-    try:
-        mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind[1:], process=False, skip_materials=True)
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError, UnicodeError):
-        return None  # a picture does without it
-    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
-        return None
-    plain = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    return simplified(plain) if len(plain.faces) > MOST_FACES else plain
+    """A mesh file simplified to `MOST_FACES`; None where there is none to be read."""
+    mesh = load_mesh(name, open_mesh)
+    return simplified(mesh) if mesh is not None and len(mesh.faces) > MOST_FACES else mesh
 
 
 def simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:

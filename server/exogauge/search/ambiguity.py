@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from exogauge.effects.order import LOG, SINCE
 from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.logs.filtering import LowPass
+from exogauge.search.baseline import FEWEST
 from exogauge.search.candidates import Candidate, grid
 from exogauge.search.score import Score, residual_memory
 from exogauge.search.site_rows import SiteRows
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-
-FEWEST = 20  # rows of a log that say how its residual is coloured
 
 
 @final

@@ -9,22 +9,20 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.flags import of_logged_torque
 from exogauge.effects.order import about, begins_among
-from exogauge.effects.shaped import AxisSignals
+from exogauge.effects.shaped import AxisSignals, of_logged_torque
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.progress import Doing, Progress
-from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
+from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
 from exogauge.search.sums import Sums
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
 
-SLOW = 3  # order of the polynomial that a drift over a log is taken for
-FEWEST = 20  # samples of steady motion, below which a log says nothing of how residuals are coloured
+FEWEST = 20  # samples of steady motion, below which a log says nothing of how its residual is coloured
 
 
 @final
@@ -134,7 +132,7 @@ def _all_at(
     fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
     if isinstance(site, AxisSite) and model.solution.gains.column_of(site.axis) is not None:
         fitting = [each for each in fitting if not of_logged_torque(each)]
-    every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
+    every = [Candidate(effect, site, shape) for effect in fitting for shape in grid(effect)]
     every = [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
     return [each for each in every if only is None or about(each.effect.shapes, each.shape, only)]
 
@@ -148,11 +146,12 @@ def _applies(effect: Effect, seen: Seen) -> bool:
 
 
 def _without_trend(log: LogResiduals, kind: int) -> Array:
-    """What is left once a slow drift is taken off: that is what is sought, and no memory of the noise."""
+    """What is left once a slow drift, a polynomial of third order, is taken off: that is what is sought, and no memory
+    of the noise."""
     e = log.residual[kind].copy()
     used = np.isfinite(e)
     if used.sum() >= FEWEST:
-        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, SLOW)
+        slow = np.polynomial.legendre.legvander(2.0 * log.time / max(float(log.time[-1]), 1e-12) - 1.0, 3)
         e[used] -= slow[used] @ np.linalg.lstsq(slow[used], e[used], rcond=None)[0]
     return e
 

@@ -14,7 +14,7 @@ from exogauge.effects.order import bounded, whatever_log
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import AxisSite, BaseSite, LinkSite, PairSite, SensorSite, end_links, neighbours
-from exogauge.logs.decimating import low_passed_at
+from exogauge.logs.filtering import low_passed_at
 
 Array = NDArray[np.float64]
 
@@ -51,10 +51,6 @@ def sites(model: RobotModel) -> tuple[Site, ...]:
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
     return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
-
-
-def candidates_at(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
-    return [(effect, shape) for effect in effects for shape in grid(effect)]
 
 
 def grid(effect: Effect) -> Iterator[tuple[float, ...]]:

@@ -23,8 +23,6 @@ from exogauge.identification.sites import AxisSite, PairSite
 from exogauge.search.judge import Judgement
 from exogauge.search.locate import channels
 
-# in every row
-
 
 @final
 @dataclass(frozen=True)

@@ -22,8 +22,6 @@ from exogauge.search.sums import KindSums
 
 Array = NDArray[np.float64]
 
-STEP = 0.02  # of a shape's value, for its slope
-
 
 def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Mapping[str, Estimate]:
     """Name -> value, standard deviation, unit; shapes in units of the axis are given in SI units. Without those that
@@ -82,7 +80,7 @@ def shape_slopes(
     for k, (value, one) in enumerate(zip(shape, effect.shapes, strict=True)):
         if one.choice:
             continue
-        step = STEP * (abs(value) or one.high - one.low)
+        step = 0.02 * (abs(value) or one.high - one.low)
         low, high = max(value - step, one.low), min(value + step, one.high)
         below, above = (rows.columns(effect, (*shape[:k], end, *shape[k + 1 :])) for end in (low, high))
         slopes.append({kind: ((above[kind] - below[kind]) @ coefficients / (high - low))[:, None] for kind in above})

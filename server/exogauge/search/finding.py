@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
-from exogauge.effects.flags import along_motion
+from exogauge.effects.shaped import along_motion
 from exogauge.findings.basis import Continued, OfRobot
 from exogauge.findings.binned import binned
 from exogauge.findings.result import Alternative, Evidence, Finding, HeldOut, Place

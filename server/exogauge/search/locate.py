@@ -19,8 +19,6 @@ from exogauge.search.baseline import LogResiduals
 
 Array = NDArray[np.float64]
 
-RESOLVED = 1e-9  # of the largest error: a lower floor is that of rounding
-
 
 def located(equations: Equations, found: Identification, residuals: Sequence[LogResiduals]) -> tuple[Excess, ...]:
     """Channels whose held-out error, in steady motion, stands above the noise floor; largest ratio first."""
@@ -80,6 +78,7 @@ def _sureness(
 
     Of noise, and not of the error itself: one jolt that stands far above all would make that as large as the mean.
     """
+    resolved = 1e-9  # of the largest error: a lower floor is that of rounding
     criteria = found.model.criteria.search
     floor: Mapping[str, float] = {fit.log: fit.noise_floor for fit in fits}
     predictions = {prediction.log: prediction for prediction in found.predictions}
@@ -91,7 +90,7 @@ def _sureness(
         time = prediction.time - prediction.time[0]
         at = np.searchsorted(time, each.time[np.isfinite(each.residual[kind])])
         error = (prediction.measured[channel] - prediction.predicted[channel])[np.minimum(at, len(time) - 1)]
-        least = RESOLVED * float(np.max(np.abs(error), initial=1e-300))
+        least = resolved * float(np.max(np.abs(error), initial=1e-300))
         relative.append((error / max(floor[each.log], least)) ** 2)
     squares = np.concatenate(relative) if relative else np.zeros(0)
     if len(squares) < criteria.told_rows:

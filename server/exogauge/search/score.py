@@ -16,9 +16,6 @@ from exogauge.search.sums import KindSums
 
 Array = NDArray[np.float64]
 
-BLIND = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
-NEARLY_ALL = 0.999  # of the square sum: no candidate is credited with more
-
 
 @final
 @dataclass(frozen=True)
@@ -52,6 +49,7 @@ def score_all(
     model: RobotModel, candidates: Sequence[Candidate], sums: Mapping[int, KindSums], memory: Mapping[int, float]
 ) -> Iterator[Score]:
     """Those of one site that the baseline does not swallow, by one solve for all. sums: of their columns, in order."""
+    blind = 1e-9  # share of a column left once the baseline is taken out, below which the baseline swallows it
     weights, own = model.solution.weights, model.equations.columns()
     live = {kind: each for kind, each in sums.items() if weights[kind] > 0.0 and each.rows}
     if not live:
@@ -70,7 +68,7 @@ def score_all(
         size = np.sqrt(np.maximum(np.diag(squares)[part], 1e-300))
         S = (squares[part, part] - B[:, part].T @ V[:, part]) / np.outer(size, size)
         left = float(S[0, 0] if len(S) == 1 else np.min(np.linalg.eigvalsh(S)))
-        if left < BLIND:
+        if left < blind:
             continue
         theta = _within_range(S, g[part] / size, candidate, size)
         gain = float(2.0 * (g[part] / size) @ theta - theta @ S @ theta)
@@ -101,6 +99,7 @@ def _evidence(
 
     The baseline moves with the candidate, so rows gain and lose that it is not in.
     """
+    nearly_all = 0.999  # of the square sum: no candidate is credited with more
     if not fitted:
         return []
     solution, own = model.solution, model.equations.columns()
@@ -124,13 +123,13 @@ def _evidence(
             squares = np.where(together, own_squares, 0.0) @ theta
             change += np.add.reduceat(theta * (2.0 * with_rows + squares), starts)
             independent += sums[kind].rows / memory[kind]
-        left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - NEARLY_ALL, None)
+        left = np.clip(1.0 + change / max(before, 1e-300), 1.0 - nearly_all, None)
         gained = -rows / memory[kind] * np.log(left)
         total += gained
         in_own_rows += gained if kind in sums else 0.0
         explained -= weight * change
     prior = np.maximum(explained - np.array([each.gain for each in fitted]), 0.0)
-    price = np.array([each.candidate.width + len(each.candidate.shape) for each in fitted])
+    price = np.array([len(each.coefficients) + len(each.candidate.shape) for each in fitted])
     evidence = total - prior - price * np.log(max(independent, 2.0))
     elsewhere = in_own_rows < 0.5 * total
     return [(float(value), bool(other)) for value, other in zip(evidence, elsewhere, strict=True)]

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import seen_by
-from exogauge.logs.decimating import low_passed_at
-from exogauge.logs.filtering import LowPass
+from exogauge.logs.filtering import LowPass, low_passed_at
 from exogauge.search.sums import KindSums
 from exogauge.side_by_side import each as side_by_side
 

@@ -105,9 +105,6 @@ class Sums:
         return residuals
 
 
-FEWEST = 5  # parts from which ranks tell anything
-
-
 def sureness(gains: Array) -> float:
     """Standard errors by which parts gain: of their mean, or of their signed ranks where those say more in the same
     direction. A few parts that gain much make the mean's own error large, although nearly all parts gain. NaN: a part
@@ -119,7 +116,7 @@ def sureness(gains: Array) -> float:
     by_mean = float(gains.mean()) / error if error > 0.0 else 0.0
     told = gains[gains != 0.0]
     n = len(told)
-    if n < FEWEST:
+    if n < 5:  # from five on ranks tell anything: P = 1/32 that all are positive by chance
         return by_mean
     positive = float(rankdata(np.abs(told))[told > 0.0].sum())
     by_rank = (positive - n * (n + 1) / 4.0) / float(np.sqrt(n * (n + 1) * (2 * n + 1) / 24.0))

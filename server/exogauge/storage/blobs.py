@@ -7,14 +7,14 @@ import hashlib
 import os
 import re
 import shutil
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO, BinaryIO, Protocol, final
 
 from exogauge.errors import DiskFull, Fault, NotFound, TooLarge, Unavailable, no_room
+from exogauge.storage.held_files import hold, left_over, remove
 
 CHUNK = 1024 * 1024
 SHA256_HEX = re.compile(r"[0-9a-f]{64}")
@@ -36,7 +36,15 @@ class BlobStore(Protocol):
         """Unavailable where nothing could be kept now; writes nothing."""
         ...
 
-    def iterate(self) -> Iterator[str]: ...
+    def iterate(self, prefix: str = "") -> Iterator[str]:
+        """Hashes that begin with up to two hex digits, sorted."""
+        ...
+
+    def left_over(self) -> list[str]:
+        """What killed writers left, by names that `remove_left_over` takes."""
+        ...
+
+    def remove_left_over(self, name: str) -> None: ...
 
     def path_for(self, sha256: str) -> Path | None:
         """A local, read-only path of the blob where the store has one; None where it has not."""
@@ -53,11 +61,11 @@ class FolderBlobs:
         self.incoming = folder / "incoming"
         with disk("prepare the blob folder"):
             self.incoming.mkdir(parents=True, exist_ok=True)
-            remove_abandoned(self.incoming)
 
     def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
         with disk("store the file"), NamedTemporaryFile(dir=self.incoming, delete=False) as temporary:
             try:
+                hold(temporary.fileno())
                 sha256 = copy_hashed(source, temporary, limit)
                 temporary.flush()
                 os.fsync(temporary.fileno())
@@ -69,7 +77,6 @@ class FolderBlobs:
     def _publish(self, temporary: Path, sha256: str) -> None:
         target = self._path(sha256)
         if target.exists():
-            os.utime(target)  # young again: a sweeper of old orphans leaves it alone
             fsync_folder(target.parent)  # whoever renamed it may have been killed before this
             return
         if not target.parent.exists():
@@ -105,9 +112,15 @@ class FolderBlobs:
             if shutil.disk_usage(self.incoming).free == 0:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    def iterate(self) -> Iterator[str]:
-        for folder in sorted(self.folder.glob("[0-9a-f][0-9a-f]")):
+    def iterate(self, prefix: str = "") -> Iterator[str]:
+        for folder in sorted(self.folder.glob(prefix + "[0-9a-f]" * (2 - len(prefix)))):
             yield from sorted(folder.name + path.name for path in folder.iterdir())
+
+    def left_over(self) -> list[str]:
+        return [path.name for path in left_over(self.incoming)]
+
+    def remove_left_over(self, name: str) -> None:
+        remove(self.incoming / name)
 
     def path_for(self, sha256: str) -> Path | None:
         path = self._path(sha256)
@@ -150,14 +163,6 @@ def copy_out(blobs: BlobStore, sha256: str, target: Path) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         with target.open("wb") as out:
             shutil.copyfileobj(source, out, CHUNK)
-
-
-def remove_abandoned(folder: Path, older_than_s: float = 86_400.0) -> None:
-    """Remove what a killed process left in a folder of unfinished things."""
-    for path in folder.iterdir():
-        with suppress(FileNotFoundError):
-            if time.time() - path.stat().st_mtime > older_than_s:
-                shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink()
 
 
 def fsync_folder(folder: Path) -> None:

@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar, final
 
 import sqlalchemy as sa
 
+from exogauge.errors import Conflict
 from exogauge.storage import tables
 from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
@@ -23,6 +24,7 @@ from exogauge.storage.search import found_by, words_of
 
 Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord)
 Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
+Needs = tuple[str, str] | None
 NONE = "none"
 DESCRIPTION = "robot.yaml"
 
@@ -33,7 +35,8 @@ class Sort(Generic[Record]):
     """noun: what one is called. of: its files' column that names it.
 
     same_by: columns that are alike in one and the same bundle. versioned: other content under a name is its next
-    version. filters: what a page may be narrowed to.
+    version. filters: what a page may be narrowed to. needed_by: what keeps one from being deleted, in words, and what
+    can be done. gone_before: rows that refer to one and go with it, where the database does not let them.
     """
 
     noun: str
@@ -43,6 +46,8 @@ class Sort(Generic[Record]):
     same_by: tuple[str, ...]
     versioned: bool = True
     filters: Mapping[str, Filter] = field(default_factory=dict)
+    needed_by: Callable[[Lab, str], Needs] = lambda *_: None
+    gone_before: tuple[Any, ...] = ()
 
     @property
     def of(self) -> str:
@@ -110,6 +115,22 @@ class Bundles(Generic[Record]):
             copy_out(self.blobs, file.sha256, folder / file.path)
         return found
 
+    def delete(self, key: str) -> None:
+        """With its files, jobs, results and streams. Conflict where something else needs it."""
+        found, table = self.get(key), self.sort.table
+        self.lab.session.execute(
+            self.lab.select(table).where(table.id == key).with_for_update()
+        )  # nothing is added now
+        if (needs := self.sort.needed_by(self.lab, key)) is not None:
+            raise Conflict(f"{self.sort.noun} {found.name!a} is needed: {needs[0]}. {needs[1]}")
+        quiet = {"synchronize_session": False}
+        for child in self.sort.gone_before:
+            theirs = child.lab_id == self.lab.lab_id, getattr(child, self.sort.of) == key
+            self.lab.session.execute(sa.delete(child).where(*theirs), execution_options=quiet)
+        mine = sa.delete(table).where(table.lab_id == self.lab.lab_id, table.id == key)
+        self.lab.session.execute(mine, execution_options=quiet)
+        self.lab.audit("delete", self.sort.noun, key, before=found.content_hash)
+
     def _newest(self, name: str) -> int:
         table: Any = self.sort.table
         mine = sa.select(sa.func.max(table.version)).where(table.lab_id == self.lab.lab_id, table.name == name)
@@ -139,7 +160,30 @@ def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnEle
     return sa.and_(sa.exists().where(of_robot).correlate(robot), ~lacks)
 
 
-ROBOTS = Sort("robot", RobotRecord, tables.Robot, tables.RobotFile, ("name", "content_hash"))
+MOST_NAMED = 5
+
+
+def _devices_of(lab: Lab, robot_id: str) -> Needs:
+    found = lab.session.scalars(lab.select(tables.Device).where(tables.Device.robot_id == robot_id).limit(MOST_NAMED))
+    worn = [f"{device.name!a} version {device.version}" for device in found]
+    return (f"it wears {', '.join(worn)}", "Delete these devices first.") if worn else None
+
+
+def _jobs_of(lab: Lab, owner: sa.ColumnElement[bool]) -> Needs:
+    going = tables.Job.state.in_(("queued", "running"))
+    count = len(lab.session.scalars(lab.select(tables.Job).where(owner, going)).all())
+    return (f"{count} of its jobs wait or run", "Cancel them first, or let them end.") if count else None
+
+
+def _of_payload(lab: Lab, payload_id: str) -> Needs:
+    stream = tables.LiveStream
+    is_open = lab.select(stream).where(stream.payload_id == payload_id, stream.state == "open")
+    if lab.session.scalars(is_open.limit(1)).first() is not None:
+        return "a live stream of it is open", "End the stream first."
+    return _jobs_of(lab, tables.Job.payload_id == payload_id)
+
+
+ROBOTS = Sort("robot", RobotRecord, tables.Robot, tables.RobotFile, ("name", "content_hash"), needed_by=_devices_of)
 DEVICES = Sort(
     "device",
     DeviceRecord,
@@ -162,6 +206,7 @@ STUDIES = Sort(
         "state": lambda _, state: sa.func.coalesce(latest_state(tables.Study.id), NONE) == state,
         "robot_id": _with_files_of_robot,
     },
+    needed_by=lambda lab, study_id: _jobs_of(lab, tables.Job.study_id == study_id),
 )
 PAYLOADS = Sort(
     "payload",
@@ -170,4 +215,6 @@ PAYLOADS = Sort(
     tables.PayloadFile,
     ("name", "content_hash"),
     filters={"name": lambda _, name: tables.Payload.name == name},
+    needed_by=_of_payload,
+    gone_before=(tables.LiveStream,),
 )

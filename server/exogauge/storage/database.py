@@ -24,6 +24,7 @@ from sqlalchemy.orm import Session
 from sqlalchemy.types import TypeDecorator
 
 from exogauge.errors import DiskFull, Unavailable
+from exogauge.storage.row_security import ALL, ROLE, SETTING
 
 log = logging.getLogger(__name__)
 
@@ -85,17 +86,25 @@ def database_url(text: str) -> URL:
     return url
 
 
-def make_engine(text: str, *, foreign_keys: bool = True) -> Engine:
-    """An engine with the behaviour described above. `foreign_keys=False` is for migrations only."""
+def make_engine(text: str, *, migrating: bool = False) -> Engine:
+    """An engine with the behaviour described above. migrating: foreign keys are off on SQLite, and on PostgreSQL the
+    tables' owner works, and sees the rows of all labs."""
     url = database_url(text)
     if url.get_backend_name() == "postgresql":
+        role = f"-c {SETTING}={ALL}" if migrating else f"-c role={ROLE}"
         return sa.create_engine(
-            url, pool_pre_ping=True, pool_size=10, connect_args={"connect_timeout": 5, "options": "-c timezone=UTC"}
+            url,
+            pool_pre_ping=True,
+            pool_size=10,
+            connect_args={
+                "connect_timeout": 5,
+                "options": f"-c timezone=UTC -c idle_in_transaction_session_timeout=600000 {role}",
+            },
         )
     assert url.database is not None
     Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
     engine = sa.create_engine(url, pool_size=10)
-    pragmas = PRAGMAS if foreign_keys else tuple(p.replace("foreign_keys=ON", "foreign_keys=OFF") for p in PRAGMAS)
+    pragmas = PRAGMAS if not migrating else tuple(p.replace("foreign_keys=ON", "foreign_keys=OFF") for p in PRAGMAS)
 
     @event.listens_for(engine, "connect")
     def configure(connection: Any, _record: Any) -> None:

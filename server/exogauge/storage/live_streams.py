@@ -14,6 +14,7 @@ from exogauge.storage import tables
 from exogauge.storage.database import database_now
 from exogauge.storage.records import LiveStreamRecord, Page, PayloadRecord
 from exogauge.storage.rows import Lab, as_record
+from exogauge.storage.scope import spare_blobs
 from exogauge.storage.tables import LiveStream
 
 
@@ -75,6 +76,7 @@ class LiveStreams:
         it came, in the blob store; summary: in place of the one it began with."""
         ended = {"state": state, "ended_at": database_now(self.lab.session), **asdict(counts)}
         if raw is not None:
+            spare_blobs(self.lab.session, [raw[0]])
             ended |= {"sha256": raw[0], "size": raw[1]}
         if summary is not None:
             ended["summary"] = dict(summary)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, final
 
+import sqlalchemy as sa
+
 from exogauge.storage import tables
 from exogauge.storage.files import PinnedFile, content_hash
 from exogauge.storage.records import LogRecord, Page
@@ -38,6 +40,13 @@ class Logs:
 
     def get(self, key: str) -> LogRecord:
         return self.lab.get(LogRecord, tables.Log, key, "log")
+
+    def delete(self, key: str) -> None:
+        """Studies that were put together with it keep their own file."""
+        found = self.get(key)
+        mine = tables.Log.lab_id == self.lab.lab_id, tables.Log.id == key
+        self.lab.session.execute(sa.delete(tables.Log).where(*mine), execution_options={"synchronize_session": False})
+        self.lab.audit("delete", "log", key, before=found.content_hash)
 
     def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[LogRecord]:
         return self.lab.page(LogRecord, tables.Log, self.lab.select(tables.Log), after, limit)

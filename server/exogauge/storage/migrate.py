@@ -16,6 +16,7 @@ from sqlalchemy.engine import Connection
 
 from exogauge.errors import Unavailable
 from exogauge.settings import packaged_folder
+from exogauge.storage import account_tables as account_tables  # its tables are among those of `Base`
 from exogauge.storage.database import make_engine, serving
 from exogauge.storage.tables import Base
 
@@ -99,7 +100,7 @@ def known_or_raise(found: str | None) -> None:
 def connected(url: str) -> Iterator[Connection]:
     """A connection for migrations only: foreign keys off on SQLite, where altering a table drops and renames it
     (with them on, ON DELETE CASCADE empties the children), and checked before the end."""
-    engine = make_engine(url, foreign_keys=False)
+    engine = make_engine(url, migrating=True)
     try:
         with serving("be migrated"), engine.connect() as connection:
             yield connection

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 import fcntl
 import os
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, final
 
 from exogauge.errors import NotFound
 from exogauge.storage.blobs import chunks, disk, fsync_folder
+from exogauge.storage.held_files import hold, left_over
 
 CHECKED = ".checking"  # beside a file: a piece whose checksum is not known yet
 
@@ -48,12 +48,11 @@ class PartialFiles:
         self.path(key).unlink(missing_ok=True)
         self.path(key + CHECKED).unlink(missing_ok=True)
 
-    def remove_strays(self, older_than_s: float) -> None:
-        """Files that nobody touched for so long."""
-        for path in self.folder.iterdir() if self.folder.is_dir() else ():
-            with suppress(FileNotFoundError):
-                if time.time() - path.stat().st_mtime > older_than_s:
-                    path.unlink()
+    def strays(self, known: Callable[[list[str]], set[str]], young_s: float) -> list[Path]:
+        """Files of no upload, and pieces whose sender is gone. known: which of these keys are uploads."""
+        old = left_over(self.folder, young_s)
+        kept = known([path.name.removesuffix(CHECKED) for path in old])
+        return [path for path in old if path.name.removesuffix(CHECKED) not in kept or path.name.endswith(CHECKED)]
 
     @contextmanager
     def appending(self, key: str) -> Iterator[BinaryIO]:
@@ -70,6 +69,7 @@ class PartialFiles:
         path = self.path(key + CHECKED)
         try:
             with disk("receive the upload"), path.open("w+b", buffering=0) as file:
+                hold(file.fileno())
                 yield file
         finally:
             path.unlink(missing_ok=True)

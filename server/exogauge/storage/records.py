@@ -107,7 +107,8 @@ class JobRecord:
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
     log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs.
-    requested_code_version: of the server that took the request; code_version: of the worker that took the job."""
+    requested_code_version: of the server that took the request; code_version: of the worker that took the job.
+    cpu_s: what its attempts have computed, in CPU seconds."""
 
     id: str
     lab_id: str
@@ -127,6 +128,7 @@ class JobRecord:
     failure: Mapping[str, Any] | None
     steps: Sequence[Mapping[str, Any]] | None
     attempts: int
+    cpu_s: float
     cancel_requested: bool
     started_at: datetime | None
     finished_at: datetime | None
@@ -182,3 +184,84 @@ class ArtifactRecord:
     sha256: str
     size: int
     media_type: str
+
+
+@final
+@dataclass(frozen=True)
+class LabRecord:
+    id: str
+    created_at: datetime
+    name: str
+
+
+@final
+@dataclass(frozen=True)
+class AccountRecord:
+    """email: in small letters. operator: may found labs."""
+
+    id: str
+    created_at: datetime
+    email: str
+    name: str
+    operator: bool
+    disabled_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class MemberRecord:
+    """role: viewer, member or admin. since: when it became one."""
+
+    account_id: str
+    email: str
+    name: str
+    role: str
+    since: datetime
+    disabled_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class TokenRecord:
+    """scope: read or write. account_id: whose; None for a robot. hint: its first letters."""
+
+    id: str
+    created_at: datetime
+    name: str
+    scope: str
+    account_id: str | None
+    made_by: str | None
+    hint: str
+    expires_at: datetime | None
+    revoked_at: datetime | None
+    used_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class InvitationRecord:
+    """Of whom, as what; open until one of the three times."""
+
+    id: str
+    lab_id: str
+    created_at: datetime
+    email: str
+    role: str
+    made_by: str | None
+    expires_at: datetime
+    accepted_at: datetime | None
+    revoked_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
+class AuditRecord:
+    id: str
+    created_at: datetime
+    actor: str
+    action: str
+    subject_kind: str
+    subject_id: str
+    before_hash: str | None
+    after_hash: str | None
+    said: str

@@ -15,6 +15,7 @@ from sqlalchemy.orm import Session
 from exogauge.errors import Conflict, NotFound
 from exogauge.storage import tables
 from exogauge.storage.records import Page
+from exogauge.storage.scope import actor_of
 
 Record = TypeVar("Record")
 RACES = 5
@@ -68,22 +69,40 @@ class Lab:
                 return found, False
             try:
                 with self.session.begin_nested():
-                    for row in make():
-                        self.session.add(row)
-                        self.session.flush()
+                    first, *rest = make()
+                    self.session.add(first)  # what the others refer to
+                    self.session.flush()
+                    self.session.add_all(rest)
             except IntegrityError:
                 continue
             if (made := find()) is not None:
                 return made, True
         raise Conflict(f"this {noun} is being changed by someone else; try again")
 
-    def audit(self, action: str, kind: str, key: str, before: str | None = None, after: str | None = None) -> None:
-        """Record who did what; `local` until there are accounts."""
-        entry = tables.AuditEntry(
-            lab_id=self.lab_id, actor="local", action=action, subject_kind=kind, subject_id=key,
-            before_hash=before, after_hash=after,
-        )  # fmt: skip
-        self.session.add(entry)
+    def audit(
+        self, action: str, kind: str, key: str, before: str | None = None, after: str | None = None, said: str = ""
+    ) -> None:
+        """Record who did what, in the transaction that does it."""
+        record(self.session, self.lab_id, actor_of(self.session), action, kind, key, before, after, said)
+
+
+def record(
+    session: Session,
+    lab_id: str,
+    actor: str,
+    action: str,
+    kind: str,
+    key: str,
+    before: str | None = None,
+    after: str | None = None,
+    said: str = "",
+) -> None:
+    """A row of the lab's audit."""
+    entry = tables.AuditEntry(
+        lab_id=lab_id, actor=actor, action=action, subject_kind=kind, subject_id=key,
+        before_hash=before, after_hash=after, said=said,
+    )  # fmt: skip
+    session.add(entry)
 
 
 def as_record(record: type[Record], row: Any) -> Record:

@@ -32,19 +32,24 @@ from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
+from exogauge.storage.members import Audit, Invitations, Members, Tokens
+from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
-from exogauge.storage.scope import LabSession
+from exogauge.storage.scope import AllLabsSession, LabSession
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
+
+LOCAL = "local"  # who does what where there are no accounts
 
 
 @final
 class Store:
     """One lab's things inside one transaction (`session`), and the blobs beside them."""
 
-    def __init__(self, session: Session, blobs: BlobStore, lab_id: str) -> None:
+    def __init__(self, session: Session, blobs: BlobStore, lab_id: str, quotas: Quotas) -> None:
         lab = Lab(session, lab_id)
+        self.lab, self.quotas = lab, quotas
         self.session = session
         self.blobs = blobs
         self.lab_id = lab_id
@@ -59,6 +64,14 @@ class Store:
         self.keys = Keys(lab)
         self.uploads = Uploads(lab)
         self.mappings = Mappings(lab)
+        self.members = Members(lab)
+        self.invitations = Invitations(lab)
+        self.tokens = Tokens(lab)
+        self.audit = Audit(lab)
+
+    def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
+        """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
+        refuse_bytes(self.lab, self.quotas, more + (bytes_on_their_way(self.lab) if coming else 0))
 
     def study_of(self, job: JobRecord) -> StudyRecord:
         """NotFound for a job of a payload."""
@@ -70,22 +83,29 @@ class Store:
 @final
 @dataclass(frozen=True)
 class Storage:
-    """What one lab has of an installation; safe to share between threads, and cheap to make."""
+    """What one lab has of an installation; safe to share between threads, and cheap to make. actor: who does what is
+    done with it, for the audit."""
 
     engine: Engine
     blobs: BlobStore
     lab_id: str
+    actor: str = LOCAL
+    quotas: Quotas = NO_LIMIT
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session, session.begin():
-            yield Store(session, self.blobs, self.lab_id)
+        with (
+            serving("answer"),
+            LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session,
+            session.begin(),
+        ):
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id) as session:
+        with serving("answer"), LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session:
             session.connection(execution_options=READONLY)
-            yield Store(session, self.blobs, self.lab_id)
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
 
 @final
@@ -98,20 +118,27 @@ class Installation:
 
     engine: Engine
     blobs: BlobStore
+    quotas: Quotas = NO_LIMIT
 
-    def of_lab(self, lab_id: str) -> Storage:
-        return Storage(self.engine, self.blobs, lab_id)
+    def of_lab(self, lab_id: str, actor: str = LOCAL) -> Storage:
+        return Storage(self.engine, self.blobs, lab_id, actor, self.quotas)
 
     @contextmanager
     def session(self) -> Iterator[Session]:
         """One transaction that sees all labs: for the queue, for sweeping, and for nothing that a request names."""
-        with serving("answer"), Session(self.engine) as session, session.begin():
+        with serving("answer"), AllLabsSession(self.engine) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """The same for reading only; it never waits for the writer."""
+        with serving("answer"), AllLabsSession(self.engine) as session:
+            session.connection(execution_options=READONLY)
             yield session
 
     def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
         """How many workers have given a sign of life on the database's clock; they serve all labs."""
-        with serving("answer"), Session(self.engine) as session:
-            session.connection(execution_options=READONLY)
+        with self.reading() as session:
             since = database_now(session) - within
             alive = sa.select(sa.func.count()).select_from(WorkerLease).where(WorkerLease.beat_at >= since)
             return session.scalar(alive) or 0
@@ -120,5 +147,7 @@ class Installation:
         self.engine.dispose()
 
 
-def open_installation(settings: Settings) -> Installation:
-    return Installation(make_engine(settings.database_url), FolderBlobs(settings.blobs))
+def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
+    """migrating: as the tables' owner, at whatever revision, and with the rows of all labs: for backups."""
+    engine = make_engine(settings.database_url, migrating=migrating)
+    return Installation(engine, FolderBlobs(settings.blobs), Quotas.of(settings))

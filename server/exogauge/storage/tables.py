@@ -241,6 +241,7 @@ class Job(Owned, Base):
     while none has.
     failure: {class, faults, defect} of the error that ended it; defect: not what was handed in is to blame.
     stage: what an evaluation is at (`exogauge.progress.Stage`).
+    cpu_s: what all its attempts have computed, in CPU seconds, as far as a worker lived to tell.
     steps: what the present attempt has done, {message, progress, stage, at}, in order.
     """
 
@@ -279,6 +280,7 @@ class Job(Owned, Base):
     failure: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
     steps: Mapped[list[dict[str, Any]] | None] = mapped_column(sa.JSON(none_as_null=True))
     attempts: Mapped[int] = mapped_column(default=0)
+    cpu_s: Mapped[float] = mapped_column(FiniteFloat, default=0.0, server_default=sa.text("0"))
     cancel_requested: Mapped[bool] = mapped_column(default=False)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     finished_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
@@ -375,8 +377,31 @@ class WorkerLease(Base):
 
 
 @final
+class Orphan(Base):
+    """A blob of the installation that no row named (`storage.orphans`). condemned_at: since when it is to go."""
+
+    __tablename__ = "orphans"
+    sha256: Mapped[str] = mapped_column(SHA256, primary_key=True)
+    found_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    condemned_at: Mapped[datetime | None] = mapped_column(UtcDateTime, index=True)
+
+
+@final
+class Chore(Base):
+    """What is done for the whole installation now and then, by one process at a time (`storage.chores`)."""
+
+    __tablename__ = "chores"
+    name: Mapped[str] = mapped_column(sa.String(64), primary_key=True)
+    holder: Mapped[str | None] = mapped_column(sa.String(200))
+    held_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    due_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    outcome: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
+
+
+@final
 class AuditEntry(Owned, Base):
-    """Who did what to what; rows are only ever added."""
+    """Who did what to what; the database refuses to change or delete a row. actor: `account:ID`, `token:ID`, `worker`,
+    or `local` where there are no accounts. said: in words, where hashes do not say it."""
 
     __tablename__ = "audit"
     __table_args__ = (sa.Index(None, "lab_id", "created_at"),)
@@ -386,3 +411,4 @@ class AuditEntry(Owned, Base):
     subject_id: Mapped[str] = mapped_column(UUID)
     before_hash: Mapped[str | None] = mapped_column(SHA256)
     after_hash: Mapped[str | None] = mapped_column(SHA256)
+    said: Mapped[str] = mapped_column(sa.Text, default="", server_default=sa.text("''"))

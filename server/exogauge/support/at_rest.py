@@ -15,7 +15,6 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 NEIGHBOURS = 5  # steady samples on either side whose mean the line goes through
-SHORTEST_TRAVEL = 1e-3  # [m] of a band in steady motion, from which its pull per length is taken
 
 
 def bridged(torque: Array, steady: BoolArray, half_width: Array) -> Array:
@@ -52,6 +51,7 @@ def doubt_at_rest(torque: Array, steady: BoolArray, half_width: Array, length: A
     joint's motions pulls as much more as it did in motion: torque per length is that of the joint's steady motion. No
     more than an interval's standard deviation, and that of a joint that never moves.
     """
+    shortest_travel = 1e-3  # [m] of a band in steady motion, from which its pull per length is taken
     doubt: Array = half_width / np.sqrt(3.0)
     for joint in range(torque.shape[1]):
         used = steady[:, joint] & np.isfinite(torque[:, joint])
@@ -61,7 +61,7 @@ def doubt_at_rest(torque: Array, steady: BoolArray, half_width: Array, length: A
         for band in np.flatnonzero(acts[:, joint]):
             line = between_motions(length[:, band], steady[:, joint])
             assert line is not None
-            travel = max(float(np.ptp(length[used, band])), SHORTEST_TRAVEL)
+            travel = max(float(np.ptp(length[used, band])), shortest_travel)
             more = np.maximum(more, np.abs(length[:, band] - line) / travel)
         pull = float(np.ptp(torque[used, joint]))
         resting = np.where(steady[:, joint], 0.0, more * pull)

@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
-HALF_STEPS = 8  # of what the wear bears
 FULL_REST = 0.9  # of the low-passed rest signal: above, an axis is at rest
 
 
@@ -97,13 +96,14 @@ def prepare_worn(model: RobotModel, log: Log) -> Prepared:
 
 def _borne(model: RobotModel, log: Log) -> Array:
     """(T, A) [N·m] what the wear bears of each axis' load."""
+    half_steps = 8  # of what the wear bears
     assert model.extension is not None
     bare, prepared = model.prepare_bare(log), model.prepare(log)
     nothing = replace(prepared, added=np.zeros_like(prepared.added))
     (alone,) = _on_axes(model.equations, nothing, [model.identified])
     borne = np.zeros_like(alone)
     before: Array | None = None
-    for _ in range(HALF_STEPS):
+    for _ in range(half_steps):
         left = alone - _added_on_axes(model.equations, prepared, model.identified)
         if before is not None and np.array_equal(left, before):  # nothing depends on what the wear bears
             break

@@ -1,10 +1,9 @@
-"""What is declared because no log shows it, as columns of torque: of each log's motors and sensors, and of how a device
-sits: where its via points are, and how it was put on each time."""
+"""What nobody measured exactly about how a device sits: where its via points are, and how it was put on each time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import final
 
 import numpy as np
@@ -12,122 +11,71 @@ from numpy.typing import NDArray
 
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
-from exogauge.support.band_model import NEAR, SEARCHED
-from exogauge.support.band_rows import WearLog, WearLogs, Wire
-from exogauge.support.evidence import ALIKE, on_joints
+from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
+from exogauge.support.band_rows import Wire, taut
+from exogauge.support.evidence import on_joints
 
 Array = NDArray[np.float64]
 
 VIA_POINTS, DONNING = "via_points", "donning"
 
 
-@final
-@dataclass(frozen=True)
-class Inputs:
-    """[N·m] of one standard deviation of each of K independent inputs, by the name of what is declared.
+def scores_of_inputs(setting: Setting, fitted: Fitted) -> dict[str, Array]:
+    """Name -> (P, n) Σ Aᵀ w δτ per standard deviation of each of its n independent inputs. δτ: torque that the input
+    adds to what the fit explains.
 
-    own: by log, (n, D, K) of its n samples: another input in each log. common: (N, D, K): the same in all. constant:
-    (W,) [m] of a band's length as via points alone leave it, the same in all postures: a natural length goes with it.
+    Via points move every log alike, along each of three axes; how the device was put on changes a band's length in one
+    log alone.
     """
-
-    own: Sequence[Mapping[str, Array]]
-    common: Mapping[str, Array]
-    constant: Array
-
-    def scores(self, logs: WearLogs, told: Array) -> dict[str, Array]:
-        """Name -> (P, P) covariance of the score that the inputs make. told: (N, D, P) weighted slopes."""
-        found: dict[str, Array] = {}
-        for place, own in enumerate(self.own):
-            here = told[logs.log == place]
-            for name, each in own.items():
-                moved = np.tensordot(here, each, axes=((0, 1), (0, 1)))
-                found[name] = found.get(name, np.zeros((len(moved), len(moved)))) + moved @ moved.T
-        for name, each in self.common.items():
-            moved = np.tensordot(told, each, axes=((0, 1), (0, 1)))
-            found[name] = found.get(name, 0.0) + moved @ moved.T
-        return found
-
-
-def inputs_of(logs: WearLogs, wires: Sequence[Wire], k: Array, l_0: Array) -> Inputs | None:
-    """None where nothing is declared. wires: the declared bands first; k: (W,) [N/m], l_0: (W,) [m] of those."""
-    own, alike = _of_the_session(logs)
-    longer: list[list[Array]] = [[] for _ in logs.logs]
-    points, constants = list[Array](), np.zeros(len(k))
-    for b, (wire, stiffness, length) in enumerate(zip(wires, k, l_0, strict=False)):
-        band = None if wire.course.routing is None else wire.course.routing.bands[wire.course.index]
-        if band is None or not (band.donning_std or band.point_std):
+    few = _Few(setting, fitted)
+    found = {VIA_POINTS: list[Array](), DONNING: list[Array]()}
+    for place in range(len(fitted.wear.k)):
+        wire = setting.wires[place]
+        if wire.course.routing is None:
             continue
-        pull, taut = stiffness * wire.stretch(length), wire.taut(length)
-        of_length = -wire.jacobian * (stiffness * taut)[:, None]
-        for place in range(len(logs.logs)):
-            if band.donning_std > 0.0:
-                longer[place].append(band.donning_std * of_length[logs.log == place])
+        band = wire.course.routing.bands[wire.course.index]
         if band.point_std > 0.0:
-            moved = [_moved_points(wire, band, log, logs) for log in logs.logs]
-            jacobian, lengths = (np.concatenate(each) for each in zip(*moved, strict=True))
-            points.append(band.point_std * (of_length[:, :, None] * lengths[:, None] - jacobian * pull[:, None, None]))
-            constants[b] = band.point_std * float(np.linalg.norm(taut @ lengths) / max(float(taut.sum()), 1e-300))
-    for place, each in enumerate(longer):
-        if each:
-            own[place][DONNING] = np.stack(each, axis=2)
-    if not points and not alike and not any(own):
-        return None
-    common = alike | ({VIA_POINTS: np.concatenate(points, axis=2)} if points else {})
-    return Inputs(own, common, constants)
+            found[VIA_POINTS] += [band.point_std * each for each in few.moved_points(wire, band, place)]
+        if band.donning_std > 0.0:
+            found[DONNING] += [band.donning_std * each for each in few.other_lengths(wire, place)]
+    return {name: np.stack(each, axis=1) for name, each in found.items() if each}
 
 
-def _of_the_session(logs: WearLogs) -> tuple[list[dict[str, Array]], dict[str, Array]]:
-    """What motors and sensors do: by log, its own part, and the part that all of these logs have in common."""
-    own, alike = [dict[str, Array]() for _ in logs.logs], dict[str, Array]()
-    for name in dict.fromkeys(name for log in logs.logs for name in log.own):
-        most = max(log.own[name].shape[2] for log in logs.logs if name in log.own)
-        of_logs = [_at_kept(log, name, (len(logs.joints), most)) for log in logs.logs]
-        live = np.any([each.any(axis=(0, 1)) for each in of_logs], axis=0)
-        common, _, what = name.rpartition(".")
-        if common == ALIKE:
-            alike[what] = np.concatenate([each[:, :, live] for each in of_logs])
-            continue
-        for of_log, each in zip(own, of_logs, strict=True):
-            of_log[name] = each[:, :, live]
-    return own, alike
+@final
+class _Few:
+    """Every n-th sample, weighed for all: what is smooth needs no more."""
 
+    def __init__(self, setting: Setting, fitted: Fitted) -> None:
+        step = max(1, len(setting.weight) // SEARCHED)
+        logs = setting.logs
+        self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
+        self._log, self._joints = logs.log[self._chosen], logs.joints
+        self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
+        self._weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
+        self._wear = fitted.wear
 
-def _at_kept(log: WearLog, name: str, shape: tuple[int, int]) -> Array:
-    """(n, D, K) of one declared uncertainty; further joints, beside those that the device acts on, feel nothing."""
-    found = np.zeros((len(log.kept), *shape))
-    if name in log.own:
-        own = _between(log.own[name], np.asarray(log.sloped, dtype=np.float64), log)
-        found[:, : own.shape[1], : own.shape[2]] = own
-    return found
+    def moved_points(self, wire: Wire, band: Band, place: int) -> Iterator[Array]:
+        """(P,) of each coordinate, per metre."""
+        routing = wire.course.routing
+        assert routing is not None
+        there = Routing(routing.tree, [band]).geometry(self._posture)
+        moved = Routing(routing.tree, [band, *_moved(band)])
+        geometry = moved.geometry(self._posture)
+        jacobian = on_joints(geometry.jacobian, moved, self._joints)
+        k, l_0 = self._wear.spring(place)
+        pull = k * np.maximum(there.length[:, 0] - l_0, 0.0)
+        for n in range(1, geometry.length.shape[1]):
+            other = k * np.maximum(geometry.length[:, n] - l_0, 0.0)
+            torque = jacobian[:, 0] * pull[:, None] - jacobian[:, n] * other[:, None]
+            yield np.einsum("ndp,nd->p", self._weighted, torque) / NEAR
 
-
-def _nodes(log: WearLog, step: int) -> Array:
-    """(m,) places among the kept samples: every n-th, and the last."""
-    last = len(log.kept) - 1
-    return np.unique(np.append(np.arange(0, last, step), last)).astype(np.float64)
-
-
-def _between(values: Array | NDArray[np.float32], nodes: Array, log: WearLog) -> Array:
-    """(n, D, K) at the kept samples, straight lines between the nodes. values: (m, D, K)."""
-    m = len(nodes)
-    at = np.interp(np.arange(len(log.kept)), nodes, np.arange(m))
-    before = np.minimum(at.astype(np.intp), max(m - 2, 0))
-    share = (at - before)[:, None, None]
-    return np.asarray((1.0 - share) * values[before] + share * values[np.minimum(before + 1, m - 1)], dtype=np.float64)
-
-
-def _moved_points(wire: Wire, band: Band, log: WearLog, logs: WearLogs) -> tuple[Array, Array]:
-    """(n, D, 3 points) [1/rad] of the band's jacobian and (n, 3 points) of its length, per metre of each coordinate of
-    each via point: smooth, where the band comes taut or not."""
-    nodes = _nodes(log, max(1, len(logs.log) // SEARCHED))
-    routing = wire.course.routing
-    assert routing is not None
-    moved = Routing(routing.tree, [band, *_moved(band)])
-    geometry = moved.geometry(log.posture[log.kept[nodes.astype(np.intp)]])
-    jacobian = on_joints(geometry.jacobian, moved, logs.joints).transpose(0, 2, 1)
-    slope = (jacobian[:, :, 1:] - jacobian[:, :, :1]) / NEAR
-    lengths = (geometry.length[:, None, 1:] - geometry.length[:, None, :1]) / NEAR
-    return _between(slope, nodes, log), _between(lengths, nodes, log)[:, 0]
+    def other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
+        """(P,) of each log, per metre by which the band is longer in it."""
+        k, l_0 = self._wear.spring(place)
+        torque = (wire.jacobian * (k * taut([wire], np.array([l_0]))))[self._chosen]
+        for log in np.unique(self._log):
+            own = self._log == log
+            yield np.einsum("ndp,nd->p", self._weighted[own], torque[own])
 
 
 def _moved(band: Band) -> Iterator[Band]:

@@ -29,10 +29,6 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 OwnInputs = Mapping[str, NDArray[np.float32]]
 
-ALIKE = "alike"  # before the name of a declared uncertainty: what logs of one session have of it in common
-SLOPE_RATE_HZ = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
-MOST_SLOPES = 400  # per log
-
 
 @final
 @dataclass(frozen=True)
@@ -218,9 +214,11 @@ def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array) -> Arr
 
 
 def _sloped(prepared: Prepared) -> IntArray:
+    most_slopes = 400  # per log
+    slope_rate_hz = 10.0  # at which the torque's slopes with the robot's parameters are kept: they are smooth
     kept = prepared.kept
     seconds = (kept[-1] - kept[0]) / prepared.log.rate_hz
-    count = int(np.clip(round(seconds * SLOPE_RATE_HZ), 2, MOST_SLOPES))
+    count = int(np.clip(round(seconds * slope_rate_hz), 2, most_slopes))
     return np.unique(kept[np.round(np.linspace(0, len(kept) - 1, count)).astype(np.intp)])
 
 
@@ -232,12 +230,9 @@ def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: In
 
 
 def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> OwnInputs:
-    """The same inputs, in the same order, whatever the log. Of each what is this log's own and, as `alike.NAME`, what
-    all logs of a side have in common: motors warm and zeros drift through a session, little from log to log."""
-    found = {name: each for name, each in of_this_log(model, prepared, samples, joints).items() if each.any()}
-    common = model.criteria.declared.alike
-    own = {name: (np.sqrt(1.0 - common) * each).astype(np.float32) for name, each in found.items()}
-    return own | {f"{ALIKE}.{name}": (np.sqrt(common) * each).astype(np.float32) for name, each in found.items()}
+    """The same inputs, in the same order, whatever the log."""
+    found = of_this_log(model, prepared, samples, joints)
+    return {name: each.astype(np.float32) for name, each in found.items() if each.any()}
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.supporting import MOTIONS
 from exogauge.robots.kinematics import joint_motions
 from exogauge.robots.tree import RigidTree
 
@@ -13,10 +14,6 @@ IntArray = NDArray[np.intp]
 
 BENDS = ("standing", "lowering", "holding", "raising")
 TURNS = ("standing", "turning out", "holding", "turning back")
-MOVES = 0.04  # of the largest velocity: slower is holding or standing
-AWAY = 0.2  # of the range from the posture at the start: beyond, a pause is a hold
-SHORTEST_S = 0.15  # shorter parts belong to their neighbours
-UPRIGHT = 0.7  # vertical part of a unit joint axis: a joint that turns, not bends
 
 
 def find_phases(time: Array, q: Array, dq: Array, main: int) -> IntArray:
@@ -24,10 +21,12 @@ def find_phases(time: Array, q: Array, dq: Array, main: int) -> IntArray:
     angle, rate = q[:, main], dq[:, main]
     away = angle - float(np.median(angle[: max(1, len(angle) // 40)]))
     top, span = float(np.abs(rate).max()), float(np.abs(away).max())
-    moving = np.abs(rate) > MOVES * max(top, 1e-12)
-    phase = np.where(np.abs(away) > AWAY * span, 2, 0)
+    moving = np.abs(rate) > MOTIONS.moves * max(top, 1e-12)
+    phase = np.where(np.abs(away) > MOTIONS.away * span, 2, 0)
     phase = np.where(moving, np.where(rate * np.sign(away) > 0.0, 1, 3), phase)
-    return _without_splinters(phase, max(1, round(SHORTEST_S * (len(time) - 1) / max(time[-1] - time[0], 1e-12))))
+    return _without_splinters(
+        phase, max(1, round(MOTIONS.shortest_phase_s * (len(time) - 1) / max(time[-1] - time[0], 1e-12)))
+    )
 
 
 def main_joint(q: Array) -> int:
@@ -39,7 +38,7 @@ def phase_names(tree: RigidTree, joint: str) -> tuple[str, ...]:
     """What the phases are called: a joint with an upright axis (at zero posture, seen from the base) turns."""
     body = int(np.flatnonzero(tree.dof == tree.joints.index(joint))[0])
     axis = joint_motions(tree, np.zeros((1, len(tree.joints))))[0, body, 3:]
-    return TURNS if abs(float(axis[2])) > UPRIGHT else BENDS
+    return TURNS if abs(float(axis[2])) > MOTIONS.upright else BENDS
 
 
 def _without_splinters(phase: IntArray, shortest: int) -> IntArray:

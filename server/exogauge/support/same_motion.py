@@ -16,6 +16,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.ndimage import minimum_filter1d
 from scipy.signal import fftconvolve
 
+from exogauge.criteria.supporting import MOTIONS
 from exogauge.logs.derivatives import differentiate
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
@@ -24,15 +25,7 @@ from exogauge.support.settings import SupportSettings
 
 Array = NDArray[np.float64]
 
-SMOOTH_HZ = 8.0  # motions are compared below it
-OVERLAP = 0.3  # of the shorter log, at least
-COMMON = 0.5  # of a joint's motion that two logs must have in common, or it is not the same motion
-MOVES = 0.02  # rms velocity above which a joint counts as moving [rad/s]
-STANDS_APART = 0.1  # rms angle between two runs above which a joint that hardly moves is doubtful [rad]
-REFINEMENTS = 20
 RESOLVED_S = 1e-6  # of a lag; logs that end together do so within it
-VALLEY_S = 0.2  # a shift is the best within that [s]
-ALIKE = 0.02  # of the motions' own size: two shifts of a periodic motion explain it alike
 
 
 @final
@@ -59,7 +52,7 @@ class Posture:
     """Angles and velocities of a log's joints as functions of the time since its first sample."""
 
     def __init__(self, log: Log, joints: Sequence[str]) -> None:
-        low_pass = LowPass(min(SMOOTH_HZ, 0.2 * log.rate_hz), log.rate_hz)
+        low_pass = LowPass(min(MOTIONS.smooth_hz, 0.2 * log.rate_hz), log.rate_hz)
         self.rate, self.joints = log.rate_hz, tuple(joints)
         self.time = log.time - log.time[0]
         self.q = low_pass.apply(log.stack([f"q.{joint}" for joint in joints]))
@@ -93,7 +86,7 @@ def _missed(this: Posture, other: Posture, first: int, last: int, dq: Array) -> 
     whole = [np.sum(this.dq**2, axis=0), np.sum(other.dq**2, axis=0) * this.rate / other.rate]
     common = np.max([s / np.maximum(w, 1e-300) for s, w in zip(shared, whole, strict=True)], axis=0)
     outside = np.min([w - s for s, w in zip(shared, whole, strict=True)], axis=0)
-    return np.asarray(np.where(common < COMMON, np.maximum(outside, 0.0), 0.0) / max(last - first, 1))
+    return np.asarray(np.where(common < MOTIONS.common, np.maximum(outside, 0.0), 0.0) / max(last - first, 1))
 
 
 def _equality(
@@ -101,11 +94,11 @@ def _equality(
 ) -> JointEquality:
     own = float(np.hypot(max(_rms(dq), _rms(dq_other)), np.sqrt(missed)))
     q_rms, dq_rms = _rms(apart), float(np.hypot(_rms(dq - dq_other), np.sqrt(missed)))
-    share = dq_rms / own if own > MOVES else 0.0
+    share = dq_rms / own if own > MOTIONS.moving else 0.0
     verdict: Verdict = "equal"
     if share > settings.different:
         verdict = "different"
-    elif share > settings.doubtful or q_rms > STANDS_APART:
+    elif share > settings.doubtful or q_rms > MOTIONS.stands_apart:
         verdict = "doubtful"
     return JointEquality(joint, q_rms, dq_rms, share, verdict)
 
@@ -114,26 +107,28 @@ def _coarse_lag(this: Posture, other: Posture) -> float:
     """The lag, on this log's clock, at which least motion is left: the square difference of the velocities where both
     logs are, and what both hold elsewhere, or stand would be laid upon stand.
     """
+    valley_s = 0.2  # a shift is the best within that [s]
     steps = int(np.floor(other.time[-1] * this.rate)) + 1
     a, b = this.dq, other.at(np.arange(steps) / this.rate)[1]
     cross = sum(fftconvolve(b[:, j], a[::-1, j]) for j in range(a.shape[1]))
     lags = np.arange(-len(a) + 1, len(b))
     start, stop = np.maximum(0, -lags), np.minimum(len(a), len(b) - lags)
     common = stop - start
-    fair = common >= OVERLAP * min(len(a), len(b))
+    fair = common >= MOTIONS.overlap * min(len(a), len(b))
     lags, start, stop = lags[fair], start[fair], stop[fair]
     a_sum, b_sum = (np.concatenate([[0.0], np.cumsum(np.sum(x**2, axis=1))]) for x in (a, b))
     of_a, of_b = a_sum[stop] - a_sum[start], b_sum[stop + lags] - b_sum[start + lags]
     elsewhere = np.minimum(a_sum[-1] - of_a, b_sum[-1] - of_b)
     apart = of_a + of_b - 2.0 * np.asarray(cross)[fair] + elsewhere
-    valley = apart <= minimum_filter1d(apart, 2 * round(VALLEY_S * this.rate) + 1, mode="nearest")
-    good = valley & (apart <= apart.min() + ALIKE * min(a_sum[-1], b_sum[-1]))  # of equals, the smallest shift
+    valley = apart <= minimum_filter1d(apart, 2 * round(valley_s * this.rate) + 1, mode="nearest")
+    good = valley & (apart <= apart.min() + MOTIONS.alike * min(a_sum[-1], b_sum[-1]))  # of equals, the smallest shift
     return float(lags[good][np.argmin(np.abs(lags[good]))]) / this.rate
 
 
 def _refined(this: Posture, other: Posture, lag: float) -> float:
     """Gauss-Newton on the lag: between samples too."""
-    for _ in range(REFINEMENTS):
+    refinements = 20
+    for _ in range(refinements):
         first, last = _covered(this, other, lag)
         time = this.time[first:last] + lag
         dq = other.at(time)[1]

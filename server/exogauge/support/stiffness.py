@@ -5,13 +5,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from exogauge.criteria.criterion import Z95
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach, BandEstimate, Estimate, Share, StiffnessResult
@@ -22,7 +25,6 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
-from exogauge.support.band_inputs import inputs_of
 from exogauge.support.band_model import Fitted, Setting, at_bounds, fit, thinned
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
@@ -32,10 +34,62 @@ from exogauge.support.evidence import Evidence, Nothing
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-LEAST_PULL = 1e-3  # [N] of a band: less is none
+
+@final
+@dataclass(frozen=True)
+class Springs:
+    """What the logs say of a device's bands by one approach. shares: source -> its part of the doubt; of_robot: sources
+    that are the robot's (`contributions`). blind: names of values of which the samples hold nothing."""
+
+    bands: Sequence[Band]
+    seen: BandFit
+    notes: tuple[Remark, ...]
+    of_robot: Mapping[str, Array]
+    shares: Mapping[str, Array]
+    blind: frozenset[str]
+
+    @cached_property
+    def doubt(self) -> Array:
+        """(P, P) of theta about the truth; infinite where nothing is known."""
+        doubt = np.sum(list(self.shares.values()), axis=0)
+        for index, name in enumerate(self.seen.fitted.wear.layout.names):
+            if name in self.blind:
+                doubt[index, index] = np.inf
+        return np.asarray(doubt)
+
+    def of(self, k: int) -> tuple[Estimate, Estimate]:
+        """Stiffness and natural length of one band."""
+        wear = self.seen.fitted.wear
+        places = int(wear.layout.stiffness[k]), int(wear.layout.natural_length[k])
+        stiffness, length = (
+            Estimate(
+                np.nan if wear.layout.names[place] in self.blind else float(wear.springs[place]),
+                float(np.sqrt(self.doubt[place, place])),
+                unit,
+            )
+            for place, unit in zip(places, ("N/m", "m"), strict=True)
+        )
+        return stiffness, length
+
+    def filled(self, device: Device) -> Device:
+        """With these values where it states none."""
+        wires = self.seen.setting.wires
+        bands = [with_spring(band, self.of(k), wires[k].longest) for k, band in enumerate(device.bands)]
+        return replace(device, bands=tuple(bands))
 
 
-def identify_bands(
+def with_spring(band: Band, spring: tuple[Estimate, Estimate], longest: float) -> Band:
+    """With stiffness and natural length where it states none. One that pulls nowhere is as long as it was ever seen, of
+    whatever stiffness."""
+    k, l_0 = (each.value for each in spring)
+    return replace(
+        band,
+        stiffness=(k if np.isfinite(k) else 1.0) if band.stiffness is None else band.stiffness,
+        natural_length=(l_0 if np.isfinite(l_0) else longest) if band.natural_length is None else band.natural_length,
+    )
+
+
+def fit_springs(
     model: RobotModel,
     device: Device,
     approach: Approach,
@@ -44,7 +98,7 @@ def identify_bands(
     nothings: Sequence[Nothing],
     joints: Sequence[str],
     named: NamedBands | None = None,
-) -> StiffnessResult:
+) -> Springs:
     """All logs with the device together. sigma: (D,) [N·m] what the approach finds where there is nothing.
 
     The law that device.yaml states of a band is in the model, its values as stated. named: what a search has named is
@@ -62,40 +116,52 @@ def identify_bands(
         if approach not in ("A", "paired"):
             null = rows_without(nothings, evidences, approach, columns, joints, zero_std=zero)
         wires = band_wires(logs, Routing(model.robot.tree, device.bands))
-        robot = robot_doubt
         if named is None:
-            seen, told = fit_device(device, logs, wires, null, robot, sigma)
+            seen, told = fit_device(device, logs, wires, null, robot_doubt, sigma)
             notes += told
         else:
-            seen = fit_beside(logs, wires, null, robot, sigma, named.fit)
-    fitted, plan = seen.fitted, seen.fitted.wear.layout
+            seen = fit_beside(logs, wires, null, robot_doubt, sigma, named.fit)
+    plan = seen.fitted.wear.layout
     known = {place for place in range(len(plan.names)) if seen.setting.belief.precision[place, place] > 0.0}
-    blind = {name for direction in fitted.null_directions for name in involved(plan, direction)}
+    blind = {name for direction in seen.fitted.null_directions for name in involved(plan, direction)}
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
-    shares = contributions(seen.setting, fitted, of_robot, seen.null, seen.joint_weight)
-    doubt = np.sum(list(shares.values()), axis=0)
-    for index, name in enumerate(plan.names):
-        if name in blind:
-            doubt[index, index] = np.inf
-    std = np.sqrt(np.diag(doubt))[: len(plan.names)]
+    shares = contributions(seen.setting, seen.fitted, of_robot, seen.null, seen.joint_weight)
+    return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind))
+
+
+def identify_bands(
+    model: RobotModel,
+    device: Device,
+    approach: Approach,
+    evidences: Sequence[Evidence],
+    sigma: Array,
+    nothings: Sequence[Nothing],
+    joints: Sequence[str],
+    named: NamedBands | None = None,
+) -> StiffnessResult:
+    """What `fit_springs` finds, with intervals, and held against itself."""
+    springs = fit_springs(model, device, approach, evidences, sigma, nothings, joints, named)
+    seen, doubt = springs.seen, springs.doubt
+    names = seen.fitted.wear.layout.names
+    std = np.sqrt(np.diag(doubt))[: len(names)]
     with np.errstate(invalid="ignore"):
         correlation = doubt[: len(std), : len(std)] / np.outer(std, std)
     edge, criteria = _at_bounds_of_each(seen), model.criteria.support
-    intervals = intervals_of(seen, doubt)
+    profiles = Profiles(seen.setting, seen.fitted, doubt)
     return StiffnessResult(
         device=device.name,
         approach=approach,
         bands=tuple(
-            _estimate(band, k, seen, shares, doubt, blind, edge[k], criteria.known, named, intervals)
+            _estimate(band, k, springs, profiles, edge[k], criteria.known, named is not None)
             for k, band in enumerate(device.bands)
         ),
-        parameters=plan.names,
+        parameters=names,
         correlation=correlation,
-        rms=dict(zip(joints, map(float, rms(seen.setting.logs, fitted.e)), strict=False)),
+        rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
-        notes=tuple(notes),
-        cross_checks=() if approach == "prior" else within(seen, device.bands, of_robot, criteria),
+        notes=springs.notes,
+        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria),
     )
 
 
@@ -115,9 +181,10 @@ def _without_pull(seen: BandFit, known: set[int]) -> set[str]:
 
 def _pulling(seen: BandFit) -> BoolArray:
     """(W,) which bands pull anywhere."""
+    least_pull = 1e-3  # [N] of a band: less is none
     wear, wires = seen.fitted.wear, seen.setting.wires
     longest = np.array([wire.longest for wire in wires[: len(wear.k)]])
-    return np.asarray(wear.k * (longest - wear.l_0) > LEAST_PULL)
+    return np.asarray(wear.k * (longest - wear.l_0) > least_pull)
 
 
 def _at_bounds_of_each(seen: BandFit) -> list[tuple[str, ...]]:
@@ -146,7 +213,7 @@ def _longer_than(seen: BandFit, k: int) -> float:
         size = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
         curvature = np.linalg.pinv(H * np.outer(size, size), rcond=1e-12, hermitian=True) * np.outer(size, size)
         share = curvature[place, place] / max(doubt[place, place], 1e-300)
-        return float(min(share, 1.0) * (held.cost - seen.fitted.cost) - QUANTILE**2)
+        return float(min(share, 1.0) * (held.cost - seen.fitted.cost) - Z95**2)
 
     low, high = wire.shortest, wire.longest
     if excess(low) <= 0.0:
@@ -164,30 +231,24 @@ def true_stiffness(band: Band) -> float | None:
 def _estimate(
     band: Band,
     k: int,
-    seen: BandFit,
-    shares: Mapping[str, Array],
-    doubt: Array,
-    blind: set[str],
+    springs: Springs,
+    profiles: Profiles,
     edge: tuple[str, ...],
     known: float,
-    named: NamedBands | None,
-    intervals: Mapping[int, tuple[float, float]],
+    with_effects: bool,
 ) -> BandEstimate:
+    seen, blind = springs.seen, springs.blind
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
     own = k_at, l_at = int(plan.stiffness[k]), int(plan.natural_length[k])
-    k_std, l_std = (float(np.sqrt(doubt[place, place])) for place in own)
+    stiffness, length = springs.of(k)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
-    k_interval, l_interval = (intervals[place] for place in own)
-    if not pulls and np.isfinite(k_std):
+    k_interval, l_interval = profiles.of_band(k, stretch)
+    if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
-    k_known = k_std <= known * value and np.isfinite(k_interval[1]) and not edge
-    l_known = l_std <= known * stretch and not edge
-    stiffness, length = (
-        Estimate(np.nan if name in blind else float(wear.springs[place]), float(np.sqrt(doubt[place, place])), unit)
-        for name, place, unit in zip(names, own, ("N/m", "m"), strict=True)
-    )
+    k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
+    l_known = length.std <= known * stretch and not edge
     return BandEstimate(
         band=band.name,
         group=band.group,
@@ -200,9 +261,9 @@ def _estimate(
         identifiable=bool(k_known),
         length_identifiable=bool(l_known),
         note=_note(band, pulls, names, blind, edge, k_known, l_known),
-        with_effects=named is not None,
+        with_effects=with_effects,
         longest=wire.longest,
-        budget=_budget(shares, k_at, l_at) if np.isfinite(k_std) else (),
+        budget=_budget(springs.shares, k_at, l_at) if np.isfinite(stiffness.std) else (),
     )
 
 
@@ -215,7 +276,7 @@ def _budget(shares: Mapping[str, Array], k_at: int, l_at: int) -> tuple[Share, .
 
 
 def _note(
-    band: Band, pulls: bool, own: Sequence[str], blind: set[str], edge: tuple[str, ...], k_known: bool, l_known: bool
+    band: Band, pulls: bool, own: Sequence[str], blind: Set[str], edge: tuple[str, ...], k_known: bool, l_known: bool
 ) -> Remark | None:
     unseen = tuple(name for name in own if name in blind)
     if not pulls and unseen:
@@ -230,60 +291,70 @@ def _note(
     return None if l_known else Remark(About.LENGTH_OPEN)
 
 
-QUANTILE = 1.959964
 SKEWED = 0.15  # std over the value (over the stretch, for a length) above which a symmetric interval misleads
-REACH = 12.0  # standard deviations within which the ends of a profile are sought
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
-def intervals_of(seen: BandFit, doubt: Array) -> dict[int, tuple[float, float]]:
-    """(low, high) of every spring's value, by its place. A length goes with its stiffness, so that it is as skewed."""
-    plan, wear, found = seen.fitted.wear.layout, seen.fitted.wear, dict[int, tuple[float, float]]()
-    inputs = inputs_of(seen.setting.logs, seen.setting.wires, wear.k, wear.l_0)
-    constant = np.zeros(len(wear.k)) if inputs is None else inputs.constant
-    for k, (k_at, l_at) in enumerate(zip(plan.stiffness.tolist(), plan.natural_length.tolist(), strict=True)):
-        if k_at not in found:
-            found[k_at] = interval(seen.setting, seen.fitted, doubt, k_at, float(wear.springs[k_at]))
-        if l_at in found:
-            continue
-        stretch = max(seen.setting.wires[k].longest - float(wear.springs[l_at]), 0.0)
-        skewed = doubt[k_at, k_at] >= (SKEWED * wear.springs[k_at]) ** 2
-        alone = float(constant[k]) if np.sum(plan.natural_length == l_at) == 1 else 0.0
-        found[l_at] = interval(seen.setting, seen.fitted, doubt, l_at, 0.0 if skewed else stretch, alone)
-    return found
-
-
-def interval(
-    setting: Setting, fitted: Fitted, covariance: Array, index: int, relative_to: float, constant: float = 0.0
-) -> tuple[float, float]:
-    """(low, high) of one spring's value. relative_to: its size, against which its std says whether the doubt is skewed.
-    constant: the part of that std which goes with nothing else.
+@final
+@dataclass(frozen=True)
+class Profiles:
+    """95 % intervals of a fit's springs. covariance: (P, P) of theta about the truth.
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
     infinite.
     """
-    std, value = float(np.sqrt(covariance[index, index])), float(fitted.wear.springs[index])
-    if not np.isfinite(std):
-        return 0.0, np.inf
-    if std < SKEWED * relative_to:
-        return value - QUANTILE * std, value + QUANTILE * std
-    few = thinned(setting)
-    coarse = fit(few, fitted.wear)
-    size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
-    curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
-    alone = min(constant, 0.999 * std)
-    share = float(curvature[index, index]) * size[index] ** 2 / (std**2 - alone**2)
-    shift = value - float(coarse.wear.springs[index])
 
-    def excess(candidate: float) -> float:
-        held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
-        return float(share * (held.cost - coarse.cost) - QUANTILE**2)
+    setting: Setting
+    fitted: Fitted
+    covariance: Array
 
-    low = _crossing(excess, value, -std, max(SHORTEST, value - REACH * std)) or 0.0
-    high = _crossing(excess, value, std, value + REACH * std) or np.inf
-    own = QUANTILE * alone
-    return max(value - float(np.hypot(value - low, own)), 0.0), value + float(np.hypot(high - value, own))
+    def interval(self, index: int, relative_to: float) -> tuple[float, float]:
+        """(low, high) of one value. relative_to: its size, against which its std says whether the doubt is skewed."""
+        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
+        if not np.isfinite(std):
+            return 0.0, np.inf
+        if std < SKEWED * relative_to:
+            return value - Z95 * std, value + Z95 * std
+        if index not in self._found:
+            self._found[index] = self._walked(index, value, std)
+        return self._found[index]
+
+    def of_band(self, k: int, stretch: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of stiffness and natural length. The pull is known, not what it is a product of: a length is as skewed as
+        the stiffness that it goes with. stretch: [m] the largest."""
+        wear = self.fitted.wear
+        k_at, l_at = int(wear.layout.stiffness[k]), int(wear.layout.natural_length[k])
+        value = float(wear.springs[k_at])
+        skewed = self.covariance[k_at, k_at] >= (SKEWED * value) ** 2
+        return self.interval(k_at, value), self.interval(l_at, 0.0 if skewed else stretch)
+
+    @cached_property
+    def _found(self) -> dict[int, tuple[float, float]]:
+        """Bands share values: what was walked along once."""
+        return {}
+
+    @cached_property
+    def _coarse(self) -> tuple[Setting, Fitted]:
+        few = thinned(self.setting)
+        return few, fit(few, self.fitted.wear)
+
+    def _walked(self, index: int, value: float, std: float) -> tuple[float, float]:
+        few, coarse = self._coarse
+        reach = 12.0  # standard deviations within which the ends of a profile are sought
+        size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
+        curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
+        share = float(curvature[index, index]) * size[index] ** 2 / std**2
+        shift = value - float(coarse.wear.springs[index])
+
+        def excess(candidate: float) -> float:
+            held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
+            return float(share * (held.cost - coarse.cost) - Z95**2)
+
+        return (
+            _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
+            _crossing(excess, value, std, value + reach * std) or np.inf,
+        )
 
 
 def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:

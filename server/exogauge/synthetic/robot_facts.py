@@ -177,3 +177,4 @@ _BENT = {"hip_pitch": -0.35, "knee_pitch": 0.7, "ankle_pitch": -0.35, "elbow_pit
 HOME: dict[str, float] = {"l_shoulder_roll": 0.25, "r_shoulder_roll": -0.25} | {
     f"{side}_{name}": value for side in "lr" for name, value in _BENT.items()
 }  # [rad]: standing, knees and elbows a little bent, arms off the trunk
+LIMITS: dict[str, float] = {"acceleration": 40.0, "jerk": 2000.0, "torque_share": 0.9}  # of planned motions

@@ -17,6 +17,7 @@ from exogauge.synthetic.robot_facts import (
     HUMAN_MAP,
     IMU_FRAME,
     JOINTS,
+    LIMITS,
     LINKS,
     NAME,
     SENSOR_DROP,
@@ -34,7 +35,8 @@ def robot_urdf() -> str:
         element = Xml.SubElement(robot, "link", name=link.name)
         if link.mass > 0.0:
             _inertial(element, of_shape(link))
-            _geometry(Xml.SubElement(element, "visual"), link)
+            for use in ("visual", "collision"):
+                _geometry(Xml.SubElement(element, use), link)
     for link in LINKS:
         if link.parent is not None:
             _joint(robot, link, link.parent)
@@ -70,6 +72,8 @@ def robot_file(
         "noise": {**sensors.NOISE, "q": sensors.position_noise(encoder_step)},
         "inertial_prior_std": {"default": INERTIAL_STD},
         "soles": [{"link": foot, "outline": _outline()} for foot in FEET],
+        "collision": {"left_out": [["BODY", "chest"]]},  # boxes; what is round there lets the torso bend to its limit
+        "limits": LIMITS,
         "human_map": HUMAN_MAP,
         "home": HOME,
     }

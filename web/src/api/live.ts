@@ -10,6 +10,7 @@ export type LiveStream = Schemas["LiveStreamOut"];
 type WrenchSaid = { type: "wrench"; t: number[]; wrench: number[][]; std: number[][]; alarm: boolean[]; settled: boolean[] };
 export type PayloadSaid = {
   type: "payload";
+  t: number;
   state: "static" | "converging" | "converged" | "frozen";
   value: Record<string, number>;
   std: Record<string, number>;
@@ -24,7 +25,11 @@ type Said = WrenchSaid | PayloadSaid | { type: "missed"; messages: number } | { 
 /** force: the largest during it. to: its last sample by now. */
 export type Alarm = { from: number; to: number; lasts: boolean; force: number[] };
 
-/** t: [s] of the sender's clock. wrench: six traces, null where nothing is settled. */
+/** What was known by then. */
+export type Course = { t: number[]; value: Record<string, number>[]; std: Record<string, number>[] };
+
+/** t: [s] of the sender's clock. wrench: six traces, null where nothing is settled. course: of the estimates, since
+watching began, the older the sparser. */
 export type Watched = {
   line: "opening" | "open" | "closed";
   t: number[];
@@ -33,6 +38,7 @@ export type Watched = {
   alarms: Alarm[];
   payload: PayloadSaid | null;
   first: PayloadSaid | null;
+  course: Course;
   missed: number;
   error: string | null;
 };
@@ -40,6 +46,7 @@ export type Watched = {
 const LISTED = 20;
 const SOON_MS = 3_000;
 const SHOWN_S = 20;
+const KEPT = 600; // estimates of a course
 const ALARMS = 50;
 const DRAWN_EVERY_MS = 200;
 const AGAIN_MS = 3_000;
@@ -79,7 +86,7 @@ export function useWatched(payloadId: string, streamId: string): Watched {
     };
     open();
     const drawing = window.setInterval(() => {
-      if (news) show({ ...seen, t: [...seen.t], wrench: seen.wrench.map((trace) => [...trace]), alarms: [...seen.alarms] });
+      if (news) show({ ...seen, t: [...seen.t], wrench: seen.wrench.map((trace) => [...trace]), alarms: [...seen.alarms], course: { ...seen.course, t: [...seen.course.t] } });
       news = false;
     }, DRAWN_EVERY_MS);
     return () => {
@@ -93,7 +100,7 @@ export function useWatched(payloadId: string, streamId: string): Watched {
 }
 
 function nothing(): Watched {
-  return { line: "opening", t: [], wrench: [[], [], [], [], [], []], std: [], alarms: [], payload: null, first: null, missed: 0, error: null };
+  return { line: "opening", t: [], wrench: [[], [], [], [], [], []], std: [], alarms: [], payload: null, first: null, course: { t: [], value: [], std: [] }, missed: 0, error: null };
 }
 
 function take(seen: Watched, said: Said): void {
@@ -102,8 +109,18 @@ function take(seen: Watched, said: Said): void {
   else if (said.type === "payload") {
     seen.payload = said;
     seen.first ??= said;
+    takeEstimate(seen.course, said);
   } else if (said.type === "missed") seen.missed = said.messages;
   else if (said.type === "error") seen.error = said.detail;
+}
+
+/** When there are too many, every second one goes: the course stays whole. */
+function takeEstimate({ t, value, std }: Course, said: PayloadSaid): void {
+  t.push(said.t);
+  value.push(said.value);
+  std.push(said.std);
+  if (t.length <= KEPT) return;
+  for (const each of [t, value, std] as unknown[][]) each.splice(0, each.length, ...each.filter((_, k) => k % 2 === 0));
 }
 
 function takeWrench(seen: Watched, { t, wrench, std, alarm, settled }: WrenchSaid): void {

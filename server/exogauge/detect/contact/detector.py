@@ -18,7 +18,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.contact import Touching
+from exogauge.criteria.detecting import Touching
 from exogauge.detect.contact.fit import Push, explain
 from exogauge.detect.contact.rows import LogRows, force_columns, log_rows, reaches
 from exogauge.detect.contact.scan import bursts, gains, level
@@ -33,12 +33,11 @@ from exogauge.identification.preparation import channel_of_row
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.identification.validate import unit_of
-from exogauge.progress import Doing, Progress, unwatched
+from exogauge.progress import Doing, Progress, still, unwatched
 from exogauge.robots.description import Robot
 from exogauge.robots.rows import RowType
 from exogauge.search.judge import refused
 from exogauge.search.locate import pooled
-from exogauge.search.rising import still
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
@@ -215,7 +214,6 @@ def _same(one: Sequence[Push], other: Sequence[Push], criteria: Touching) -> boo
 
 
 CONTACT = "contact"
-SHOWN_S = 0.7  # before and after the push
 
 
 @final
@@ -304,9 +302,10 @@ def _held_out(channel: str, before: Identification, after: Identification, conta
 def _evidence_of(robot: Robot, push: Push) -> Evidence:
     """Residuals of the channel that shows it best over the log's own time: torque that the joint gets and the model
     lacks, what a sensor reads too much."""
+    shown_s = 0.7  # before and after the push
     row = robot.rows.told.rows[push.kind]
     sign = -robot.cuts[row.place].sign if row.type == RowType.SENSOR else -1.0
-    near = (push.time > push.start - SHOWN_S) & (push.time < push.stop + SHOWN_S) & (push.weight[:, push.kind] > 0.0)
+    near = (push.time > push.start - shown_s) & (push.time < push.stop + shown_s) & (push.weight[:, push.kind] > 0.0)
     before, added = (sign * each[near, push.kind] for each in (push.before, push.added))
     spread = 1.0 / np.sqrt(push.weight[near, push.kind])
     return Evidence("time", "s", push.time[near], before, before - added, spread, added)

@@ -9,15 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.criteria.contact import Touching
+from exogauge.criteria.detecting import Touching
 from exogauge.detect.contact.rows import LogRows
 from exogauge.detect.contact.scan import bump
 
 Array = NDArray[np.float64]
-
-PASSES = 5  # of the moment's doubt, which depends on the force
-TRIALS = 60
-STEP_S = 0.01  # for the slopes with start and duration
 
 
 @final
@@ -159,11 +155,12 @@ def _links(part: Around, shape: Array) -> list[LinkFit]:
 def _fit(part: Around, body: int, shape: Array) -> LinkFit:
     """Force and moment of one body. A moment comes from a force that acts beside the middle: it stands across it, and
     is as large as the body reaches."""
+    passes = 5  # of the moment's doubt, which depends on the force
     A = part.C[body] * shape[:, None, None]
     S = np.einsum("tki,tk,tkj->ij", A, part.w, A)
     g = np.einsum("tki,tk,tk->i", A, part.w, part.e)
     force, theta, doubt = np.zeros(3), np.zeros(6), np.eye(6)
-    for _ in range(PASSES):
+    for _ in range(passes):
         doubt = _prior(force, float(part.reach[body]), part.criteria)
         theta = np.linalg.solve(S + np.linalg.inv(doubt), g)
         force = theta[:3]
@@ -186,6 +183,7 @@ def _refined(
 ) -> tuple[tuple[float, float, float], float]:
     """((middle, duration, power), gain) with which the body explains most."""
 
+    trials = 60
     bounds = part.criteria.bounds_s
 
     def cost(values: Array) -> float:
@@ -194,7 +192,7 @@ def _refined(
 
     start = np.array([middle, np.log(duration)])
     simplex = start + np.array([[0.0, 0.0], [0.2 * duration, 0.0], [0.0, 0.4]])
-    found = minimize(cost, start, method="Nelder-Mead", options={"maxfev": TRIALS, "initial_simplex": simplex})
+    found = minimize(cost, start, method="Nelder-Mead", options={"maxfev": trials, "initial_simplex": simplex})
     m, d = float(found.x[0]), float(np.clip(np.exp(found.x[1]), *bounds))
     return (m, d, power), -float(found.fun)
 
@@ -202,11 +200,13 @@ def _refined(
 def _doubt(part: Around, best: LinkFit, middle: float, duration: float, power: float) -> tuple[float, float, float]:
     """Standard deviations of the force's size [N], of its middle and its duration [s], everything let go together."""
 
+    step_s = 0.01  # for the slopes with start and duration
+
     def added(m: float, d: float) -> Array:
         return np.asarray(_shape(part, m, d, power)[:, None] * (part.C[best.body] @ best.wrench))
 
-    of_middle = (added(middle + STEP_S, duration) - added(middle - STEP_S, duration)) / (2.0 * STEP_S)
-    of_duration = (added(middle, duration + STEP_S) - added(middle, duration - STEP_S)) / (2.0 * STEP_S)
+    of_middle = (added(middle + step_s, duration) - added(middle - step_s, duration)) / (2.0 * step_s)
+    of_duration = (added(middle, duration + step_s) - added(middle, duration - step_s)) / (2.0 * step_s)
     A = part.C[best.body] * _shape(part, middle, duration, power)[:, None, None]
     A = np.concatenate([A, of_middle[:, :, None], of_duration[:, :, None]], axis=2)
     S = np.einsum("tki,tk,tkj->ij", A, part.w, A)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import correlate1d
 
-from exogauge.criteria.contact import Touching
+from exogauge.criteria.detecting import Touching
 from exogauge.detect.contact.rows import LogRows
 from exogauge.logs.filtering import LowPass
 

@@ -24,8 +24,6 @@ from exogauge.support.evidence import Evidence
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-WEIGHINGS = 2  # of fitting and weighing the joints by what is left
-
 
 @final
 @dataclass(frozen=True)
@@ -69,6 +67,7 @@ def lay_ground(
     beyond: Beyond | None = None,
 ) -> Ground | None:
     """None where no log with the device has a sample that counts. beyond: further joints to look at."""
+    weighings = 2  # of fitting and weighing the joints by what is left
     own = [each for each in gathered.evidences if each.worn.device.name == device.name]
     approach: Approach = "A" if all(each.a is not None and each.compared.any() for each in own) else "B"
     joints, names = gathered.joints, list(gathered.names)
@@ -88,7 +87,7 @@ def lay_ground(
     travel = np.array([wire.travel for wire in wires])
     belief = believed(device.bands, start, travel)
     sigma, memory = np.maximum(floor, LEAST_SIGMA), np.ones(len(names))
-    for _ in range(WEIGHINGS):
+    for _ in range(weighings):
         weight, independent = weights(logs, sigma, memory)
         setting = Setting(logs, wires, weight, independent, belief)
         fitted = fit(setting, start)

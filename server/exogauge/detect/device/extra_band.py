@@ -15,7 +15,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, whitened
 from exogauge.detect.device.judge import BandJudgement
 from exogauge.detect.device.score import BandScore, Scorer
@@ -28,8 +28,6 @@ from exogauge.support.band_rows import Course
 from exogauge.support.band_weights import spread, weights
 
 Array = NDArray[np.float64]
-
-STEP, STEPS = 5e-4, 120  # of a slope, in shares of that; at most so many downhill
 
 
 def further_wires(
@@ -167,7 +165,7 @@ def _led_better(
     best = minimize(
         cost, np.concatenate([np.zeros(places), shares]), method="L-BFGS-B",
         bounds=[(-1.0, 1.0)] * places + [(0.0, 1.0)] * len(shares),
-        options={"eps": STEP, "maxiter": STEPS, "ftol": 1e-7},
+        options={"eps": 5e-4, "maxiter": 120, "ftol": 1e-7},
     )  # fmt: skip
     return led(best.x[:places]), shape(best.x[places:])
 

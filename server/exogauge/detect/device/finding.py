@@ -27,9 +27,6 @@ from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 
-SHIFT = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
-MUCH_LESS, LITTLE_LESS = 4.0, 0.5  # of the gain: it is moved less, or further, until it falls by something between
-MOST_STEPS = 16
 CHANNEL = "support."  # of a joint's supporting torque
 
 
@@ -136,6 +133,8 @@ def _in_si(name: str, unit: str, wire: Wire) -> tuple[float, float, str, str]:
 def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
     """Standard deviation of a shape: how far it must be moved for the gain to fall by one independent error, from both
     sides together; inf where it does not fall within the shape's range."""
+    most_steps = 16
+    shift = 0.02  # of a shape's range: how far it is moved first to see how sharply it is known
     added, one = winner.added, winner.added.effect.shapes[place]
     here = added.shape[place]
 
@@ -144,13 +143,13 @@ def _sharpness(scorer: Scorer, winner: BandJudgement, place: int) -> float:
         found: BandScore | None = scorer.score(added.effect, added.wire, shape)
         return found.gain if found is not None else 0.0
 
-    best, step = gain(here), SHIFT * (one.high - one.low)
-    for _ in range(MOST_STEPS):
+    best, step = gain(here), shift * (one.high - one.low)
+    for _ in range(most_steps):
         ends = [max(here - step, one.low), min(here + step, one.high)]
         fallen = float(np.mean([best - gain(end) for end in ends]))
-        if fallen > MUCH_LESS:
+        if fallen > 4.0:  # it is moved less, or further, until the gain falls by something between 4 and 0.5
             step *= 0.5
-        elif fallen < LITTLE_LESS and step < one.high - one.low:
+        elif fallen < 0.5 and step < one.high - one.low:
             step *= 2.0
         else:
             break

@@ -19,11 +19,6 @@ from exogauge.support.band_rows import Wire
 
 Array = NDArray[np.float64]
 
-BLIND = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told
-NEARLY_ALL = 0.999
-REFINEMENTS = 2
-TRIED = 9  # shapes per refinement and value
-
 
 @final
 @dataclass(frozen=True)
@@ -71,6 +66,7 @@ class Scorer:
                 yield scored
 
     def _scored(self, effect: BandEffect, wire: int, shape: tuple[float, ...], X: Array) -> BandScore | None:
+        blind = 1e-6  # share of a column that the springs cannot take the place of, below which nothing can be told
         pull = (X * self._root[:, :, None]).reshape(-1, X.shape[2]).T @ self._e  # e is without offsets already
         X = whitened(self.setting.logs, self.setting.weight, X)
         X = (X * self._root[:, :, None]).reshape(-1, X.shape[2])
@@ -80,7 +76,7 @@ class Scorer:
         size = np.sqrt(np.diag(own))
         S = (own - cross.T @ np.linalg.lstsq(self._H, cross, rcond=1e-13)[0]) / np.outer(size, size)
         left = float(np.min(np.linalg.eigvalsh(S)))
-        if left < BLIND:
+        if left < blind:
             return None
         c = _bounded(S, pull / size, effect, size)
         gain = float(2.0 * c @ (pull / size) - c @ S @ c)
@@ -95,20 +91,22 @@ class Scorer:
 
     def refined(self, start: BandScore) -> BandScore:
         """Shapes between their neighbours on the grid, one value after the other, each time closer."""
+        refinements = 2
         best, effect = start, start.added.effect
         reach = [np.diff(one.grid).max(initial=0.0) for one in effect.shapes]
-        for _ in range(REFINEMENTS):
+        for _ in range(refinements):
             for place, one in enumerate(effect.shapes):
                 before, behind = best.added.shape[:place], best.added.shape[place + 1 :]
                 values = _around(one, best.added.shape[place], float(reach[place]))
                 tried = self._scores(effect, best.added.wire, [(*before, value, *behind) for value in values])
                 best = max([best, *tried], key=lambda each: each.evidence)
-            reach = [each / TRIED for each in reach]
+            reach = [each / 9 for each in reach]
         return best
 
 
 def evidence(setting: Setting, gain: float, square: float, chosen: int) -> float:
-    share = float(np.clip(gain / max(square, 1e-300), 0.0, NEARLY_ALL))
+    nearly_all = 0.999
+    share = float(np.clip(gain / max(square, 1e-300), 0.0, nearly_all))
     return float(-setting.independent * np.log1p(-share) - chosen * np.log(max(setting.independent, 2.0)))
 
 
@@ -129,9 +127,9 @@ def _around(one: Shape, value: float, reach: float) -> Iterator[float]:
     if one.low > 0.0:  # sizes over decades: by ratios
         ratio = max(float(np.max(np.divide(one.grid[1:], one.grid[:-1]), initial=1.0)), 1.0)
         ratio **= reach / max(float(np.diff(one.grid).max(initial=0.0)), 1e-300)
-        values = value * ratio ** np.linspace(-1.0, 1.0, TRIED)
+        values = value * ratio ** np.linspace(-1.0, 1.0, 9)
     else:
-        values = value + reach * np.linspace(-1.0, 1.0, TRIED)
+        values = value + reach * np.linspace(-1.0, 1.0, 9)
     yield from (float(v) for v in values if one.low <= v <= one.high)
 
 

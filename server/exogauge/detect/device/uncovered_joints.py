@@ -23,8 +23,6 @@ from exogauge.support.settings import PlainLog, SupportSettings
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-RATE_HZ = 40.0  # at which a log is looked at: supporting torques are low-passed
-
 
 @final
 @dataclass(frozen=True)
@@ -93,11 +91,12 @@ def _look(
 
 
 def _thin(model: RobotModel, prepared: Prepared, joints: IntArray) -> Balance:
-    """The balance of a log at about `RATE_HZ`, the kept samples among them."""
+    """The balance of a log at about 40 Hz, the kept samples among them."""
+    rate_hz = 40.0  # at which a log is looked at: supporting torques are low-passed
     kept = prepared.kept
     every = int(kept[1] - kept[0]) if len(kept) > 1 else 1
     steps = [n for n in range(1, every + 1) if every % n == 0]
-    step = min(steps, key=lambda n: abs(n - prepared.log.rate_hz / RATE_HZ))
+    step = min(steps, key=lambda n: abs(n - prepared.log.rate_hz / rate_hz))
     samples = np.arange(int(kept[0]) % step, prepared.log.samples, step)
     changed: dict[str, object] = {
         each.name: value[samples]

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.judging import Judging
-from exogauge.criteria.wearing import Wearing
+from exogauge.criteria.supporting import Wearing
 from exogauge.detect.device.baseline import Ground, lay_ground, weighed, whitened
 from exogauge.detect.device.extra_band import further_wires, led_on
 from exogauge.detect.device.finding import CHANNEL, name_contradicted, name_effect, rejection
-from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse
+from exogauge.detect.device.judge import BandJudgement, Folds, folds_of, judge, left_out_residual, rmse, with_best_shape
 from exogauge.detect.device.nominal import contradicted
 from exogauge.detect.device.score import BandScore, Scorer, candidates
-from exogauge.detect.device.shape import with_best_shape
 from exogauge.detect.device.uncovered_joints import Beyond
 from exogauge.detect.so_far import descendant
 from exogauge.devices.device import Device
@@ -41,8 +40,6 @@ from exogauge.support.band_rows import BLOCK_S
 from exogauge.support.evaluate import Gathered
 
 Array = NDArray[np.float64]
-
-LED_ON = 4  # times, as joints are weighed anew each time
 
 
 @final
@@ -219,7 +216,7 @@ def _on_best_course(ground: Ground, winner: BandJudgement, folds: Folds) -> tupl
     """
     wider, scorer, scores, _ = further_wires(ground, Scorer(*whitened(ground)), winner.added.effect, led_better=True)
     best = _leaves_least([(ground, winner), *((wider, judge(wider, scorer.refined(each), folds)) for each in scores)])
-    for _ in range(LED_ON):
+    for _ in range(4):  # joints are weighed anew each time
         further = [(wider, judge(wider, scorer.refined(score), folds)) for wider, scorer, score in led_on(*best)]
         before, best = best, _leaves_least([best, *further])
         if best is before:

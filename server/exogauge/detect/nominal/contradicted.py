@@ -28,8 +28,6 @@ from exogauge.robots.kinematics import forward
 from exogauge.search.locate import pooled
 from exogauge.search.score import residual_memory
 
-THINNED = 500  # samples of a log looked at
-
 
 @final
 @dataclass(frozen=True)
@@ -117,12 +115,13 @@ def _key(stated: Stated) -> tuple[bool, int]:
 
 def _tilting(model: RobotModel, logs: Sequence[Log]) -> list[int]:
     """Indices of bodies across which gravity turns enough to show what they weigh."""
+    thinned = 500  # samples of a log looked at
     criteria = model.criteria.nominal
     up, turning = [], []
     for log in logs:
         prepared = model.prepare(log)
         turning.append(prepared.motion.gyro[prepared.kept])
-        kept = prepared.kept[:: max(1, len(prepared.kept) // THINNED)]
+        kept = prepared.kept[:: max(1, len(prepared.kept) // thinned)]
         pulled = forward(model.robot.tree, prepared.motion.rows(kept)).proper_acceleration
         up.append(pulled / np.maximum(np.linalg.norm(pulled, axis=2, keepdims=True), 1e-12))
     if model.robot.floating and np.sqrt(np.mean(np.concatenate(turning) ** 2)) < criteria.base_turns:

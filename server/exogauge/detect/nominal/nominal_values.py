@@ -15,7 +15,7 @@ from typing import Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.nominal import Contradicting
+from exogauge.criteria.detecting import Contradicting
 from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations

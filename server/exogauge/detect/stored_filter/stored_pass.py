@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.optimize import minimize_scalar
 
-from exogauge.criteria.stored_filter import StoredFilter
+from exogauge.criteria.detecting import StoredFilter
 from exogauge.devices.result import Estimate
 from exogauge.identification.model import RobotModel
 from exogauge.identification.predict import measured_channels, predictions

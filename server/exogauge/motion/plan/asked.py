@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -36,6 +36,17 @@ class Asked:
     def time(self) -> Array:
         """(N,) [s]"""
         return np.asarray(self.step * np.arange(len(self.q)), dtype=np.float64)
+
+    def between(self, begin: int, end: int) -> Asked:
+        """From node `begin` to node `end`, both in it."""
+        part = slice(begin, end + 1)
+        return replace(self, q=self.q[part], stands=self.stands[part], place=self.place[part])
+
+    def every(self, count: int) -> Asked:
+        """Every `count`-th node, and one at the end or beyond it."""
+        kept = np.minimum(np.arange(-(-(len(self.q) - 1) // count) + 1) * count, len(self.q) - 1)
+        place = tuple(self.place[k] for k in kept)
+        return replace(self, q=self.q[kept], step=count * self.step, stands=self.stands[kept], place=place)
 
 
 def home_of(robot: MotionRobot) -> Array:

@@ -15,6 +15,7 @@ from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.spline import Trajectory
 from exogauge.motion.robot import MotionRobot
+from exogauge.motion.touching import Pairs
 
 Array = NDArray[np.float64]
 
@@ -24,20 +25,26 @@ SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 
 @final
 @dataclass(frozen=True)
 class Judged:
-    """T samples. time: (T,) [s]; q, dq: (T, n). inside: (T,) [m] of the centre of pressure from the edge of what the
-    feet stand on, negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how
-    two feet share the load. feet_m, feet_rad: largest way of a standing foot. broken: what does not hold, as time,
-    place, value and bound in words.
+    """T samples. time: (T,) [s]; q, dq: (T, n). pressure: (T, 3) [m] its centre, in the world. inside: (T,) [m] of the
+    centre of pressure from the edge of what the feet stand on, negative outside. carried: (T,) share of the weight.
+    torque: (T, J) [N·m or N]; the legs' hang on how two feet share the load. feet_m, feet_rad: largest way of a
+    standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m` where none is nearer; nearest: that of all
+    times, and when, None without shapes or where none comes nearer; left_out: pairs that were not looked at. broken:
+    what does not hold, as time, place, value and bound in words.
     """
 
     time: Array
     q: Array
     dq: Array
+    pressure: Array
     inside: Array
     carried: Array
     torque: Array
     feet_m: float
     feet_rad: float
+    apart: Array
+    nearest: tuple[str, str, float] | None
+    left_out: tuple[tuple[str, str], ...]
     broken: tuple[str, ...] = field(default_factory=tuple)
 
 
@@ -60,6 +67,7 @@ def judge(
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
+    pressure = np.full((T, 3), floor)
     inside, carried, torque, strays = np.empty(T), np.empty(T), np.empty((T, J)), np.zeros((T, 2))
     share = np.tile(np.repeat(SHARES, 3), len(frames))
     for t in range(T):
@@ -80,14 +88,16 @@ def judge(
             )
         force, moment = total.linear, total.angular
         cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
+        pressure[t, :2] = cop
         inside[t] = -(edges[:, :2] @ cop + edges[:, 2]).max()
         carried[t] = force[2] / robot.weight
-    limits = robot.limits
+    limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
     angle = q[:, base:]
     sizes = (  # what, share of the bound, what is counted
         ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),
         ("velocity", np.abs(v[:, base:]) / limits.velocity, v[:, base:]),
         ("acceleration", np.abs(a[:, base:]) / limits.acceleration, a[:, base:]),
+        ("jerk", np.abs(jerk) / robot.jerk, jerk),
         ("torque", np.abs(torque) / limits.torque, torque),
     )
     broken = []
@@ -109,6 +119,21 @@ def judge(
     ):
         if far.max() > most:
             broken.append(f"{what} of a standing foot: {far.max():.3g} {unit} at {time[far.argmax()]:.3f} s")
+    pairs = Pairs(robot, criteria.clearance_m)
+    near = pairs.near(q, criteria.look_m)
+    apart, nearest = np.full(T, criteria.look_m), None
+    np.minimum.at(apart, near.sample, near.distance)
+    if len(near.distance):
+        k = int(near.distance.argmin())
+        nearest = (*pairs.names[near.pair[k]], float(time[near.sample[k]]))
+    for p in np.unique(near.pair[near.distance < criteria.clearance_m]):
+        own = near.pair == p
+        k = int(near.distance[own].argmin())
+        often = 100.0 * float((near.distance[own] < criteria.clearance_m).sum()) / T
+        broken.append(f"distance of {' and '.join(pairs.names[p])}: {near.distance[own][k]:.4g} m at "
+                      f"{time[near.sample[own][k]]:.3f} s, at least {criteria.clearance_m:g} is asked, less in "
+                      f"{often:.2g} % of samples")  # fmt: skip
+    feet_m, feet_rad = strays.max(axis=0).tolist()
     return Judged(
-        time, q, v, inside, carried, torque, float(strays[:, 0].max()), float(strays[:, 1].max()), tuple(broken)
+        time, q, v, pressure, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken)
     )

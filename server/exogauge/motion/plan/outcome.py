@@ -66,7 +66,16 @@ def margins(robot: MotionRobot, judged: Judged) -> Told:
         said[what] = (
             "no bound is known" if not known else f"{100 * share.max():.0f} % of its bound at most ({robot.joints[j]})"
         )
-    said["not looked at"] = "collisions of the robot with itself"
+    if judged.nearest is not None:
+        *pair, when = judged.nearest
+        said["nearest"] = f"{1e3 * judged.apart.min():.1f} mm, {' and '.join(pair)} at {when:.3f} s"
+    elif robot.shapes:
+        said["nearest"] = f"no two links come nearer than {1e3 * judged.apart.min():.0f} mm"
+    if judged.left_out:
+        said["may touch"] = ", ".join(" and ".join(pair) for pair in judged.left_out)
+    if robot.shapeless or not robot.shapes:
+        said["not looked at"] = ("collisions of " + ", ".join(robot.shapeless) + ": their meshes are not there"
+                                 if robot.shapeless else "collisions: no link has a shape")  # fmt: skip
     said["broken"] = list(judged.broken)
     return said
 

@@ -14,6 +14,7 @@ from exogauge.criteria.motion_plan import MotionPlan
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.spline import Spline
 from exogauge.motion.robot import MotionRobot, Sole
+from exogauge.motion.touching import Near, Pairs
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -121,7 +122,9 @@ class Rows:
     def matrix(self) -> tuple[csc_matrix, Array]:
         if not self.count:
             return csc_matrix((0, self.wide * self.stages)), np.zeros(0)
-        entries = (np.concatenate(self.value), (np.concatenate(self.row), np.concatenate(self.column)))
+        value, row, column = (np.concatenate(each) for each in (self.value, self.row, self.column))
+        kept = value != 0.0
+        entries = (value[kept], (row[kept], column[kept]))
         return csc_matrix(entries, shape=(self.count, self.wide * self.stages)), np.concatenate(self.bound)
 
 
@@ -135,9 +138,14 @@ def spread(node: IntArray, by_q: Array, by_v: Array, by_a: Array, h: float) -> l
 
 
 def equations(
-    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes
-) -> tuple[csc_matrix, Array]:
-    """A x = b: the base is driven by the feet alone, and what stands stays where it is; rest at both ends."""
+    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, before: Array | None = None,
+    rest: bool = True,
+) -> tuple[csc_matrix, Array]:  # fmt: skip
+    """A x = b: the base is driven by the feet alone, and what stands stays where it is.
+
+    before: (3, n) first control points, None at rest. rest: at the end. Where the first ones are given, the feet's rows
+    begin with the third node: from the second on they would make of a slip of round-off 3.7 times as much per node.
+    """
     N, n, F = len(slope.torque), robot.model.nq, len(robot.soles)
     rows = Rows(n + 6 * F + 1, N + 2)
     q, v, a = spline.at_nodes()
@@ -155,23 +163,63 @@ def equations(
         parts.append((node + 1, n + np.arange(6 * F), by_wrench))
         rows.add(parts, now - slope.torque[:, :6].ravel() / weight)
     for f in range(F):
-        node = np.repeat(np.flatnonzero(asked.stands[:, f]), 6)
-        by_q = slope.feet[asked.stands[:, f], f].reshape(-1, n)
-        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[asked.stands[:, f], f].ravel()
+        stands = asked.stands[:, f].copy()
+        stands[: 0 if before is None else 2] = False
+        node = np.repeat(np.flatnonzero(stands), 6)
+        by_q = slope.feet[stands, f].reshape(-1, n)
+        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[stands, f].ravel()
         moving = np.concatenate([np.arange(robot.base), robot.leg(f)])
         none = np.zeros_like(by_q)
         parts = [(stage, moving, value[:, moving]) for stage, value in spread(node, by_q, none, none, spline.step)]
         rows.add(parts, bound)
-    for first, second in ((0, 1), (1, 2), (N, N - 1), (N + 1, N)):
-        one = np.ones((n, 1))
+    one = np.ones((n, 1))
+    if before is not None:
+        for k, value in enumerate(before):
+            rows.add([(np.full(n, k), every[:, None], one)], value)
+    for first, second in ([] if before is not None else [(0, 1), (1, 2)]) + ([(N, N - 1), (N + 1, N)] if rest else []):
         rows.add([(np.full(n, first), every[:, None], one), (np.full(n, second), every[:, None], -one)], np.zeros(n))
     return rows.matrix()
 
 
+@final
+@dataclass(frozen=True)
+class Shares:
+    """Of their bounds, less what is kept for between the nodes, that are used: rate (N + 1, J) from one control point
+    to the next, torque and fast (acceleration) (N, J) at the nodes, jerk (N - 1, J) between them; near: pairs.
+    """
+
+    rate: Array
+    torque: Array
+    fast: Array
+    jerk: Array
+    near: Near
+
+    def beyond(self, criteria: MotionPlan) -> Array:
+        """(N,) by which the worst of them is exceeded."""
+        worst = np.maximum(np.abs(self.torque).max(axis=1), np.abs(self.fast).max(axis=1)) - 1.0
+        rate, jerk = np.abs(self.rate).max(axis=1) - 1.0, np.abs(self.jerk).max(axis=1) - 1.0
+        worst = np.maximum(worst, np.maximum(rate[1:], rate[:-1]))
+        worst[1:], worst[:-1] = np.maximum(worst[1:], jerk), np.maximum(worst[:-1], jerk)
+        np.maximum.at(worst, self.near.sample, (criteria.apart_m - self.near.distance) / FOOT_M)
+        return np.asarray(np.maximum(worst, 0.0))
+
+
+def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, criteria: MotionPlan) -> Shares:
+    """Of a trajectory."""
+    q, _, a = spline.at_nodes()
+    control, h, kept, limits = spline.control[:, robot.base :], spline.step, criteria.kept, robot.limits
+    return Shares(
+        np.diff(control, axis=0) / (h * kept * limits.velocity), slope.torque[:, robot.base :] / (kept * limits.torque),
+        a[:, robot.base :] / (kept * limits.acceleration), np.diff(control, 3, axis=0) / (h**3 * kept * robot.jerk),
+        pairs.near(q, criteria.look_m),
+    )  # fmt: skip
+
+
 def bounds(
-    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, criteria: MotionPlan,
+    robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, used: Shares, pairs: Pairs,
+    criteria: MotionPlan,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
-    """G x ≤ h, each row with its node's slack: rates, torques, accelerations, friction, centre of pressure, weight."""
+    """G x ≤ h, each row with its node's slack: what `used` has near its bound, friction, pressure, weight."""
     N, n, F, h = len(slope.torque), robot.model.nq, len(robot.soles), spline.step
     rows = Rows(n + 6 * F + 1, N + 2)
     every, slack = np.arange(n), np.array([n + 6 * F])
@@ -179,17 +227,19 @@ def bounds(
     joints = robot.base + np.arange(len(robot.joints))
     limits, kept = robot.limits, criteria.kept
 
-    def pair(stages: tuple[IntArray, IntArray], which: IntArray, scale: Array, bound: Array, spare: IntArray) -> None:
-        parts = [(stage, which[:, None], value[:, None]) for stage, value in zip(stages, (-scale, scale), strict=True)]
-        rows.add([*parts, (spare, slack, -np.ones((len(bound), 1)))], bound)
+    def chain(share: Array, bound: Array, weights: tuple[float, ...], sign: float) -> None:
+        """Differences of control points that are near their bound (J,)."""
+        k, j = (each.astype(np.intp) for each in np.nonzero(sign * share > criteria.near))
+        top = (sign / (kept * bound[j]))[:, None]
+        parts = [(k + m, joints[j][:, None], top * w) for m, w in enumerate(weights)]
+        spare = np.clip(k + len(weights) // 2, 1, N)
+        rows.add([*parts, (spare, slack, -np.ones((len(k), 1)))], np.ones(len(k)))
 
-    rate = np.diff(spline.control[:, joints], axis=0) / (h * kept * limits.velocity)
     for sign in (1.0, -1.0):
-        k, j = np.nonzero(sign * rate > criteria.near)
-        k, j = k.astype(np.intp), j.astype(np.intp)
-        pair((k, k + 1), joints[j], sign / (h * kept * limits.velocity[j]), np.ones(len(k)), np.clip(k, 1, N))
-        force = slope.torque[:, joints] / (kept * limits.torque)
-        k, j = (each.astype(np.intp) for each in np.nonzero(sign * force > criteria.near))
+        chain(used.rate, h * limits.velocity, (-1.0, 1.0), sign)
+        chain(used.fast, h**2 * limits.acceleration, (1.0, -2.0, 1.0), sign)
+        chain(used.jerk, h**3 * robot.jerk, (-1.0, 3.0, -3.0, 1.0), sign)
+        k, j = (each.astype(np.intp) for each in np.nonzero(sign * used.torque > criteria.near))
         top = sign / (kept * limits.torque[j])[:, None]
         by = [each[k, joints[j]] * top for each in (slope.by_q, slope.by_v, slope.by_a)]
         by_wrench = -np.moveaxis(slope.feet, 3, 1)[k, joints[j]].reshape(len(k), 6 * F) * top * robot.weight
@@ -197,12 +247,7 @@ def bounds(
         now = now + np.einsum("bw,bw->b", by_wrench, wrench[k].reshape(len(k), 6 * F) / (robot.weight))
         parts = [(stage, every, value) for stage, value in spread(k, by[0], by[1], by[2], h)]
         parts += [(k + 1, n + np.arange(6 * F), by_wrench), (k + 1, slack, -np.ones((len(k), 1)))]
-        rows.add(parts, 1.0 + now - sign * force[k, j])
-        fast = a[:, joints] / (kept * limits.acceleration)
-        k, j = (each.astype(np.intp) for each in np.nonzero(sign * fast > criteria.near))
-        top = (sign / (kept * limits.acceleration[j] * h**2))[:, None]
-        parts = [(k + m, joints[j][:, None], top * w) for m, w in enumerate((1.0, -2.0, 1.0))]
-        rows.add([*parts, (k + 1, slack, -np.ones((len(k), 1)))], np.ones(len(k)))
+        rows.add(parts, 1.0 + now - sign * used.torque[k, j])
     for f, sole in enumerate(robot.soles):
         part = sole_rows(sole, criteria.friction, criteria.margin_m)
         on = np.repeat(np.flatnonzero(asked.stands[:, f]), len(part)) + 1
@@ -214,4 +259,11 @@ def bounds(
         carried = np.concatenate([np.concatenate([-sole.axes[:, 2], np.zeros(3)]) for sole in robot.soles])
         parts = [(stage, n + np.arange(6 * F), np.tile(carried, (N, 1))), (stage, slack, -np.ones((N, 1)))]
         rows.add(parts, np.full(N, -criteria.least_weight / criteria.kept))
+    near = used.near
+    by_q = -pairs.slopes(q, near) / FOOT_M
+    left = np.maximum(near.distance - criteria.apart_m, -criteria.out_m) / FOOT_M
+    left += np.einsum("bn,bn->b", by_q, q[near.sample])
+    none = np.zeros_like(by_q)
+    parts = [(stage, every, value) for stage, value in spread(near.sample, by_q, none, none, h)]
+    rows.add([*parts, (near.sample + 1, slack, np.full((len(left), 1), -1.0))], left)
     return rows.matrix()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -15,9 +16,10 @@ from scipy.sparse import coo_matrix, csc_matrix, diags
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
-from exogauge.motion.plan.rows import bounds, equations, slopes
-from exogauge.motion.plan.spline import Spline, through
+from exogauge.motion.plan.rows import bounds, equations, shares, slopes
+from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.robot import MotionRobot
+from exogauge.motion.touching import Pairs
 
 Array = NDArray[np.float64]
 
@@ -27,9 +29,12 @@ STILLEST = 64.0  # times the pelvis' own weight: steps are then a hundredth of w
 @final
 @dataclass(frozen=True)
 class Round:
-    """step: largest of the round before [rad or m]. strays: of a standing foot [m or rad]. floats: share of the weight
-    that no foot carries, or lever [m]. excess: share of a bound."""
+    """part: of `parts` stretches, one after the other. step: largest of the round before [rad or m]. strays: of a
+    standing foot [m or rad]. floats: share of the weight that no foot carries, or lever [m]. excess: share of a bound.
+    """
 
+    part: int
+    parts: int
     number: int
     step: float
     strays: float
@@ -41,7 +46,8 @@ class Round:
 @dataclass(frozen=True)
 class Planned:
     """wrench: (N, F, 6) [N, N·m] of the world on each foot at the nodes. excess: (N,) share of a bound by which the
-    worst of each node is exceeded. rounds: of the solver. last_step: of its last [rad or m]."""
+    worst of each node is exceeded. rounds: of the solver, of the stretch that took most. last_step: of the last ones
+    [rad or m]."""
 
     spline: Spline
     wrench: Array
@@ -56,15 +62,79 @@ class Planned:
         return np.asarray(whole(np.minimum(time, nodes[-1])))
 
 
-def plan(
-    robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Callable[[Round], None] | None = None
+Report = Callable[[Round], None]
+
+
+def plan(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None) -> Planned:
+    """Stretch by stretch, each with a look ahead that the next one plans anew. report: told before each round.
+
+    Raises BadMotion where no posture keeps the feet where they stand.
+    """
+    pairs = Pairs(robot, criteria.clearance_m)
+    last = len(asked.q) - 1
+    long, ahead = (round(each / asked.step) for each in (criteria.stretch_s, criteria.ahead_s))
+    parts = max(1, math.ceil((last - ahead) / long))
+    begins = [last * k // parts for k in range(parts)] if last > long + ahead else [0]
+    control, wrench = np.empty((last + 3, robot.model.nq)), np.empty((last + 1, len(robot.soles), 6))
+    excess, rounds, step = np.empty(last + 1), 0, 0.0
+    for k, begin in enumerate(begins):
+        end = last if k == len(begins) - 1 else min(begins[k + 1] + ahead, last)
+        before = control[begin : begin + 3] if k else None
+        ends = _Ends(before, end == last)
+
+        def tell(now: Round, part: int = k) -> None:
+            if report is not None:
+                report(replace(now, part=part, parts=len(begins)))
+
+        made = _stretch(robot, asked.between(begin, end), ends, pairs, criteria, tell)
+        control[begin : end + 3], wrench[begin : end + 1], excess[begin : end + 1] = (
+            made.spline.control, made.wrench, made.excess
+        )  # fmt: skip
+        rounds, step = max(rounds, made.rounds), max(step, made.last_step)
+    return Planned(Spline(control, asked.step), wrench, excess, rounds, step)
+
+
+@final
+@dataclass(frozen=True)
+class _Ends:
+    """before: (3, n) control points that are given, None at rest. rest: at the end."""
+
+    before: Array | None
+    rest: bool
+
+
+def _stretch(
+    robot: MotionRobot, asked: Asked, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report
 ) -> Planned:
-    """report: told before each round. Raises BadMotion where no posture keeps the feet where they stand."""
+    """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all."""
+    rough = asked.every(criteria.coarse)
+    q = np.stack([on_its_feet(robot, rough.q[t], rough.place[t], rough.stands[t]) for t in range(len(rough.q))])
+    spline = through(q, rough.step)
+    starts = ends
+    if ends.before is not None:
+        q_0, v_0, a_0 = (each[0] for each in Spline(ends.before, asked.step).at_nodes())
+        starts = replace(ends, before=controls_of(q_0, v_0, a_0, rough.step))
+    first = Planned(spline, np.zeros((len(q), len(robot.soles), 6)), np.zeros(len(q)), 0, np.inf)
+    loose = replace(
+        criteria, **{key: criteria.loosely * getattr(criteria, key) for key in ("done_rad", "held", "floats")}
+    )
+    first = _settle(robot, rough, first, starts, pairs, loose, report)
+    control, count = first.spline.refined(criteria.coarse).control, len(asked.q)
+    time = asked.time
+    guess = Planned(
+        Spline(control[: count + 2], asked.step), first.loads(time).reshape(count, -1, 6), np.zeros(count),
+        first.rounds, np.inf,
+    )  # fmt: skip
+    return _settle(robot, asked, guess, ends, pairs, criteria, report)
+
+
+def _settle(
+    robot: MotionRobot, asked: Asked, guess: Planned, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report
+) -> Planned:
+    """Round after round from a guess."""
     N, n, F = len(asked.q), robot.model.nq, len(robot.soles)
-    q = np.stack([on_its_feet(robot, asked.q[t], asked.place[t], asked.stands[t]) for t in range(N)])
-    spline = through(q, asked.step)
-    weight = robot.weight
-    wrench = np.zeros((N, F, 6))
+    spline, wrench, excess, rounds = guess.spline, guess.wrench, guess.excess, 0
+    weight, size = robot.weight, np.inf
     wide = n + 6 * F + 1
     P, c = _cost(robot, asked, criteria)
     low, high = np.full((N + 2, wide), -np.inf), np.full((N + 2, wide), np.inf)
@@ -76,29 +146,40 @@ def plan(
     ours = np.zeros((N + 2, wide))
     ours[:, :n] = 1.0
     ours = ours.ravel()
-    excess, size, rounds = np.zeros(N), np.inf, 0
     low[:, robot.base : n], high[:, robot.base : n] = robot.limits.lower, robot.limits.upper
-    still, missed = 0.0, np.inf  # weight of staying near the round before; how far that one was off
+    if ends.before is not None:
+        low[:3, robot.base : n], high[:3, robot.base : n] = -np.inf, np.inf
+    settled = asked.stands.copy()  # where the feet can be moved
+    settled[: 0 if ends.before is None else 2] = False
+    still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
     while True:
         slope = slopes(robot, asked, spline, wrench)
-        strays = float(np.abs(slope.error[asked.stands]).max(initial=0.0))
+        strays = float(np.abs(slope.error[settled]).max(initial=0.0))
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
-        if report is not None:
-            report(Round(rounds, size, strays, floats, float(excess.max())))
-        held = strays < criteria.held and floats < criteria.floats
+        report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max())))
+        used = shares(robot, spline, slope, pairs, criteria)
+        over = float((used.beyond(criteria) - np.maximum(excess, 0.0)).max())  # more than the equations said
+        held = strays < criteria.held and floats < criteria.floats and over < criteria.over
         if rounds == criteria.rounds or (held and size < criteria.done_rad):
-            return Planned(spline, wrench, excess, rounds, size)
+            return Planned(spline, wrench, excess, guess.rounds + rounds, size)
         if missed < np.inf:
-            still = min(max(8.0 * still, 1.0), STILLEST) if strays + floats > 0.5 * missed and not held else still / 8.0
-        missed = strays + floats
-        A, b = equations(robot, asked, spline, wrench, slope)
-        G, h = bounds(robot, asked, spline, wrench, slope, criteria)
+            stuck = size > 0.5 * last if held else strays + floats + over > 0.5 * missed
+            still = min(max(8.0 * still, 1.0), STILLEST) if stuck else still / 2.0
+        missed, last = strays + floats + over, size
+        A, b = equations(robot, asked, spline, wrench, slope, ends.before, ends.rest)
+        G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria)
         stages = np.zeros((N + 2, wide))
         stages[:, :n] = spline.control
         near = still / criteria.pelvis_m**2 * ours
-        x = _solve(
-            robot, csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
-        ).reshape(N + 2, wide)
+        x, status = _solve(
+            csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
+        )
+        if x is None and rounds:  # slopes promised more than there is: what was reached is judged
+            return Planned(spline, wrench, excess, guess.rounds + rounds, size)
+        if x is None:
+            raise BadMotion(Fault(f"no motion keeps the feet where they stand ({status})", "no_motion",
+                                  "Give a home posture with bent knees, or cut the motion", robot.name))  # fmt: skip
+        x = x.reshape(N + 2, wide)
         size = float(np.abs(x[:, :n] - spline.control).max())
         spline = Spline(x[:, :n], asked.step)
         wrench = x[1:-1, n : n + 6 * F].reshape(N, F, 6) * weight
@@ -143,18 +224,17 @@ def _cost(robot: MotionRobot, asked: Asked, criteria: MotionPlan) -> tuple[csc_m
 
 
 def _solve(
-    robot: MotionRobot, P: csc_matrix, c: Array, A: csc_matrix, b: Array, G: csc_matrix, h: Array, low: Array,
-    high: Array,
-) -> Array:  # fmt: skip
+    P: csc_matrix, c: Array, A: csc_matrix, b: Array, G: csc_matrix, h: Array, low: Array, high: Array
+) -> tuple[Array | None, str]:
     solver = piqp.SparseSolver()
     solver.settings.kkt_solver = piqp.sparse_multistage  # stage by stage: cost is linear in the length
-    solver.settings.eps_abs, solver.settings.eps_rel = 1e-6, 1e-8
+    solver.settings.eps_abs, solver.settings.eps_rel = 1e-2, 1e-8  # of slopes; what is asked for holds to 1e-9 by then
+    solver.settings.eps_duality_gap_abs = 0.5  # an angle off by its stray at one node costs as much
     solver.settings.max_iter = (
         40  # a first round, far from any posture that stands, may end here; it goes on from there
     )
     solver.setup(P, c, A, b, G, np.full(len(h), -np.inf), h, low, high)
     status = solver.solve()
     if status not in (piqp.PIQP_SOLVED, piqp.PIQP_MAX_ITER_REACHED):
-        raise BadMotion(Fault(f"no motion keeps the feet where they stand ({status})", "no_motion",
-                              "Give a home posture with bent knees, or cut the motion", robot.name))  # fmt: skip
-    return np.asarray(solver.result.x)
+        return None, str(status)
+    return np.array(solver.result.x), ""  # a view would keep the solver and all that it holds

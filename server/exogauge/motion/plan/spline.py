@@ -52,6 +52,23 @@ class Spline:
         whole = BSpline(self.step * (np.arange(count + 4) - 3.0), self.control, 3)
         return whole(time), whole(time, 1), whole(time, 2)
 
+    def refined(self, count: int) -> Spline:
+        """The same trajectory with `count` nodes in place of one; count: a power of two."""
+        control, step = self.control, self.step
+        while count > 1:
+            fine = np.empty((2 * len(control) - 3, control.shape[1]))
+            fine[1::2] = (control[:-2] + 6.0 * control[1:-1] + control[2:]) / 8.0
+            fine[::2] = 0.5 * (control[:-1] + control[1:])
+            control, step, count = fine, 0.5 * step, count // 2
+        return Spline(control, step)
+
+
+def controls_of(q: Array, v: Array, a: Array, step: float) -> Array:
+    """(3, n) control points of a node with q, q̇, q̈ (n,)."""
+    middle = q - a * step**2 / 6.0
+    half = 0.5 * a * step**2
+    return np.stack([middle + half - v * step, middle, middle + half + v * step])
+
 
 def through(nodes: Array, step: float) -> Spline:
     """The smooth spline near nodes (N, n) that rests at both ends."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from exogauge.criteria.criterion import Z95
 from exogauge.payload.exports.as_json import rows
 from exogauge.payload.exports.body import Body
-from exogauge.payload.results import Z95
 from exogauge.studies.csv_table import csv_table
 
 HEAD = ("name", "unit", "value", "std", "low", "high", "frame")

@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 
 PLACES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))  # of Ixx, Ixy, Iyy, Ixz, Iyz, Izz
 TENSOR = ("Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-SOLID = 1e-12  # of the largest principal moment: below, the triangle inequality holds but for rounding
 LONGEST_ARM_M = 10.0  # of a pose in the flange: farther, it is in mm
 
 
@@ -45,11 +44,12 @@ class Body:
 
     def solid(self, used_by: str) -> Array:
         """The inertia (3, 3). BadInput where there is none, or where no body has it."""
+        solid = 1e-12  # of the largest principal moment: below, the triangle inequality holds but for rounding
         if self.inertia is None:
             advice = "Record an excitation in which the wrist turns about all three axes, or export to ur or abb."
             raise BadInput(Fault(f"{used_by} needs an inertia, and the data decide none", "no_inertia", advice))
         principal = np.linalg.eigvalsh(self.inertia)
-        if principal[0] <= 0.0 or principal[2] - principal[1] - principal[0] > SOLID * principal[2]:
+        if principal[0] <= 0.0 or principal[2] - principal[1] - principal[0] > solid * principal[2]:
             advice = "Record an excitation in which the wrist turns about all three axes."
             detail = f"no body has the principal moments {', '.join(f'{x:.4g}' for x in principal)} kg·m²"
             raise BadInput(Fault(detail, "impossible_body", advice))

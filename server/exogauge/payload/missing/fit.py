@@ -20,10 +20,6 @@ Array = NDArray[np.float64]
 SIZE = 18  # [m, m c, I, F_0, turn of gravity about x and y of the base]
 LOOSE = np.array([1e3, *[1e3] * 3, *[1e3] * 6, *[1e4] * 6])  # std of what is not known before: beyond any payload
 TILT = np.radians(10.0)  # std of a turn that is sought at all
-TRIALS = 40  # of the search for a shape, per shape
-EVERY = 5  # sample of a motion, where shapes are chosen
-LEVEL = 1e-9  # kg, N, rad: of what is not sought
-SWALLOWED = 1e-6  # of a column's square: what is left of less beside the body says nothing
 
 
 @final
@@ -67,7 +63,8 @@ class Problem:
 
     def coarse(self) -> Problem:
         """Some of the samples: enough to choose a shape by."""
-        kept = [each if each.still else each.using(np.arange(len(each.wrench)) % EVERY == 0) for each in self.stretches]
+        every = 5  # sample of a motion, where shapes are chosen
+        kept = [each if each.still else each.using(np.arange(len(each.wrench)) % every == 0) for each in self.stretches]
         return self.of(kept)
 
     def slow(self) -> Problem:
@@ -79,10 +76,11 @@ class Problem:
 
 
 def fit(problem: Problem, named: Sequence[Named]) -> Fitted:
+    level = 1e-9  # kg, N, rad: of what is not sought
     Z, y = stacked(problem, named)
     prior = np.zeros((SIZE, Z.shape[1]))
-    loose = np.append(LOOSE, [TILT if problem.inclined else LEVEL] * 2)
-    np.fill_diagonal(prior, 1.0 / np.minimum(loose, LEVEL if problem.known else np.inf))
+    loose = np.append(LOOSE, [TILT if problem.inclined else level] * 2)
+    np.fill_diagonal(prior, 1.0 / np.minimum(loose, level if problem.known else np.inf))
     root, R = np.linalg.qr(np.vstack([Z, prior]))
     goal = np.append(y, np.zeros(SIZE))
     x = np.linalg.solve(R, root.T @ goal)
@@ -95,6 +93,7 @@ def left_with(
     problem: Problem, named: Sequence[Named], fitted: Fitted, effect: Effect, shape: Sequence[float]
 ) -> Array:
     """(N,) what is left of the rows with one effect more, the body fitted again beside it."""
+    swallowed = 1e-6  # of a column's square: what is left of less beside the body says nothing
     if effect.retimed:
         return fit(problem, [*named, Named(effect, tuple(shape))]).residual
     C = np.vstack([weighted(each, _late(effect.columns(problem.frame, each, shape), each, named))
@@ -104,11 +103,11 @@ def left_with(
     C = C - fitted.root @ (fitted.root.T @ C)
     if effect.unit:
         return np.asarray(fitted.residual - C[:, 0])
-    C = C[:, np.sum(C**2, axis=0) > SWALLOWED * before]
+    C = C[:, np.sum(C**2, axis=0) > swallowed * before]
     if not C.shape[1]:
         return fitted.residual
     C = C / np.linalg.norm(C, axis=0)
-    found, *_ = np.linalg.lstsq(C.T @ C, C.T @ fitted.residual, rcond=SWALLOWED)
+    found, *_ = np.linalg.lstsq(C.T @ C, C.T @ fitted.residual, rcond=swallowed)
     return np.asarray(fitted.residual - C @ found)
 
 
@@ -118,6 +117,7 @@ def with_best_shape(
 ) -> Named:  # fmt: skip
     """The shape that leaves least, from the best of some starts. near: how far it is looked for, in shares of a range
     where there is but one."""
+    trials = 40  # of the search for a shape, per shape
     if not effect.bounds:
         return Named(effect, ())
     low, high = np.array(effect.bounds).T
@@ -136,7 +136,7 @@ def with_best_shape(
             return cost(at(np.array([u])))
 
         only = minimize_scalar(along, bounds=ends, method="bounded",
-                               options={"maxiter": TRIALS, "xatol": 1e-3 * near})  # fmt: skip
+                               options={"maxiter": trials, "xatol": 1e-3 * near})  # fmt: skip
         return Named(effect, at(np.array([only.x])))
 
     def left(u: Array) -> Array:
@@ -144,7 +144,7 @@ def with_best_shape(
 
     several = least_squares(
         left, np.clip(start, 1e-3, 1.0 - 1e-3),
-        bounds=(0.0, 1.0), max_nfev=TRIALS, xtol=1e-4, ftol=1e-5,
+        bounds=(0.0, 1.0), max_nfev=trials, xtol=1e-4, ftol=1e-5,
     )  # fmt: skip
     return Named(effect, at(several.x))
 

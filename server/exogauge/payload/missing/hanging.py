@@ -12,18 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import bilinear, lfilter, lfilter_zi
 
+from exogauge.criteria.judging import CARRYING as USUAL
+from exogauge.criteria.judging import Carrying
 from exogauge.payload.missing.effect import Effect, Frame
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
 
-FREQUENCY = (1.0, 25.0)  # Hz: below, it swings too far; above, the sensor sees no more of it than a rigid body
-DAMPING = (0.02, 1.5)
-REACH = 1.0  # m from the sensor to what hangs
 FIRST_PLACES = [(x, y, z) for x in (-0.25, 0.25) for y in (-0.25, 0.25) for z in (0.0, 0.3)]
 
 
-def spring(axes: str) -> Effect:
+def spring(axes: str, criteria: Carrying = USUAL) -> Effect:
     """The payload, its mass and centre known, gives way along `axes` of the sensor."""
 
     def columns(frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
@@ -35,10 +34,11 @@ def spring(axes: str) -> Effect:
 
     starts = tuple((float(f), z) for f in np.geomspace(1.5, 15.0, 6) for z in (0.1, 0.5))
     parameters = (("stiffness", "N/m"), ("frequency", "Hz"), ("damping_ratio", "1"))
-    return Effect("spring", axes, parameters, columns, told, (FREQUENCY, DAMPING), starts, unit=True)
+    bounds = (criteria.hangs_hz, criteria.hangs_damped)
+    return Effect("spring", axes, parameters, columns, told, bounds, starts, unit=True)
 
 
-def second_body() -> Effect:
+def second_body(criteria: Carrying = USUAL) -> Effect:
     """A part that hangs on springs alike in all directions, wherever it is; its own moments of inertia left out."""
 
     def columns(frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
@@ -49,7 +49,8 @@ def second_body() -> Effect:
 
     starts = tuple((*place, float(f), 0.2) for place in FIRST_PLACES for f in np.geomspace(1.5, 12.0, 4))
     parameters = (("mass", "kg"), ("x", "m"), ("y", "m"), ("z", "m"), ("frequency", "Hz"), ("damping_ratio", "1"))
-    bounds = (*((-REACH, REACH),) * 3, FREQUENCY, DAMPING)
+    reach = criteria.hangs_within_m
+    bounds = (*((-reach, reach),) * 3, criteria.hangs_hz, criteria.hangs_damped)
     return Effect(
         "second_body", "payload", parameters, columns, told, bounds, starts,
         possible=lambda numbers: bool(numbers[0] > 0.0),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
+from exogauge.criteria.judging import Carrying
 from exogauge.findings.verdict import Caveat, Decision, Facts, Seen, decide
 from exogauge.payload.dynamics import correlation_time
 from exogauge.payload.missing.doubt import (
@@ -52,8 +53,6 @@ from exogauge.payload.missing.sensor_effects import (
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
-
-BROADLY = 0.1  # how far from its start a single shape is looked for, in shares of its range
 
 
 @final
@@ -125,7 +124,7 @@ def find_missing(
     """fitted: postures, and motion. held_out: motion that decides nothing but what may be claimed. others: in which
     something may touch, so that they decide nothing at all."""
     problem = Problem(fitted, frame, inclined, criteria)
-    effects = catalogue(fitted, inclined)
+    effects = catalogue(fitted, inclined, criteria.payload)
     named: list[Named] = []
     claims: list[tuple[_Candidate, tuple[tuple[str, str], ...]]] = []
     problem, base = _settled(problem, named)
@@ -174,9 +173,10 @@ def _course(
     return np.asarray(course + sum(wrench for _, log, wrench in own if log == stretch.name))
 
 
-def catalogue(fitted: Sequence[Stretch], inclined: bool) -> list[Effect]:
+def catalogue(fitted: Sequence[Stretch], inclined: bool, criteria: Carrying) -> list[Effect]:
     moved = [each for each in fitted if not each.still]
-    out = [delay(), zero_drift(), second_body(), *(spring(axes) for axes in ("xy", "xz", "yz", "xyz"))]
+    hanging = [second_body(criteria), *(spring(axes, criteria) for axes in ("xy", "xz", "yz", "xyz"))]
+    out = [delay(criteria), zero_drift(), *hanging]
     out += [] if inclined else [inclination()]
     out += of_all_channels()
     out += [zero_of_log(each.name) for each in moved if len(fitted) > 1]
@@ -210,6 +210,7 @@ def _best(
     problem: Problem, named: Sequence[Named], base: Fitted, effects: Sequence[Effect], held_out: Sequence[Stretch]
 ) -> list[_Candidate]:
     """What may be claimed, most evidence first."""
+    broadly = 0.1  # how far from its start a single shape is looked for, in shares of its range
     taken = {(each.effect.name, each.effect.place) for each in named}
     coarse = problem.coarse()
     on_coarse = fit(coarse, named)
@@ -217,7 +218,7 @@ def _best(
     for effect in effects:
         if (effect.name, effect.place) in taken:
             continue
-        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, BROADLY)
+        candidate = with_best_shape(coarse, named, on_coarse, effect, effect.starts, broadly)
         evidence = _evidence(problem, named, base, candidate, len(effects))
         if evidence > problem.criteria.payload.worth:
             scored.append((evidence, candidate))

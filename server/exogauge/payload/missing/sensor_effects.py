@@ -7,13 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import CARRYING as USUAL
+from exogauge.criteria.judging import Carrying
 from exogauge.payload.missing.effect import CHANNELS, UNITS, Effect, Frame
 from exogauge.payload.missing.stretch import Stretch
 
 Array = NDArray[np.float64]
-
-LATEST = 0.05  # s, of a wrench against its pose, either way
-STEPS = 9  # moments of a log at which a step is tried first
 
 
 def inclination() -> Effect:
@@ -38,13 +37,15 @@ def zero_of_log(log: str) -> Effect:
 def zero_step(log: str, time: Array) -> Effect:
     """The zero jumps once in a log. time: (T,) of its samples."""
 
+    steps = 9  # moments of a log at which a step is tried first
+
     def columns(_frame: Frame, stretch: Stretch, shape: Sequence[float]) -> Array:
         return _every_channel(np.where(stretch.time >= shape[0], 1.0, 0.0) * (stretch.name == log))
 
     def told(_frame: Frame, shape: Array, value: Array) -> Array:
         return np.concatenate([shape, value])
 
-    moments = tuple((float(each),) for each in np.linspace(time[0], time[-1], STEPS + 2)[1:-1])
+    moments = tuple((float(each),) for each in np.linspace(time[0], time[-1], steps + 2)[1:-1])
     margin = 0.02 * (time[-1] - time[0])
     parameters = (("at", "s"), *_of_channels())
     return Effect(
@@ -82,15 +83,15 @@ def crosstalk(read: int, of: int) -> Effect:
     return Effect(name, place, (("share", unit),), columns, _as_they_are)
 
 
-def delay() -> Effect:
+def delay(criteria: Carrying = USUAL) -> Effect:
     def columns(_frame: Frame, stretch: Stretch, _shape: Sequence[float]) -> Array:
         return np.zeros((len(stretch.wrench), 6, 0))
 
     def told(_frame: Frame, shape: Array, _value: Array) -> Array:
         return 1e3 * shape
 
-    starts = ((-0.01,), (0.005,), (0.02,))
-    return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-LATEST, LATEST),), starts, retimed=True)
+    starts, latest = ((-0.01,), (0.005,), (0.02,)), criteria.latest_s
+    return Effect("delay", "sensor", (("late", "ms"),), columns, told, ((-latest, latest),), starts, retimed=True)
 
 
 def of_all_channels() -> list[Effect]:

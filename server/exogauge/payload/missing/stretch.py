@@ -9,16 +9,14 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.judging import CARRYING as USUAL
+from exogauge.criteria.judging import Carrying
 from exogauge.logs.noise import white_noise_std
 from exogauge.payload.dynamics import regressor_slopes
 from exogauge.payload.sensor_motion import SensorMotion
 from exogauge.payload.statics import Holds
 
 Array = NDArray[np.float64]
-
-SWINGS = 3.0  # times its error by noise, from which the halves of postures differ because something swings on
-LEAST = 0.01  # of the stated noise: no sensor is a hundred times better than it is said to be
-ABOVE_MOTION = 0.6  # of half the sampling rate: no arm moves there
 
 
 @final
@@ -63,24 +61,26 @@ class Stretch:
 
 
 def moving_stretch(
-    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, stated: Array
+    name: str, motion: SensorMotion, wrench: Array, gravity: Array, sign: int, body: Array, stated: Array,
+    criteria: Carrying = USUAL,
 ) -> Stretch:  # fmt: skip
     """The floor is what is measured above all motion, and what the kinematics' noise makes of a body (10,). stated:
     (6,) std of a sample, for wrenches without noise."""
     rate = 1.0 / float(np.median(np.diff(motion.time)))
-    read = np.array([white_noise_std(each, rate, ABOVE_MOTION * rate / 2) for each in wrench.T])
+    read = np.array([white_noise_std(each, rate, criteria.above_motion * rate / 2) for each in wrench.T])
     slopes = np.einsum("ktip,p->tik", regressor_slopes(motion.omega), body)
     by_motion = np.mean(np.sum((slopes @ motion.noise) ** 2, axis=2), axis=0)
-    floor = np.maximum(np.sqrt(read**2 + by_motion), LEAST * stated)
+    floor = np.maximum(np.sqrt(read**2 + by_motion), criteria.least_noise * stated)
     return _stretch(name, motion, wrench, gravity, sign, floor)
 
 
-def still_stretch(holds: Holds, gravity: Array, sign: int) -> Stretch:
+def still_stretch(holds: Holds, gravity: Array, sign: int, criteria: Carrying = USUAL) -> Stretch:
     K = len(holds)
     none = np.zeros((K, 3))
     motion = SensorMotion(np.arange(K, dtype=float), holds.rotation, none, none, none, np.zeros((K, 9, 1)))
     unrest = holds.std if holds.unrest is None else holds.unrest
-    floor = np.maximum(holds.std, (SWINGS if np.any(unrest > SWINGS * holds.std) else 1.0) * unrest)
+    swings = criteria.swings
+    floor = np.maximum(holds.std, (swings if np.any(unrest > swings * holds.std) else 1.0) * unrest)
     return replace(_stretch("postures", motion, holds.wrench, gravity, sign, floor), still=True)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import final
 from xml.etree.ElementTree import tostring
 
-import coal  # type: ignore[import-untyped]
+import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray

@@ -24,7 +24,7 @@ from exogauge.payload.dynamics import (
     static_prior,
 )
 from exogauge.payload.planning.arm import CONTINUOUS, Arm, Component
-from exogauge.payload.planning.excitation import Series, Task, excite
+from exogauge.payload.planning.excitation import Task, excite
 from exogauge.payload.planning.postures import Believed, algorithm_1, choose, least_travel
 from exogauge.payload.planning.workspace import Cap, inside
 from exogauge.payload.schema import Certainty, Found
@@ -32,6 +32,7 @@ from exogauge.payload.sensor_motion import from_joints
 from exogauge.payload.statics import StaticSolution
 from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.parameters import UNITS
+from exogauge.robots.series import Series
 from exogauge.robots.tree import RigidTree
 from exogauge.robots.urdf import load_tree
 from exogauge.studies.intake.robot_file import SIGN

@@ -16,10 +16,6 @@ from exogauge.payload.statics import Holds, StaticSolution, force_columns, incli
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-SAME = 1e-6  # of a unit vector: two directions of gravity that count as one
-FINEST = 40  # divisions of a turn at which Algorithm 1 gives up: no feasible posture lies wider than 9° apart
-WEAK = 1e-9  # information of what nothing was seen of, against that of one posture
-SWEEPS = 5  # rounds of exchanges after the greedy choice, at most
 BELIEVED = ("mass", "centre", "inclination")
 
 
@@ -53,6 +49,8 @@ def algorithm_1(count: int, K: float, feasible: Callable[[Array], BoolArray]) ->
     began with; postures in which gravity has one direction in {S} count once; N >= count ends it.
     Raises NotIdentifiable where K = 0, or where the workspace has no room.
     """
+    finest = 40  # divisions of a turn at which Algorithm 1 gives up: no feasible posture lies wider than 9° apart
+    same = 1e-6  # of a unit vector: two directions of gravity that count as one
     if K == 0.0:
         raise NotIdentifiable(
             "with K = 0 the postures turn about one axis of the sensor alone: gravity never leaves a plane of its "
@@ -60,11 +58,11 @@ def algorithm_1(count: int, K: float, feasible: Callable[[Array], BoolArray]) ->
             "singular; take K = -0.2", BELIEVED,
         )  # fmt: skip
     found = np.zeros((0, 3, 3))
-    for n in range(1, FINEST + 1):
+    for n in range(1, finest + 1):
         found = np.zeros((0, 3, 3))
         all_of_n = grid(n, K)
         for R in all_of_n[feasible(all_of_n)]:
-            if not (np.abs(found[:, 2] - R[2]).max(axis=1, initial=0.0) < SAME).any():
+            if not (np.abs(found[:, 2] - R[2]).max(axis=1, initial=0.0) < same).any():
                 found = np.concatenate([found, R[None]])
         if len(found) >= count:
             return found
@@ -86,20 +84,22 @@ def grid(n: int, K: float) -> Array:
 def choose(candidates: Array, count: int, believed: Believed) -> NDArray[np.intp]:
     """(count,) places in R_BS (M, 3, 3): one by one what leaves the least mean ln of the standard deviations of m, c, U
     and V, then exchanged while that gains. Raises NotIdentifiable where they do not decide everything."""
+    sweeps = 5  # rounds of exchanges after the greedy choice, at most
+    weak = 1e-9  # information of what nothing was seen of, against that of one posture
     if len(candidates) < count:
         raise NotIdentifiable(
             f"only {len(candidates)} of the postures that were tried are feasible, {count} are wanted: widen the "
             "workspace or the joints' limits, or let more joints move", BELIEVED,
         )  # fmt: skip
     parts = informations(candidates, believed)
-    start = WEAK * np.array([np.trace(part.mean(axis=0)) * np.eye(6) for part in parts])
+    start = weak * np.array([np.trace(part.mean(axis=0)) * np.eye(6) for part in parts])
     chosen: list[int] = []
     held = start.copy()
     for _ in range(count):
         best = _best(held, parts, chosen, believed)
         chosen.append(best)
         held += np.array([part[best] for part in parts])
-    for _ in range(SWEEPS):
+    for _ in range(sweeps):
         before = list(chosen)
         for k in range(count):
             held -= np.array([part[chosen[k]] for part in parts])

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-POLE = 1e-9  # of a unit vector, squared: within it of a pole φ is not defined, and bounds nothing
-
 
 @final
 @dataclass(frozen=True)
@@ -32,6 +30,7 @@ class Cap:
         Implements [Payload] (36). Differs from print: the axes are the columns of R_BS, not its rows. φ = atan2(y, x)
         jumps at ±π, so that its range is told by the angle from its middle.
         """
+        pole = 1e-9  # of a unit vector, squared: within it of a pole φ is not defined, and bounds nothing
         x, y, z = direction.T
         found, slopes = [], []
         for bound, side in ((self.theta[0], -1.0), (self.theta[1], 1.0)):
@@ -40,8 +39,8 @@ class Cap:
                 slopes.append(np.tile([0.0, 0.0, side], (len(z), 1)))
         middle, half = (self.phi[0] + self.phi[1]) / 2, (self.phi[1] - self.phi[0]) / 2
         if half < np.pi:
-            level = np.sqrt(x**2 + y**2 + POLE)
-            found.append(x * np.cos(middle) + y * np.sin(middle) - np.cos(half) * (level - np.sqrt(POLE)))
+            level = np.sqrt(x**2 + y**2 + pole)
+            found.append(x * np.cos(middle) + y * np.sin(middle) - np.cos(half) * (level - np.sqrt(pole)))
             slopes.append(
                 np.column_stack([
                     np.cos(middle) - np.cos(half) * x / level, np.sin(middle) - np.cos(half) * y / level, 0.0 * z,

@@ -38,7 +38,6 @@ from exogauge.studies.import_log.column_words import (
     words_of,
 )
 
-JOINT_KINDS = ("q", "dq", "ddq", "i", "tau", "temp")
 RATES_HZ = (5.0, 20_000.0)  # of logs
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -254,7 +253,6 @@ def _signed(found: Suggestion) -> Suggestion:
 
 GRAVITY = {"m/s^2": STANDARD_GRAVITY, "g": 1.0, "mg": 1000.0, "mm/s^2": 1000.0 * STANDARD_GRAVITY}  # in each unit
 NEAR = 0.1  # relative
-FORCES = {"force": "f", "forces": "f", "torque": "m", "torques": "m", "moment": "m"}
 
 
 def body_column(

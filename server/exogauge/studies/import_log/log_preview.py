@@ -16,9 +16,9 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from exogauge.criteria.logs import LOGS
 from exogauge.errors import BadInput, BadLog, Fault
 from exogauge.logs.channels import parse_channel, shorten
-from exogauge.logs.limits import MAX_COLUMNS
 from exogauge.logs.mapping import LogMapping, read_mapped
 from exogauge.logs.model import Array, Log
 from exogauge.logs.open_table import open_table
@@ -155,7 +155,7 @@ def _values(table: Table, names: Sequence[str]) -> tuple[dict[str, RawArray], di
             return table.read(left) if left else {}, texts
         except BadLog as bad:
             new = {by_label.get(fault.column or "", ""): fault for fault in reversed(bad.faults) if fault.rule in TEXT}
-            if not new or "" in new or len(texts) > min(MOST_TEXT_COLUMNS, MAX_COLUMNS):
+            if not new or "" in new or len(texts) > min(MOST_TEXT_COLUMNS, LOGS.most_columns):
                 raise
             texts |= new
 

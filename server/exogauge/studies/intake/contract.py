@@ -82,6 +82,7 @@ Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f
 FileName = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.+-]*$")]
 Number = Annotated[float, BeforeValidator(_number), Field(allow_inf_nan=False, strict=True)]
 Positive = Annotated[Number, Field(gt=0.0)]
+Share = Annotated[Number, Field(gt=0.0, le=1.0)]
 NotNegative = Annotated[Number, Field(ge=0.0)]
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_as_tuple)]
 Coordinate = Annotated[Number, Field(ge=-100.0, le=100.0)]
@@ -290,13 +291,42 @@ class SoleEntry(_Part):
 
 
 class MotionLimits(_Part):
-    """Of joints, what the URDF does not say [rad/s² or m/s²]."""
+    """Of joints, what the URDF does not say: one number for all, or joint by joint. acceleration [rad/s² or m/s²], jerk
+    [rad/s³ or m/s³]. torque_share: of the URDF's effort that a motion may ask for."""
 
-    acceleration: Annotated[dict[Name, Positive], Field(max_length=500)] = {}
+    acceleration: Positive | Annotated[dict[Name, Positive], Field(max_length=500)] = {}
+    jerk: Positive | Annotated[dict[Name, Positive], Field(max_length=500)] = {}
+    torque_share: Share | Annotated[dict[Name, Share], Field(max_length=500)] = {}
+
+
+class ShapeEntry(_Part):
+    """A convex shape in the frame of a link [m, rad]: edges of a box, radius of a sphere, (radius, length) of a
+    cylinder, or of a capsule without its caps, both along z."""
+
+    box: Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_as_tuple)] | None = None
+    sphere: Positive | None = None
+    cylinder: Annotated[tuple[Positive, Positive], BeforeValidator(_as_tuple)] | None = None
+    capsule: Annotated[tuple[Positive, Positive], BeforeValidator(_as_tuple)] | None = None
+    xyz: Place = (0.0, 0.0, 0.0)
+    rpy: Place = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if sum(size is not None for size in (self.box, self.sphere, self.cylinder, self.capsule)) != 1:
+            raise ValueError("a shape is one of box, sphere, cylinder, capsule")
+        return self
+
+
+class Collision(_Part):
+    """What must not touch. shapes: of a link, in place of the URDF's. left_out: pairs of links that may touch."""
+
+    shapes: Annotated[dict[Name, Annotated[list[ShapeEntry], Field(max_length=50)]], Field(max_length=500)] = {}
+    left_out: Annotated[list[Annotated[tuple[Name, Name], BeforeValidator(_as_tuple)]], Field(max_length=5000)] = []
 
 
 class RobotFile(_Part):
-    """robot.yaml. soles, limits, human_map, home: for planning motions alone. human_map: part of the body -> link.
+    """robot.yaml. soles, limits, collision, human_map, home: for planning motions alone. human_map: part of the body ->
+    link.
 
     home: posture [rad or m] in which planned motions begin and end, zero of joints that are not named.
     uncertainty `none`: of a simulated robot, which is what it is said to be.
@@ -316,6 +346,7 @@ class RobotFile(_Part):
     uncertainty: RobotUncertainty | Literal["none"] = RobotUncertainty()
     soles: Annotated[list[SoleEntry], Field(max_length=2)] = []
     limits: MotionLimits = MotionLimits()
+    collision: Collision = Collision()
     human_map: Annotated[dict[Name, Name], Field(max_length=50)] = {}
     home: Annotated[dict[Name, Number], Field(max_length=500)] = {}
 

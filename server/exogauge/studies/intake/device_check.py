@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.supporting import DEVICES
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.routing import Routing
@@ -20,7 +21,7 @@ from exogauge.errors import BadLog, Fault
 from exogauge.logs.model import Log
 from exogauge.robots.description import Robot
 from exogauge.studies.intake.bundle import Bundle
-from exogauge.studies.intake.device_file import SAME_PLACE_M, DevicePage
+from exogauge.studies.intake.device_file import DevicePage
 from exogauge.studies.intake.postures import drawn_postures
 from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, suggestion
 from exogauge.studies.words.pull_words import Ways
@@ -208,7 +209,7 @@ def _point_doubts(band: Band, segments: Array, page: DevicePage, at: Pointer) ->
         if away > FAR_M:
             detail = f"the via point is {away:.4g} m away from the origin of {point.link!r}"
             yield page.fault(detail, "far_away", (*at, "via_points", j, "xyz"), "xyz is in metres.")
-    for s in np.flatnonzero(segments < SAME_PLACE_M):
+    for s in np.flatnonzero(segments < DEVICES.same_place_m):
         detail = "with all joints at zero this via point is at the same place as the one before it"
         advice = "The band has no direction there, and no moment arm."
         yield page.fault(detail, "no_segment_at_zero", (*at, "via_points", int(s) + 1), advice)

@@ -10,7 +10,8 @@ from typing import Any, TypeVar, final
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.identifying import DECLARED
+from exogauge.criteria.supporting import DEVICES
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import law_faults
@@ -26,7 +27,6 @@ from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, place,
 
 Part = TypeVar("Part", bound=BaseModel)
 
-SAME_PLACE_M = 1e-6
 SHOWN_LINKS = 30
 
 
@@ -113,7 +113,7 @@ def _uncertainty(entry: contract.DeviceFile) -> tuple[float, float]:
     """[m] of via points and of putting it on, as stated or as is usual."""
     if entry.uncertainty == "none":
         return 0.0, 0.0
-    stated, usual = entry.uncertainty, Declaring()
+    stated, usual = entry.uncertainty, DECLARED
     return (
         usual.via_points if stated.via_points is None else stated.via_points,
         usual.donning if stated.donning is None else stated.donning,
@@ -212,7 +212,7 @@ def _place_faults(drafts: Sequence[_Draft], tree: RigidTree, page: DevicePage) -
         on = [tree.frames[point.link][0] for _, point in known]
         band = Band(draft.values.name, "", tuple(ViaPoint(point.link, point.xyz) for _, point in known))
         longest = Routing(tree, [band]).segments(postures, 0).length.max(axis=0)
-        for s in np.flatnonzero(longest < SAME_PLACE_M):
+        for s in np.flatnonzero(longest < DEVICES.same_place_m):
             if known[s + 1][0] == known[s][0] + 1:
                 detail = f"this via point is at the same place as the one before it, {_where(on[s], tree)}"
                 advice = "Leave one of them out; it may be one point in the frames of two links."

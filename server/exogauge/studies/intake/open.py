@@ -14,9 +14,8 @@ from exogauge.devices.device import Device
 from exogauge.effects.catalogue import all_effects
 from exogauge.errors import BadLog, BadStudy, Fault
 from exogauge.identification.settings import Recording, Settings
-from exogauge.logs.beside import with_beside
 from exogauge.logs.model import Log
-from exogauge.logs.segments import segments
+from exogauge.logs.segments import segments, with_beside
 from exogauge.robots.description import Robot
 from exogauge.robots.urdf_check import raised_inertias
 from exogauge.studies.intake.bundle import Bundle, open_bundle

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.criteria.declaring import Declaring
+from exogauge.criteria.identifying import DECLARED
 from exogauge.errors import BadRobot, Fault
 from exogauge.robots.declared import EXACT, Declared
 from exogauge.robots.description import Joint, Robot, WrenchSensor
@@ -24,7 +24,6 @@ from exogauge.studies.intake.yaml_file import MAX_BYTES, Pointer, dotted, load_y
 Array = NDArray[np.float64]
 
 MAX_URDF_BYTES = 20_000_000
-USUAL = Declaring()
 SIGN = {"world_on_robot": 1.0, "robot_on_world": -1.0, "payload_on_sensor": 1.0, "sensor_on_payload": -1.0}
 
 
@@ -135,7 +134,7 @@ def _declared(entry: RobotFile, page: _Page) -> Declared:
                 advice = suggestion(name, names)
                 pointer = ("uncertainty", "torque_zero", name)
                 raise page.fault(f"no joint {name!r}", "unknown_joint", pointer, advice)
-    values = {key: (value, getattr(USUAL, key)) for key, value in stated.items()}
+    values = {key: (value, getattr(DECLARED, key)) for key, value in stated.items()}
     left_out = frozenset(key for key, (value, _) in values.items() if value is None)
     return Declared(
         **{key: usual if value is None else value for key, (value, usual) in values.items()},

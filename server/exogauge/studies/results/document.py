@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Any, final
 
-from exogauge.criteria.criteria import Criteria
-from exogauge.criteria.criterion import listed
+from exogauge.criteria.criterion import entries
 from exogauge.devices.result import StiffnessResult
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.added_columns import COMPONENTS, MASS
@@ -132,7 +131,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             for each in evaluation.steps
         ],
         "settings": stated_settings(evaluation.settings),
-        "criteria": criteria_entries(evaluation.settings.criteria),
+        "criteria": entries(evaluation.settings.criteria),
         "warnings": [each.sentence for each in all_notices(evaluation)],
         "notices": [each.as_data() for each in all_notices(evaluation)],
         "doctor": list(evaluation.findings),
@@ -322,17 +321,3 @@ def finite(value: Any) -> Any:
     if value is None or isinstance(value, str | int):
         return value
     return str(value)
-
-
-def criteria_entries(criteria: Criteria) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": each.name,
-            "value": list(each.value) if isinstance(each.value, tuple) else each.value,
-            "unit": each.unit,
-            "why": each.why,
-            "source": each.source.kind,
-            "where": each.source.where,
-        }
-        for each in listed(criteria)
-    ]

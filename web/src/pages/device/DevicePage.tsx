@@ -4,6 +4,7 @@ import { Link, useParams } from "react-router";
 import { useDevice, useDevices, type Device } from "../../api/devices";
 import { useTextFile } from "../../api/files";
 import { fileAddress, useRobot } from "../../api/robots";
+import { DeleteButton } from "../../parts/DeleteButton";
 import { FileTable } from "../../parts/FileTable";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
@@ -34,6 +35,9 @@ export function Component() {
         }
       >
         <Versions device={device.data} />
+        <DeleteButton kind="devices" id={device.data.id} name={`${device.data.name}, version ${device.data.version}`}>
+          This version goes. Studies keep their own files.
+        </DeleteButton>
       </PageTitle>
       <Stack gap="xl">
         <Doubts summary={device.data.summary} />

@@ -1,16 +1,24 @@
-import { Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
-import { useMemo } from "react";
+import { Group, NativeSelect, Paper, SimpleGrid, Stack, Table, Text, Title } from "@mantine/core";
+import { useMemo, useState } from "react";
 
-import { useWatched, type Alarm, type LiveStream, type Watched } from "../../api/live";
+import { useWatched, type Alarm, type Course, type LiveStream, type Watched } from "../../api/live";
 import { fixed, isNumber, NONE, plusMinus, significant } from "../../parts/digits";
 import { FactList } from "../../parts/FactList";
 import { TimePlot } from "../../parts/TimePlot";
 import { Uncertain } from "../../parts/Uncertain";
 import { When } from "../../parts/When";
 import { number, WideTable } from "../../parts/WideTable";
+import { ForceArrow } from "./ForceArrow";
 import { NAMES } from "./ValueTable";
 
 const AXES = ["x", "y", "z"];
+const STATES: Record<string, string> = {
+  static: "static: only what the postures say",
+  converging: "converging: motion adds to it",
+  converged: "converged: no number moves any more",
+  frozen: "frozen: nothing excites, or something touches",
+};
+const Z95 = 1.959964;
 const LOST = ["missing", "doubled", "out_of_order", "refused"];
 
 /** A stream that runs: the contact wrench of the last 20 s, alarms, and what is known of the payload by now. */
@@ -30,7 +38,12 @@ export function LiveView({ stream }: { stream: LiveStream }) {
       <Stack gap="md">
         {seen.line === "opening" && <Text size="sm">Waiting for the first answer of the stream.</Text>}
         {seen.line === "closed" && <Text size="sm">The line is closed: what is shown is old. It is tried again every 3 s.</Text>}
-        <FactList facts={factsOf(seen, touched)} />
+        <Group align="flex-start" gap="xl" wrap="wrap">
+          <div style={{ flex: "1 1 20rem" }}>
+            <FactList facts={factsOf(seen, touched)} />
+          </div>
+          <Arrow seen={seen} touched={touched} />
+        </Group>
         {seen.t.length > 0 && (
           <SimpleGrid cols={{ base: 1, md: 2 }}>
             <TimePlot label="Contact force of the last 20 s; alarms are marked" unit="N" t={seen.t} lines={force!} marks={marks} />
@@ -38,15 +51,56 @@ export function LiveView({ stream }: { stream: LiveStream }) {
           </SimpleGrid>
         )}
         {seen.alarms.length > 0 && <Alarms alarms={seen.alarms} />}
+        {seen.course.t.length > 1 && <Converging course={seen.course} />}
         {seen.payload && <Known seen={seen} />}
       </Stack>
     </Paper>
   );
 }
 
-function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean): [string, string][] {
+/** As long as the largest alarm of those that are shown, or five times what counts as contact. */
+function Arrow({ seen, touched }: { seen: Watched; touched: boolean }) {
+  const force = forceOf(seen);
+  const largest = Math.max(...seen.alarms.filter(({ to }) => to >= (seen.t[0] ?? Infinity)).map((alarm) => Math.hypot(...alarm.force)), 0);
+  const full = Math.max(largest, 5 * (seen.payload?.threshold_n ?? 0), force ? Math.hypot(...force) : 0);
+  return (
+    <figure style={{ margin: 0 }}>
+      <ForceArrow force={force} full={full} touched={touched} label="Contact force as an arrow in the sensor’s axes" />
+      <Text component="figcaption" size="xs" c="dimmed">
+        Contact force in the sensor’s axes; full length {significant(full)} N
+      </Text>
+    </figure>
+  );
+}
+
+function forceOf(seen: Watched): number[] | null {
   const now = seen.wrench.slice(0, 3).map((trace) => trace.at(-1));
-  const force = now.every(isNumber) ? (now as number[]) : null;
+  return now.every(isNumber) ? (now as number[]) : null;
+}
+
+/** One number of Φ since watching began, with its 95 % interval. */
+function Converging({ course }: { course: Course }) {
+  const [name, choose] = useState("m");
+  const lines = useMemo(() => {
+    const [value, std] = [course.value, course.std].map((each) => each.map((all) => all[name] ?? null));
+    const bound = (side: number) => value!.map((each, k) => (each === null ? null : each + side * Z95 * (std![k] ?? 0)));
+    return [
+      { name: NAMES[name] ?? name, values: value!, look: 0 },
+      { name: "95 % from", values: bound(-1), look: 6, old: true },
+      { name: "95 % to", values: bound(1), look: 6, old: true },
+    ];
+  }, [course, name]);
+  const data = Object.keys(course.value[0] ?? {}).map((each) => ({ value: each, label: NAMES[each] ?? each }));
+  return (
+    <div>
+      <NativeSelect label="Course of" data={data} value={name} onChange={(event) => choose(event.currentTarget.value)} w="14rem" mb="xs" />
+      <TimePlot label={`${NAMES[name] ?? name} since watching began, with its 95 % interval`} unit={unitOf(name)} t={course.t} lines={lines} height={200} />
+    </div>
+  );
+}
+
+function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean): [string, string][] {
+  const force = forceOf({ payload, missed, error, ...seen });
   const size = force && Math.hypot(...force);
   const facts: [string, string][] = [
     ["Alarm", touched ? "something touches" : "none"],
@@ -56,7 +110,7 @@ function factsOf({ payload, missed, error, ...seen }: Watched, touched: boolean)
   if (payload) {
     const { counts } = payload;
     facts.push(
-      ["State", payload.state],
+      ["State", STATES[payload.state] ?? payload.state],
       ["Counts as contact from", `${significant(payload.threshold_n)} N`],
       ["μ", plusMinus(payload.mu, payload.mu_std)],
       ["Samples", `${counts["taken"]} taken, ${LOST.reduce((sum, name) => sum + (counts[name] ?? 0), 0)} dropped, ${counts["late"]} late`],

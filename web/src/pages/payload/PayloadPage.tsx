@@ -5,6 +5,7 @@ import { useParams, useSearchParams } from "react-router";
 import { usePayload, usePayloadJobs, usePayloadResults, type Payload } from "../../api/payloads";
 import { fileAddress } from "../../api/robots";
 import { useSubmitJob } from "../../api/studies";
+import { DeleteButton } from "../../parts/DeleteButton";
 import { Empty } from "../../parts/Empty";
 import { FileTable } from "../../parts/FileTable";
 import { LinkButton } from "../../parts/LinkButton";
@@ -40,6 +41,9 @@ export function Component() {
         <LinkButton variant="default" to={`/payloads/new?from=${found.id}`}>
           Change or add logs
         </LinkButton>
+        <DeleteButton kind="payloads" id={found.id} name={`${found.name}, version ${found.version}`}>
+          This version goes, with its files, jobs, results and streams.
+        </DeleteButton>
       </PageTitle>
       <Stack gap="xl">
         {identifies(found) && (jobs.data.length ? <Identified payload={found} jobs={jobs.data} /> : <NotYet payload={found} refetch={jobs.refetch} />)}

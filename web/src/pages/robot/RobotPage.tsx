@@ -4,6 +4,7 @@ import { Link, useParams } from "react-router";
 
 import { useDevices } from "../../api/devices";
 import { fileAddress, useRobot, useRobots, type Robot } from "../../api/robots";
+import { DeleteButton } from "../../parts/DeleteButton";
 import { DrawnOr3D } from "../../parts/DrawnOr3D";
 import { Empty } from "../../parts/Empty";
 import { FactList } from "../../parts/FactList";
@@ -35,6 +36,9 @@ export function Component() {
         <LinkButton to={`/import?robot=${robot.id}`} variant="default">
           Import a log of it
         </LinkButton>
+        <DeleteButton kind="robots" id={robot.id} name={robot.name}>
+          Its files go. Studies keep their own; devices that it wears have to be deleted before.
+        </DeleteButton>
       </PageTitle>
       <Stack gap="xl">
         <SimpleGrid cols={{ base: 1, md: 2 }} spacing="xl">

@@ -3,6 +3,7 @@ import { List, Stack, Table, Text, Title } from "@mantine/core";
 import { between, fixed, isNumber, NONE, significant } from "../../parts/digits";
 import { Uncertain } from "../../parts/Uncertain";
 import { number, WideTable } from "../../parts/WideTable";
+import { CrossChecks } from "./CrossChecks";
 import type { Results, Stiffness } from "./results";
 import { Skipped } from "./Skipped";
 import { capital } from "./words";
@@ -34,6 +35,7 @@ export function StiffnessSection({ results }: { results: Results }) {
           </Title>
           <Bands device={device} rows={found.filter((each) => each.device === device)} truth={truth} />
           <Doubts rows={found.filter((each) => each.device === device)} />
+          <CrossChecks device={device} checks={(results.cross_checks ?? []).filter((each) => each.device === device)} />
         </section>
       ))}
       {notes.length > 0 && (

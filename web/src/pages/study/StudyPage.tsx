@@ -3,6 +3,7 @@ import { useCallback } from "react";
 import { Link, useParams, useSearchParams } from "react-router";
 
 import { useStudy } from "../../api/studies";
+import { DeleteButton } from "../../parts/DeleteButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
@@ -29,7 +30,11 @@ export function Component() {
   if (!study.data || !jobs.data) return <Loading what="the study" />;
   return (
     <>
-      <PageTitle title={study.data.name} lead={<StudyFacts summary={summaryOf(study.data)} />} />
+      <PageTitle title={study.data.name} lead={<StudyFacts summary={summaryOf(study.data)} />}>
+        <DeleteButton kind="studies" id={study.data.id} name={study.data.name}>
+          Its files, jobs and results go. Robots, devices and logs in the lists stay.
+        </DeleteButton>
+      </PageTitle>
       {jobs.data.items.length ? <Review study={study.data} jobs={jobs.data.items} /> : <NoJob study={study.data} />}
     </>
   );

@@ -16,6 +16,7 @@ export type SensorFound = Schemas["SensorZero"];
 export type Support = Schemas["Support"];
 export type Approach = keyof Schemas["ByApproach"];
 export type Stiffness = Schemas["BandStiffness"];
+export type StiffnessCheck = Schemas["StiffnessCheck"];
 export type Discrepancy = Schemas["Discrepancy"];
 export type Finding = Schemas["NamedEffect"];
 export type Candidate = Schemas["Candidate"];

@@ -1,0 +1,183 @@
+"""Who asks, and whether they may, before anything of the request's body is read.
+
+A session's key comes in a cookie, a token in `Authorization: Bearer`. The cookie is `__Host-…` where the line is
+encrypted: no other host, path or unencrypted page can set or read it. A browser sends it along with whatever a page
+makes it ask for; so a request that changes something by a cookie has to say which page it comes from, and `Guard` has
+seen that it is ours.
+
+A stream of events or a websocket ends soon after the session or token that began it: it is looked at again while it
+lasts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import final
+
+from starlette._utils import get_route_path
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from exogauge.api.dependencies import CALLER
+from exogauge.api.problems import of_error, problem_response
+from exogauge.api.rights import SAFE, refusal, right_of
+from exogauge.errors import Unavailable
+from exogauge.storage import callers
+from exogauge.storage.callers import Caller
+from exogauge.storage.secrets import is_token
+from exogauge.storage.store import LOCAL, Installation
+
+WEBSOCKET = "WEBSOCKET"
+BEARER = "bearer "
+LOOK_EVERY_S = 5.0  # whether who asked for a stream may still have it
+POLICY_VIOLATION = 1008
+TITLES = {401: "Not signed in", 403: "Not allowed"}
+
+
+@final
+class Access:
+    """ASGI middleware. Where the app has no accounts, all who reach the server may do all, in the settings' lab."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        state = scope["app"].state
+        if not state.accounts:
+            scope[CALLER] = Caller(LOCAL, state.settings.lab, "admin")
+            await self.app(scope, receive, send)
+            return
+        method = scope.get("method", WEBSOCKET)
+        right = right_of(method, get_route_path(scope))
+        try:
+            scope[CALLER] = caller = await run_in_threadpool(self.who, scope)
+        except Unavailable as error:
+            await of_error(error, scope["path"])(scope, receive, send)
+            return
+        refused = refusal(caller, right)
+        if refused is None and caller is not None and caller.session_id and method not in SAFE and pageless(scope):
+            refused = 403, "a request by a cookie says which page it comes from (Origin or Sec-Fetch-Site)"
+        if refused is not None:
+            await answer(*refused, scope)(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await self.line(scope, receive, send)
+        elif right != "open" and method == "GET":
+            await self.stream(scope, receive, send)
+        else:
+            await self.app(scope, receive, send)
+
+    def who(self, scope: Scope) -> Caller | None:
+        """None where nobody is signed in; a token that is none, or is no more, is nobody too, cookie or not."""
+        bearer = Headers(scope=scope).get("authorization", "")
+        by_token = bearer[: len(BEARER)].lower() == BEARER
+        key = bearer[len(BEARER) :].strip() if by_token else session_key(HTTPConnection(scope))
+        if key is None or (by_token and not is_token(key)):
+            return None
+        installation: Installation = scope["app"].state.installation
+        with installation.reading() as session:
+            found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
+        if found is None:
+            return None
+        caller, to_note = found
+        if to_note:
+            with contextlib.suppress(Unavailable), installation.session() as session:
+                callers.note(session, caller)
+        return caller
+
+    def still(self, scope: Scope) -> bool:
+        """A database that is away ends nothing."""
+        try:
+            now = self.who(scope)
+        except Unavailable:
+            return True
+        right = right_of(scope.get("method", WEBSOCKET), get_route_path(scope))
+        return now is not None and now.lab_id == scope[CALLER].lab_id and refusal(now, right) is None
+
+    async def stream(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """An answer without an end of its own (events) is ended; a file that is under way arrives."""
+        over = asyncio.Event()
+        watching: asyncio.Task[None] | None = None
+
+        async def watch() -> None:
+            while await run_in_threadpool(self.still, scope):
+                await asyncio.sleep(LOOK_EVERY_S)
+            over.set()
+            await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+        async def sending(message: Message) -> None:
+            nonlocal watching
+            if over.is_set():
+                return
+            await send(message)
+            if message["type"] == "http.response.start" and "content-length" not in Headers(raw=message["headers"]):
+                watching = asyncio.create_task(watch())
+
+        async def receiving() -> Message:
+            came, ended = asyncio.ensure_future(receive()), asyncio.ensure_future(over.wait())
+            try:
+                await asyncio.wait((came, ended), return_when=asyncio.FIRST_COMPLETED)
+                return came.result() if came.done() else {"type": "http.disconnect"}
+            finally:
+                came.cancel()
+                ended.cancel()
+
+        try:
+            await self.app(scope, receiving, sending)
+        finally:
+            if watching is not None:
+                watching.cancel()
+
+    async def line(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def watch() -> None:
+            while await run_in_threadpool(self.still, scope):
+                await asyncio.sleep(LOOK_EVERY_S)
+            with contextlib.suppress(Exception):
+                await send({"type": "websocket.close", "code": POLICY_VIOLATION, "reason": "signed out"})
+
+        watching = asyncio.create_task(watch())
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            watching.cancel()
+
+
+def answer(status: int, detail: str, scope: Scope) -> Response:
+    headers = {"WWW-Authenticate": "Bearer"} if status == 401 else None
+    slug = TITLES[status].lower().replace(" ", "-")
+    return problem_response(status, slug, TITLES[status], detail, instance=scope["path"], headers=headers)
+
+
+def pageless(scope: Scope) -> bool:
+    headers = Headers(scope=scope)
+    return "origin" not in headers and "sec-fetch-site" not in headers
+
+
+def cookie_name(connection: HTTPConnection) -> str:
+    """Cookies of one host are shared by its ports; unencrypted ones are of this machine alone."""
+    if connection.url.scheme in ("https", "wss"):
+        return "__Host-exogauge"
+    return f"exogauge-{connection.url.port or 80}"
+
+
+def session_key(connection: HTTPConnection) -> str | None:
+    return connection.cookies.get(cookie_name(connection)) or None
+
+
+def set_session(response: Response, connection: HTTPConnection, key: str) -> None:
+    response.set_cookie(
+        cookie_name(connection), key, max_age=int(callers.SESSION.total_seconds()), path="/",
+        secure=connection.url.scheme == "https", httponly=True, samesite="lax",
+    )  # fmt: skip
+
+
+def end_session(response: Response, connection: HTTPConnection) -> None:
+    response.delete_cookie(
+        cookie_name(connection), path="/", secure=connection.url.scheme == "https", httponly=True, samesite="lax"
+    )

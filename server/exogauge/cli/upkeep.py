@@ -1,0 +1,149 @@
+"""Commands that keep an installation whole: check, gc, backup, restore."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from datetime import timedelta
+from pathlib import Path
+
+from exogauge.cli.endings import Commands
+
+NOT_SOUND = 1
+KINDS = {"study": "studies", "robot": "robots", "device": "devices", "log": "logs", "payload": "payloads"}
+
+
+def add_commands(commands: Commands) -> None:
+    """Check, sweep, back up, restore."""
+    check = commands.add_parser("check", help="read every blob and every reference, and say what is missing or damaged")
+    check.add_argument("--json", action="store_true", help="as JSON")
+    check.set_defaults(command=check_all)
+
+    gc = commands.add_parser("gc", help="remove what nothing needs: the service does it every hour")
+    gc.add_argument("--json", action="store_true", help="as JSON")
+    gc.add_argument(
+        "--stopped", action="store_true", help="no server and no worker runs: nothing is on its way, wait for nothing"
+    )
+    gc.set_defaults(command=sweep_all)
+
+    backup = commands.add_parser("backup", help="rows and blobs into a folder, beside a service that runs")
+    backup.add_argument("folder", type=Path, help="new, or with an older backup: only new blobs are copied then")
+    backup.set_defaults(command=back_up_all)
+
+    restore = commands.add_parser("restore", help="a backup into an empty database, of either kind, and its blobs")
+    restore.add_argument("folder", type=Path)
+    restore.set_defaults(command=restore_all)
+
+    delete = commands.add_parser("delete", help="delete something that a service keeps, with all that hangs on it")
+    delete.add_argument("kind", choices=sorted(KINDS))
+    delete.add_argument("id")
+    delete.add_argument("--server", metavar="URL", required=True, help="address of the service")
+    delete.set_defaults(command=delete_one)
+
+
+def back_up_all(options: argparse.Namespace) -> int:
+    from exogauge.jobs.leases import new_worker_id
+    from exogauge.settings import Settings
+    from exogauge.storage.store import open_installation
+    from exogauge.terminal import bar
+    from exogauge.upkeep.backup import back_up
+
+    installation = open_installation(Settings(), migrating=True)
+    with bar("blobs", shown=sys.stderr.isatty()) as say:
+        told = lambda done, of: say(done / of, f"{done} of {of}", "copying")  # noqa: E731
+        done = back_up(installation, options.folder, new_worker_id(), told)
+    installation.close()
+    print(f"{done.rows} rows, {done.blobs} blobs, {done.bytes / 1e6:.1f} MB, {done.copied} of them new")
+    return 0
+
+
+def restore_all(options: argparse.Namespace) -> int:
+    from exogauge.jobs.engine import migrate_engine
+    from exogauge.settings import Settings
+    from exogauge.storage.checking import check
+    from exogauge.storage.store import open_installation
+    from exogauge.terminal import bar
+    from exogauge.upkeep.backup import restore
+
+    settings = Settings()
+    installation = open_installation(settings)
+    with bar("blobs", shown=sys.stderr.isatty()) as say:
+        told = lambda done, of: say(done / of, f"{done} of {of}", "copying")  # noqa: E731
+        done = restore(options.folder, settings, installation.blobs, told)
+    migrate_engine(settings.database_url)
+    found = check(installation, None)
+    installation.close()
+    print(f"{done.rows} rows, {done.blobs} blobs, {done.bytes / 1e6:.1f} MB")
+    print(
+        "every blob and every reference is sound" if found.sound else "NOT SOUND: `exogauge check` says what is missing"
+    )
+    return 0 if found.sound else NOT_SOUND
+
+
+def delete_one(options: argparse.Namespace) -> int:
+    from exogauge.client import Client
+
+    with Client(options.server) as client:
+        client.delete_by_id(KINDS[options.kind], options.id)
+    print(f"{options.kind} {options.id} is deleted")
+    return 0
+
+
+def check_all(options: argparse.Namespace) -> int:
+    from exogauge.settings import Settings
+    from exogauge.storage.checking import check
+    from exogauge.storage.migrate import at_newest_or_raise, current
+    from exogauge.storage.store import open_installation
+
+    settings = Settings()
+    at_newest_or_raise(current(settings.database_url))
+    installation = open_installation(settings)
+    found = check(installation, settings)
+    installation.close()
+    if options.json:
+        print(json.dumps(found.as_json(), indent=2))
+        return 0 if found.sound else NOT_SOUND
+    print(f"{found.blobs} blobs, {found.bytes / 1e6:.1f} MB, {found.references} references")
+    rows = {
+        "corrupt": "blobs are not what their name says",
+        "missing": "references to a blob that is not there",
+        "sizes": "rows tell another size than the blob has",
+        "broken": "faults of the database",
+        "orphans": "blobs that nothing names (gc removes them)",
+        "left_over": "files that a killed process left (gc removes them)",
+    }
+    for name, words in rows.items():
+        listed = getattr(found, name)
+        print(f"{len(listed):6d} {words}")
+        if name not in ("orphans", "left_over"):
+            for each in listed[:20]:
+                print(f"         {each}")
+    if not found.sound:
+        print("The store is not sound: restore what is missing from a backup (docs/operations.md).")
+    return 0 if found.sound else NOT_SOUND
+
+
+def sweep_all(options: argparse.Namespace) -> int:
+    from exogauge.settings import Settings
+    from exogauge.storage.held_files import YOUNG_S
+    from exogauge.storage.migrate import at_newest_or_raise, current
+    from exogauge.storage.orphans import WAIT
+    from exogauge.storage.store import open_installation
+    from exogauge.storage.sweeping import sweep_installation, sweep_machine
+
+    settings = Settings()
+    at_newest_or_raise(current(settings.database_url))
+    installation = open_installation(settings)
+    swept = sweep_installation(installation, timedelta(0) if options.stopped else WAIT)
+    swept += sweep_machine(installation, settings, 0.0 if options.stopped else YOUNG_S)
+    installation.close()
+    if options.json:
+        print(json.dumps(asdict(swept)))
+        return 0
+    print(
+        f"removed: {swept.blobs} blobs, {swept.incoming} half written, {swept.uploads} uploads, {swept.scratch} folders"
+    )
+    print(f"         {swept.live} of live streams, {swept.shelves} pictures; {swept.orphans_waiting} blobs wait")
+    return 0

@@ -1,0 +1,1 @@
+"""Motions from which a robot is identified well: planned within every bound, with what they will tell."""

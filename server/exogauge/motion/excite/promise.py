@@ -1,0 +1,156 @@
+"""What will be known once a planned motion was recorded: its log is made as the robot that is stated would have made
+it, with its sensors' noise, and identified as any other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_excite import MotionExcite
+from exogauge.experiment.information import Information
+from exogauge.identification.identify import identify
+from exogauge.identification.noise_bias import noise_kind
+from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.prior import joint_prior
+from exogauge.identification.result import Identification
+from exogauge.identification.settings import Recording, Settings
+from exogauge.logs.model import Log
+from exogauge.motion.excite.excited import Excited
+from exogauge.progress import Progress, unwatched
+from exogauge.robots.description import Robot
+from exogauge.robots.motion import Motion
+from exogauge.robots.regressor import contact_effect
+
+Array = NDArray[np.float64]
+
+SHARES = np.tile([1.0, 1.0, 1.0, 0.01, 0.01, 0.01], 2)  # of feet's forces and moments, as `plan.judge` shares them
+NAME = "planned"
+AS_STATED = Settings(prior_strength=1.0)  # of a robot that is as it is stated, held-out data would have it weigh more
+
+
+@final
+@dataclass(frozen=True)
+class Certain:
+    """One parameter: its standard deviation before a motion was recorded, and then. decided: by the data."""
+
+    name: str
+    unit: str
+    before: float
+    std: float
+    decided: bool
+
+
+@final
+@dataclass(frozen=True)
+class Promise:
+    """certain: of every parameter that an identification tells. cutoff_hz: up to which it looks."""
+
+    certain: tuple[Certain, ...]
+    cutoff_hz: float
+
+
+def promised(
+    robot: Robot, planned: Sequence[Excited], logs: Sequence[Log] = (), before: Mapping[str, float] | None = None,
+    settings: Settings = AS_STATED, progress: Progress = unwatched, seed: int = 0,
+) -> Promise:  # fmt: skip
+    """Of logs that there are and motions that are planned, all together. before: name -> standard deviation, the
+    prior's where none is named. Raises as `identify`."""
+    rng = np.random.default_rng(seed)
+    made = [
+        _noisy(robot, planned_log(robot, each, f"{NAME} {k + 1}"), each.task.criteria, rng)
+        for k, each in enumerate(planned)
+    ]
+    found = identify(robot, [Recording(log, False) for log in (*logs, *made)], settings, progress)
+    decided = found.model.criteria.identifying.decided
+    certain = []
+    for each, white in zip(found.parameters, _white(found).tolist(), strict=True):
+        std = max(each.std, white)
+        known = each.prior_std if before is None else before.get(each.name, each.prior_std)
+        certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
+    return Promise(tuple(certain), found.cutoff_hz)
+
+
+def _white(found: Identification) -> Array:
+    """(parameters,) what the noise that the weights state leaves: of a log of seconds, few stretches of which count as
+    independent, the scatter of its residuals says too little."""
+    model = found.model
+    standard = model.solution.prior.lift_covariance(model.solution.unbounded.covariance())
+    regroup = model.equations.base.regroup
+    size = regroup.shape[1]
+    base = np.einsum("bi,ij,bj->b", regroup, standard[:size, :size], regroup)
+    return np.asarray(np.sqrt(np.maximum(np.concatenate([np.diag(standard), base]), 0.0)))
+
+
+def _noisy(robot: Robot, log: Log, criteria: MotionExcite, rng: np.random.Generator) -> Log:
+    noise = {name: robot.noise.get(noise_kind(name), 0.0) for name in log.channels}
+    heavy = dict(zip(robot.tree.joints, robot.tree.effort_limit, strict=True))
+    for joint in robot.joints:
+        unknown = criteria.unknown_noise * heavy[joint.name]
+        for name, gain in ((f"tau.{joint.name}", 1.0), (f"i.{joint.name}", joint_prior(joint, "k_T"))):
+            if name in noise and not noise[name] and np.isfinite(unknown):
+                noise[name] = unknown / abs(gain)
+    return replace(log, channels={
+        name: values + noise[name] * rng.standard_normal(log.samples) for name, values in log.channels.items()
+    })  # fmt: skip
+
+
+def planned_log(robot: Robot, planned: Excited, name: str = NAME) -> Log:
+    """As the a-priori robot's sensors without noise would read it, at the rate of `MotionExcite`."""
+    task = planned.task
+    rate = task.criteria.rate_hz
+    time = np.arange(int(planned.duration * rate)) / rate
+    whole = planned.at(time)
+    motion = task.motion(whole)
+    channels = {f"q.{joint.name}": motion.q[:, k] for k, joint in enumerate(robot.joints)}
+    told = task.information.of(motion, planned.duration, _borne(task.information, motion))
+    for k, joint in enumerate(robot.joints):
+        if joint.actuation == "current":
+            channels[f"i.{joint.name}"] = told.motor[:, k] / told.gain[k]
+        elif joint.actuation == "torque":
+            channels[f"tau.{joint.name}"] = (told.motor @ robot.axes_from_joints)[:, k]
+    if robot.floating and robot.T_base_imu is not None:
+        R, r = robot.T_base_imu.rotation, robot.T_base_imu.translation
+        felt = motion.acc + np.cross(motion.gyro_dot, r) + np.cross(motion.gyro, np.cross(motion.gyro, r))
+        for axis, name_ in enumerate("xyz"):
+            channels[f"acc.{name_}"] = (felt @ R)[:, axis]
+            channels[f"gyro.{name_}"] = (motion.gyro @ R)[:, axis]
+        for sensor, wrench in zip(robot.contacts, _feet(task.information, motion), strict=True):
+            for name_, column in zip(wrench_channels(sensor.name), sensor.sign * wrench.T, strict=True):
+                channels[name_] = column
+    return Log(name, time, channels)
+
+
+def _paths(information: Information, motion: Motion) -> Array:
+    """(T, 6 + J, 6 S) what unit wrenches at the contact sensors do to base and joints."""
+    robot, columns = information.equations.robot, []
+    for sensor in robot.contacts:
+        for k in range(6):
+            unit = np.zeros((motion.samples, 6))
+            unit[:, k] = 1.0
+            columns.append(contact_effect(robot.tree, motion.q, sensor.frame, unit))
+    return np.stack(columns, axis=2)
+
+
+def _feet(information: Information, motion: Motion) -> list[Array]:
+    """(T, 6) of each contact sensor: the smallest that carry and move the robot."""
+    paths = _paths(information, motion)[:, :6]
+    share = SHARES[: paths.shape[2]]
+    driven = np.einsum("tik,k,tjk->tij", paths, share, paths)
+    carried = np.linalg.solve(driven, information.loads(motion)[:, :6, None])
+    wrench = share * np.einsum("tik,ti->tk", paths, carried[..., 0])
+    return list(np.moveaxis(wrench.reshape(motion.samples, -1, 6), 1, 0))
+
+
+def _borne(information: Information, motion: Motion) -> Array | None:
+    """(T, A) [N·m] of the axes' loads that the feet bear."""
+    robot = information.equations.robot
+    if not robot.floating:
+        return None
+    paths = _paths(information, motion)
+    wrench = np.concatenate(_feet(information, motion), axis=1)
+    joints = np.einsum("tjk,tk->tj", paths[:, 6:], wrench)
+    return np.asarray(joints @ np.linalg.inv(robot.axes_from_joints))

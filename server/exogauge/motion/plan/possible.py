@@ -1,0 +1,62 @@
+"""What would have to give where a motion cannot be had: how much slower, or how much less of the trunk's angle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.motion.person import Person
+from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.retarget import ask
+from exogauge.motion.plan.solve import Report, plan
+from exogauge.motion.robot import MotionRobot
+
+Tried = Callable[[str, float, bool], None]
+
+
+@final
+@dataclass(frozen=True)
+class Possible:
+    """slower: the least number of times the time, to `within`; share: of the trunk's angle, at the time asked. None:
+    not with `most` times the time, not with the trunk still."""
+
+    slower: float | None
+    share: float | None
+
+
+def judged_as(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, report: Report | None = None) -> Judged:
+    """A person's motion, planned and judged."""
+    asked, _ = ask(robot, person, criteria)
+    planned = plan(robot, asked, criteria, report)
+    return judge(robot, planned.spline, asked.place[0], criteria, planned=planned)
+
+
+def what_would_do(
+    robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
+) -> Possible:
+    """Both by bisection, each step a plan of its own. tried: told what was planned, and whether it holds."""
+
+    def holds(what: str, value: float, changed: Person) -> bool:
+        found = not judged_as(robot, changed, criteria).broken
+        if tried is not None:
+            tried(what, value, found)
+        return found
+
+    slower = nearest(lambda k: holds("slower", k, person.slowed(k)), 1.0, criteria.slowest, criteria.within)
+    share = nearest(lambda k: holds("share", k, person.trunk_share(k)), 1.0, 0.0, criteria.within)
+    return Possible(slower, share)
+
+
+def nearest(holds: Callable[[float], bool], wanted: float, safe: float, within: float) -> float | None:
+    """The value nearest to `wanted`, where it does not hold, at which it does, found between there and `safe`."""
+    if not holds(safe):
+        return None
+    while abs(safe - wanted) > within:
+        middle = 0.5 * (safe + wanted)
+        if holds(middle):
+            safe = middle
+        else:
+            wanted = middle
+    return safe

@@ -1,0 +1,170 @@
+"""What of a robot may touch what: pairs of shapes, their distances over a motion, and how these change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from exogauge.motion.robot import MotionRobot
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+FLOOR = "floor"
+BLOCK = 2000  # samples whose ways are held at once
+
+
+@final
+@dataclass(frozen=True)
+class Near:
+    """B moments at which a pair is near: sample (B,) and pair (B,) indices; distance (B,) [m], negative inside each
+    other; normal (B, 3) from the first of the pair to the second; first, second: (B, 3) [m] where they are nearest."""
+
+    sample: IntArray
+    pair: IntArray
+    distance: Array
+    normal: Array
+    first: Array
+    second: Array
+
+
+@final
+class Pairs:
+    """Shapes of a robot, and the floor where its base floats, two by two.
+
+    names: (P,) links of each pair. left_out: pairs of which no distance is asked, as links: those that the robot file
+    names, and those that are nearer than `clearance` [m] at home, which touch by construction. What one joint or none
+    lies between is in neither.
+    """
+
+    def __init__(self, robot: MotionRobot, clearance: float) -> None:
+        model = self.model = robot.model
+        self.data = model.createData()
+        geometry = self.geometry = pin.GeometryModel()
+        links = list[str]()
+        if robot.floating and robot.shapes:
+            floor = coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
+            geometry.addGeometryObject(pin.GeometryObject(FLOOR, 0, 0, pin.SE3.Identity(), floor))
+            links.append(FLOOR)
+        for k, shape in enumerate(robot.shapes):
+            index = robot.frame(shape.link)
+            frame = model.frames[index]
+            made = pin.GeometryObject(f"{shape.link} {k}", frame.parentJoint, index, frame.placement * shape.at,
+                                      shape.solid())  # fmt: skip
+            geometry.addGeometryObject(made)
+            links.append(shape.link)
+        soles = {sole.link for sole in robot.soles}
+        ignored = {frozenset(pair) for pair in robot.ignored}
+        objects, parents = geometry.geometryObjects, list(model.parents)
+        left_out, asked = list[tuple[str, str]](), list[tuple[int, int]]()
+        for i in range(len(links)):
+            for j in range(i + 1, len(links)):
+                one, other = objects[i].parentJoint, objects[j].parentJoint
+                joined = one == other or (links[i] != FLOOR and (parents[other] == one or parents[one] == other))
+                if joined or (links[i] == FLOOR and self._carried_by(other, robot, soles)):
+                    continue
+                if frozenset((links[i], links[j])) in ignored:
+                    left_out.append((links[i], links[j]))
+                else:
+                    asked.append((i, j))
+        for i, j in asked:
+            geometry.addCollisionPair(pin.CollisionPair(i, j))
+        self._start()
+        if asked and robot.home is not None:
+            at_home = self.near(robot.home[None], clearance)
+            touching = set(at_home.pair[at_home.distance < clearance].tolist())
+            left_out += [(links[i], links[j]) for k, (i, j) in enumerate(asked) if k in touching]
+            geometry.removeAllCollisionPairs()
+            asked = [pair for k, pair in enumerate(asked) if k not in touching]
+            for i, j in asked:
+                geometry.addCollisionPair(pin.CollisionPair(i, j))
+            self._start()
+        self.names = tuple((links[i], links[j]) for i, j in asked)
+        self.left_out = tuple(dict.fromkeys(left_out))
+
+    @staticmethod
+    def _carried_by(joint: int, robot: MotionRobot, soles: set[str]) -> bool:
+        return any(robot.model.frames[robot.frame(link)].parentJoint == joint for link in soles)
+
+    def _start(self) -> None:
+        self.found = pin.GeometryData(self.geometry)
+        for request in self.found.distanceRequests:
+            request.enable_signed_distance = True
+        pairs = [(pair.first, pair.second) for pair in self.geometry.collisionPairs]
+        self.levers = np.stack([self._lever(i, j) for i, j in pairs]) if pairs else np.zeros((0, self.model.nq))
+
+    def _lever(self, i: int, j: int) -> Array:
+        """(n,) [m/rad or m/m] by which a joint changes the pair's distance at most."""
+        model, out = self.model, np.zeros(self.model.nq)
+        supports = [list(model.supports[self.geometry.geometryObjects[k].parentJoint]) for k in (i, j)]
+        for k, own, others in ((i, supports[0], supports[1]), (j, supports[1], supports[0])):
+            shape = self.geometry.geometryObjects[k]
+            if shape.parentJoint == 0:
+                continue  # the floor, without end
+            shape.geometry.computeLocalAABB()
+            far = float(np.linalg.norm(shape.placement.act(shape.geometry.aabb_center))) + shape.geometry.aabb_radius
+            for joint in reversed([each for each in own if each not in others]):
+                column = model.joints[joint].idx_q
+                slides = "P" in model.joints[joint].shortname()
+                out[column] = 1.0 if slides else far
+                far += float(np.linalg.norm(model.jointPlacements[joint].translation))
+                if slides:
+                    ends = model.lowerPositionLimit[column], model.upperPositionLimit[column]
+                    far += float(np.abs(ends).max())
+        return out
+
+    def near(self, q: Array, within: float) -> Near:
+        """Pairs nearer than `within` [m] in postures q (T, n), all of them: a pair is looked at again no later than
+        the levers of its joints let it come so near."""
+        rows = list(self._walk(q, within))
+        column = [np.array(each) for each in zip(*rows, strict=True)] if rows else [np.zeros(0)] * 3
+        where = (np.array([row[k] for row in rows]).reshape(-1, 3) for k in (3, 4, 5))
+        return Near(column[0].astype(np.intp), column[1].astype(np.intp), column[2].astype(np.float64), *where)
+
+    def _walk(self, q: Array, within: float) -> Iterator[tuple[int, int, float, Array, Array, Array]]:
+        P = len(self.levers)
+        results = self.found.distanceResults
+        for start in range(0, len(q) if P else 0, BLOCK):
+            part = q[start : start + BLOCK]
+            steps = np.abs(np.diff(part, axis=0, prepend=part[:1]))
+            way = np.cumsum(self.levers @ steps.T, axis=1)  # (P, B) [m]
+            due = [list[int]() for _ in range(len(part) + 1)]
+            due[0] = list(range(P))
+            for t, pairs in enumerate(due[:-1]):
+                if not pairs:
+                    continue
+                pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.found, part[t])
+                for p in pairs:
+                    distance = pin.computeDistance(self.geometry, self.found, p).min_distance
+                    if distance < within:
+                        due[t + 1].append(p)
+                        found = results[p]
+                        yield (start + t, p, distance, found.normal.copy(), found.getNearestPoint1().copy(),
+                               found.getNearestPoint2().copy())  # fmt: skip
+                    else:
+                        far = int(way[p].searchsorted(way[p, t] + distance - within, side="right"))
+                        due[max(far, t + 1)].append(p)
+
+    def slopes(self, q: Array, near: Near) -> Array:
+        """(B, n) of the distances by the coordinates."""
+        model, joints = self.model, [shape.parentJoint for shape in self.geometry.geometryObjects]
+        moves = np.zeros((model.njoints, model.nq))
+        for k in range(1, model.njoints):
+            moves[k, [model.joints[each].idx_q for each in list(model.supports[k])[1:]]] = 1.0
+        pairs = np.array([(joints[pair.first], joints[pair.second]) for pair in self.geometry.collisionPairs])
+        out = np.zeros((len(near.sample), model.nq))
+        pushes = [np.concatenate([near.normal, np.cross(point, near.normal)], axis=1)
+                  for point in (near.first, near.second)]  # fmt: skip
+        samples, begins = np.unique(near.sample, return_index=True)
+        for t, begin, end in zip(samples, begins, np.append(begins, len(out))[1:], strict=True):
+            rows = slice(begin, end)
+            J = pin.computeJointJacobians(model, self.data, q[t])
+            for side, sign in enumerate((-1.0, 1.0)):
+                out[rows] += sign * (pushes[side][rows] @ J) * moves[pairs[near.pair[rows], side]]
+        return out

@@ -1,0 +1,69 @@
+"""Channels of a wrench that end at a limit: of the sensor's rated range, or of what lies behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.criteria import USUAL, Criteria
+from exogauge.logs.findings import Finding, longest_run
+from exogauge.payload.intake import Payload, Recording
+
+Array = NDArray[np.float64]
+
+
+def saturation(payload: Payload, criteria: Criteria = USUAL) -> list[str]:
+    """A sentence for each channel of each log."""
+    return [
+        f"{recording.wrench.file}, row {found.row}, column '{found.channel}': {found.detail}. What is "
+        f"identified with them is wrong: {found.advice}."
+        for recording in payload.recordings
+        for found in saturated(payload, recording, criteria)
+    ]
+
+
+def saturated(payload: Payload, recording: Recording, criteria: Criteria = USUAL) -> Iterator[Finding]:
+    """Beyond the rated range, or cut off at a value below it."""
+    rated = payload.file.sensor.range
+    limits = np.full(6, np.inf) if rated is None else np.array([*rated.force_n, *rated.moment_nm])
+    for name, values, limit in axes(payload, recording, limits):
+        over = np.abs(values) >= criteria.payload.full * limit
+        if over.any():
+            row = int(np.argmax(over)) + 1
+            detail = f"{int(over.sum())} samples reach {np.abs(values).max():.4g}, the sensor is rated for {limit:.4g}"
+            advice = "move slower or hold the payload nearer to the sensor; these samples are cut off"
+            yield Finding("error", name, "saturated", detail, advice, row, float(np.abs(values).max()))
+        else:
+            yield from cut_off(name, values, criteria)
+
+
+def cut_off(name: str, values: Array, criteria: Criteria = USUAL) -> Iterator[Finding]:
+    """One extreme so often in a row that a channel which repeats itself as this one does elsewhere hardly gives it. A
+    channel that stands still elsewhere, as a coarse one at rest, tells nothing."""
+    said, same = criteria.payload, np.diff(values) == 0.0
+    extremes = (float(values.max()), float(values.min()))
+    inside = ~np.isin(values, extremes)
+    elsewhere = same[inside[1:] & inside[:-1]]
+    if len(elsewhere) < said.cut_off_judged:
+        return
+    repeats = max(float(each.mean()) for each in np.array_split(elsewhere, len(elsewhere) // said.cut_off_judged))
+    if repeats > said.cut_off_alive:
+        return
+    chance = np.log(said.cut_off_chance / len(values)) / np.log(max(repeats, 1.0 / len(elsewhere)))
+    needed = max(said.cut_off_run, 1.0 + chance)
+    for extreme in extremes:
+        start, length = longest_run(values == extreme)
+        if length >= needed:
+            count = int(np.sum(values == extreme))
+            detail = (
+                f"{count} samples are exactly {extreme:.4g}, {length} of them in a row: the channel is cut off there"
+            )
+            advice = "a limit of the amplifier, the converter or the driver: widen it, or move slower"
+            yield Finding("error", name, "saturated", detail, advice, start + 1, extreme)
+
+
+def axes(payload: Payload, recording: Recording, per_axis: Array) -> Iterator[tuple[str, Array, float]]:
+    names = payload.file.sensor.wrench
+    yield from zip(names, recording.wrench.values.T, map(float, per_axis), strict=True)

@@ -1,0 +1,55 @@
+"""Units that were stated wrong, as motion tells them: forces and moments both hold m c, and must agree on it."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.judging import CARRYING as USUAL
+from exogauge.criteria.judging import Carrying
+from exogauge.logs.units import UNITS, units_of
+from exogauge.payload.dynamics import Rows
+
+Array = NDArray[np.float64]
+
+FORCE, MOMENT = [0, 1, 2, 3, 10, 11, 12], [1, 2, 3, *range(4, 10), 13, 14, 15]  # of x: what either part holds
+
+
+def moments_over_forces(rows: Rows, criteria: Carrying = USUAL) -> tuple[float, float] | None:
+    """How many times m c is larger by the moments than by the forces, and its std; None where motion does not tell."""
+    force, moment = _part(rows.z[:, :3], FORCE), _part(rows.z[:, 3:], MOMENT)
+    if force is None or moment is None:
+        return None
+    (f, C_f), (m, C_m) = ((x[first : first + 3], C[first : first + 3, first : first + 3]) for (x, C), first in
+                          ((force, 1), (moment, 0)))  # fmt: skip
+    size = float(np.linalg.norm(f))
+    along = f / size
+    ratio = float(f @ m) / size**2
+    std = float(np.sqrt(along @ (C_m + ratio**2 * C_f) @ along)) / size
+    return (ratio, std) if std < criteria.ratio_known * max(abs(ratio), 1.0) else None
+
+
+def _part(z: Array, columns: list[int]) -> tuple[Array, Array] | None:
+    """Least squares of some rows for some of x, and its covariance; None where they do not decide it."""
+    A, b = z[:, :, columns].reshape(-1, len(columns)), z[:, :, -1].ravel()
+    scale = np.linalg.norm(A, axis=0)
+    if not scale.all() or np.linalg.cond(A / scale) > 1e6:
+        return None
+    x = np.linalg.lstsq(A / scale, b)[0]
+    spread = max(float(np.mean((b - A / scale @ x) ** 2)), 1.0)
+    covariance = spread * np.linalg.inv(A.T @ A)
+    return np.asarray(x / scale), np.asarray(covariance)
+
+
+def units_for(ratio: float, std: float, force_unit: str, moment_unit: str) -> str:
+    """What to say in place of the stated units, where one other unit explains the ratio. std: of the ratio."""
+    found = []
+    for key, stated, dimension in (("moment", moment_unit, "torque"), ("force", force_unit, "force")):
+        for other, (known, turned) in product(units_of((dimension,)), ((stated, key == "moment"),)):
+            share = UNITS[other].factor / UNITS[known].factor if known in UNITS else np.nan
+            implied = 1.0 / share if turned else share
+            if abs(ratio / implied - 1.0) < max(3.0 * std / abs(ratio), 0.02) and abs(implied - 1.0) > 0.02:
+                found.append(f"`sensor.{key}_unit: {other}`")
+    return " or ".join(found)

@@ -1,0 +1,1 @@
+"""What keeps an installation whole while it runs, and carries it elsewhere."""

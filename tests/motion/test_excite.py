@@ -1,0 +1,160 @@
+"""Motions that identify: gradients against differences, bounds against MuJoCo, promises against identification."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.motion.robots import ARMS, arm_folder, sample_folder
+
+from exogauge.cli import main
+from exogauge.criteria.motion_excite import MotionExcite
+from exogauge.motion.excite.base import BaseTurn
+from exogauge.motion.excite.excited import Excited
+from exogauge.motion.excite.search import Task, point, random_motion, within
+from exogauge.motion.excite.stance import Standing
+from exogauge.motion.excite.task import task_of
+from exogauge.motion.robot_file import load_motion_robot
+from exogauge.motion.touching import Pairs
+from exogauge.studies.intake.robot_file import load_robot
+
+QUICK = MotionExcite(top_hz=0.6, standing_hz=0.6, per_period=8, drawn=1, steps=25)
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return arm_folder(tmp_path_factory.mktemp("arm"), "ur10")
+
+
+@pytest.fixture(scope="module")
+def human(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return sample_folder(tmp_path_factory.mktemp("robot"))
+
+
+def task(path: Path, seconds: float = 6.0, criteria: MotionExcite = QUICK) -> Task:
+    return task_of(load_robot(path.parent, path.name), load_motion_robot(path), seconds, criteria)
+
+
+def bare(of: Task) -> Task:
+    """Without shapes that could touch."""
+    robot = replace(of.stance.robot, shapes=())
+    return replace(of, bounds=replace(of.bounds, pairs=Pairs(robot, of.criteria.clearance_m)))
+
+
+def along(of: Task, x: np.ndarray, dear: float, seed: int) -> tuple[float, float]:
+    """A slope of the cost by the gradient, and by differences."""
+    d = np.random.default_rng(seed).standard_normal(x.shape) * of.sizes
+    there, back = (point(of, x + sign * 1e-5 * d, dear)[0] for sign in (1.0, -1.0))
+    return float(np.sum(point(of, x, dear)[1] * d)), (there - back) / 2e-5
+
+
+def test_the_gradient_of_an_arm_is_that_of_differences(arm: Path) -> None:
+    """Beyond its bounds, so that these pull too."""
+    of = bare(task(arm))
+    x = 1.4 * random_motion(of, np.random.default_rng(0))
+    assert point(of, x, 100.0)[2] > 1.0
+    for seed in range(3):
+        exact, differences = along(of, x, 100.0, seed)
+        assert exact == pytest.approx(differences, rel=1e-5, abs=1e-5)
+
+
+def test_what_comes_too_near_pulls(arm: Path) -> None:
+    """Hulls have edges, at which a difference may be off; a slope that is wrong is off everywhere."""
+    of = task(arm)
+    x, clear = 1.4 * random_motion(of, np.random.default_rng(0)), bare(of)
+    d = np.random.default_rng(1).standard_normal(x.shape) * of.sizes
+
+    def pull(x: np.ndarray) -> float:
+        return point(of, x, 100.0)[0] - point(clear, x, 100.0)[0]
+
+    exact = float(np.sum((point(of, x, 100.0)[1] - point(clear, x, 100.0)[1]) * d))
+    off = [abs((pull(x + h * d) - pull(x - h * d)) / (2 * h) - exact) for h in (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)]
+    assert abs(exact) > 1e-3
+    assert min(off) < 1e-3 * abs(exact)
+
+
+def test_the_gradient_of_a_standing_robot_is_that_of_differences(human: Path) -> None:
+    """Through legs that follow; with bounds so tight that balance, friction and position pull."""
+    of = bare(task(human, 4.0, replace(QUICK, kept=0.3)))
+    x = random_motion(of, np.random.default_rng(0))
+    for seed in range(2):
+        exact, differences = along(of, x, 10.0, seed)
+        assert exact == pytest.approx(differences, rel=1e-5, abs=1e-5)
+
+
+def test_what_a_turning_base_feels_and_its_slopes() -> None:
+    rng, h = np.random.default_rng(1), 1e-6
+    q, v, a = rng.standard_normal((3, 3, 6)) * 0.5
+    weights = rng.standard_normal((3, 3, 3))
+
+    def total(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> float:
+        felt = BaseTurn.of(q[:, 3:], v[:, 3:], a[:, 3:]).felt(a[:, :3])
+        return float(sum(np.sum(w * each) for w, each in zip(weights, felt, strict=True)))
+
+    turn = BaseTurn.of(q[:, 3:], v[:, 3:], a[:, 3:])
+    later = BaseTurn.of(q[:, 3:] + h * v[:, 3:], v[:, 3:], a[:, 3:])
+    spin = np.swapaxes(turn.rotation, 1, 2) @ (later.rotation - turn.rotation) / h
+    assert turn.felt(a[:, :3])[1] == pytest.approx(np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], 1), abs=1e-5)
+    slopes = turn.back(a[:, :3], *weights)
+    for which, exact in enumerate(slopes):
+        for at in np.ndindex(3, 6):
+            parts = [[each.copy() for each in (q, v, a)] for _ in range(2)]
+            parts[0][which][at] += h
+            parts[1][which][at] -= h
+            assert exact[at] == pytest.approx((total(*parts[0]) - total(*parts[1])) / (2 * h), abs=1e-6)
+
+
+def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
+    of = bare(task(human, 4.0))
+    x = random_motion(of, np.random.default_rng(2))
+    assert isinstance(of.stance, Standing)
+    h = 1e-4
+    time = np.array([1.3, 2.1])
+    before, here, after = (of.stance.whole(*of.series.motion(x, time + k * h)) for k in (-1, 0, 1))
+    assert here[1] == pytest.approx((after[0] - before[0]) / (2 * h), abs=1e-5)
+    assert here[2] == pytest.approx((after[1] - before[1]) / (2 * h), abs=1e-4)
+    planned = Excited(of, x)
+    assert planned.at(np.array([0.0]))[0][0] == pytest.approx(of.stance.home, abs=1e-9)
+
+
+def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
+    of = bare(task(arm))
+    robot = replace(of.stance.robot, home=of.stance.robot.limits.lower.copy())
+    of = replace(of, stance=type(of.stance)(robot), bounds=replace(of.bounds, robot=robot, order=of.order))
+    x = within(of, 3.0 * random_motion(of, np.random.default_rng(0)))
+    assert of.largest(x)[0] <= 1.0 + 1e-9
+    assert np.abs(x[:, :-1]).max() > 0.1
+
+
+@pytest.mark.slow
+def test_the_command_plans_for_an_arm_and_says_what_will_be_known(
+    arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "excite.csv"
+    assert main(["motion", "excite", "--robot", str(arm), "--seconds", "3", "--json", "--out", str(out)]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert "decided" in said["base parameters"]
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    assert len(rows) == pytest.approx(said["seconds"] * 200.0, abs=2)
+    first, last = ([float(row[f"q.{joint}"]) for joint in ARMS["ur10"][1]] for row in (rows[0], rows[-1]))
+    assert first == pytest.approx(ARMS["ur10"][2], abs=1e-6)
+    assert last == pytest.approx(first, abs=1e-6)
+    told = json.loads(out.with_suffix(".json").read_text())["parameters"]
+    assert all(each["std"] <= each["before"] * 1.001 for each in told if each["name"].startswith("base["))
+
+
+@pytest.mark.parametrize("seconds", ["0", "1e9", "nan"])
+def test_a_length_that_makes_no_motion_is_refused(arm: Path, seconds: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["motion", "excite", "--robot", str(arm), "--seconds", seconds]) == 2
+    assert "seconds" in capsys.readouterr().err
+
+
+def test_a_result_of_another_robot_is_refused(arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other = tmp_path / "results.json"
+    other.write_text(json.dumps({"identification": {"parameters": [{"name": "m[x]", "std": 1.0}]}}))
+    assert main(["motion", "excite", "--robot", str(arm), "--from", str(other)]) == 2
+    assert "a parameter of this robot is missing" in capsys.readouterr().err

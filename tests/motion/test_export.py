@@ -1,0 +1,197 @@
+"""What is written is read back by those who play it: MuJoCo, rosbags, and readers of our own."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+from rosbags.rosbag2.storage_mcap import McapReader
+from rosbags.typesys import Stores, get_typestore
+
+from exogauge.cli import main
+from exogauge.motion.files import open_motion
+from exogauge.motion.plan.asked import on_its_feet, standing
+from exogauge.motion.plan.export import FORMATS, exported
+from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.spline import Spline, through
+from exogauge.motion.robot import MotionRobot
+from exogauge.motion.robot_file import load_motion_robot
+from exogauge.synthetic.urdf import robot_file, robot_urdf
+
+RATE = 50.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("robot")
+    (made / "robot.urdf").write_text(robot_urdf())
+    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
+    return made
+
+
+@pytest.fixture(scope="module")
+def robot(folder: Path) -> MotionRobot:
+    return load_motion_robot(folder / "robot.yaml")
+
+
+def column(robot: MotionRobot, joint: str) -> int:
+    return robot.base + robot.joints.index(joint)
+
+
+@pytest.fixture(scope="module")
+def motion(robot: MotionRobot) -> Spline:
+    """A slow bow and turn, the pelvis sinking and yawing a little: nothing is broken."""
+    s = np.sin(np.linspace(0.0, np.pi, 181))[:, None] ** 2
+    aim = np.zeros(robot.model.nq)
+    aim[[2, 3]] = -0.02, 0.05
+    for joint, value in {"torso_pitch": 0.25, "torso_yaw": 0.3, "l_shoulder_pitch": -0.4}.items():
+        aim[column(robot, joint)] = value
+    place, stands = standing(robot), np.ones(2, bool)
+    return through(np.stack([on_its_feet(robot, q, place, stands) for q in robot.home + s * aim]), 1.0 / 60.0)
+
+
+@pytest.fixture(scope="module")
+def judged(robot: MotionRobot, motion: Spline) -> Judged:
+    found = judge(robot, motion, standing(robot), rate=RATE)
+    assert [line for line in found.broken if "standing foot" not in line] == []
+    return found
+
+
+def one(robot: MotionRobot, motion: Spline, judged: Judged, form: str) -> bytes:
+    (data,) = exported(robot, motion, judged, form).values()
+    return data
+
+
+def test_mujoco_stands_where_the_plan_stands_and_moves_as_it_moves(robot, motion, judged) -> None:
+    file = np.load(io.BytesIO(one(robot, motion, judged, "mujoco")))
+    as_it_is = '<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco>'
+    spec = mujoco.MjSpec.from_string(robot_urdf().replace("</robot>", as_it_is + "</robot>"))
+    spec.worldbody.first_body().add_freejoint()
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    order = [model.joint(name).qposadr[0] for name in file["joint_names"]]
+    to = np.concatenate([np.arange(7), order])
+    qpos = np.empty_like(file["qpos"])
+    qpos[:, to] = file["qpos"]
+    feet = []
+    for posture in qpos:
+        data.qpos[:] = posture
+        mujoco.mj_kinematics(model, data)
+        feet.append([data.body(sole.link).xpos.copy() for sole in robot.soles])
+    assert np.abs(np.array(feet) - feet[0]).max() < 2e-3
+    assert np.array(feet)[0] == pytest.approx(np.stack([at.translation for at in standing(robot)]), abs=1e-6)
+    rate = np.empty(model.nv)
+    qvel = np.empty_like(file["qvel"])
+    qvel[:, np.concatenate([np.arange(6), np.array(order) - 1])] = file["qvel"]
+    for t in range(10, len(qpos) - 10, 20):
+        mujoco.mj_differentiatePos(model, rate, 2.0 / RATE, qpos[t - 1], qpos[t + 1])
+        assert qvel[t] == pytest.approx(rate, abs=2e-3)
+
+
+def test_rosbags_reads_the_trajectory_back(robot, motion, judged, tmp_path: Path) -> None:
+    path = tmp_path / "motion.mcap"
+    path.write_bytes(one(robot, motion, judged, "ros2-mcap"))
+    reader, store = McapReader(path), get_typestore(Stores.ROS2_HUMBLE)
+    reader.open()
+    (connection,) = reader.connections
+    (_, _, raw), *more = reader.messages(reader.connections)
+    reader.close()
+    assert connection.topic == "/joint_trajectory"
+    assert not more
+    message = store.deserialize_cdr(bytes(raw), connection.msgtype)
+    written = yaml.safe_load(one(robot, motion, judged, "ros2-yaml"))
+    assert tuple(message.joint_names) == tuple(written["joint_names"]) == robot.joints
+    assert len(message.points) == len(written["points"]) == len(judged.time)
+    for k in (0, 40, len(judged.time) - 1):
+        ours, theirs = written["points"][k], message.points[k]
+        assert ours["positions"] == pytest.approx(judged.q[k, 6:], abs=1e-8)
+        assert theirs.velocities == pytest.approx(judged.dq[k, 6:], abs=1e-8)
+        assert ours["accelerations"] == pytest.approx(theirs.accelerations)
+        stamp = theirs.time_from_start
+        assert stamp.sec + 1e-9 * stamp.nanosec == pytest.approx(judged.time[k])
+        assert ours["time_from_start"] == {"sec": stamp.sec, "nanosec": stamp.nanosec}
+    middle = len(judged.time) // 2
+    slope = (message.points[middle + 1].velocities - message.points[middle - 1].velocities) * RATE / 2
+    assert message.points[middle].accelerations == pytest.approx(slope, abs=0.05)
+
+
+def test_hrpsys_has_the_pressure_in_the_waist_and_the_waist_in_the_world(robot, motion, judged) -> None:
+    files = exported(robot, motion, judged, "hrpsys")
+    rows = {end: np.loadtxt(io.BytesIO(data)) for end, data in files.items()}
+    assert set(rows) == {".pos", ".vel", ".zmp", ".waist", ".hip"}
+    assert rows[".pos"][:, 1:] == pytest.approx(judged.q[:, 6:], abs=1e-7)
+    assert rows[".waist"][:, 4:] == pytest.approx(rows[".hip"][:, 1:])
+    assert np.gradient(rows[".pos"][:, 1:], 1.0 / RATE, axis=0)[2:-2] == pytest.approx(rows[".vel"][2:-2, 1:], abs=5e-3)
+    for t in (0, 70, 100):
+        roll, pitch, yaw = rows[".waist"][t, 4:]
+        turn = mujoco_turn(yaw, "z") @ mujoco_turn(pitch, "y") @ mujoco_turn(roll, "x")
+        world = rows[".waist"][t, 1:4] + turn @ rows[".zmp"][t, 1:]
+        assert world == pytest.approx(judged.pressure[t], abs=1e-6)
+        assert abs(world[2]) < 1e-3
+    assert rows[".waist"][90, 3] - rows[".waist"][0, 3] < -0.005  # it sinks
+
+
+def mujoco_turn(angle: float, axis: str) -> np.ndarray:
+    out, quaternion = np.empty(9), np.zeros(4)
+    mujoco.mju_axisAngle2Quat(quaternion, np.eye(3)["xyz".index(axis)], angle)
+    mujoco.mju_quat2Mat(out, quaternion)
+    return out.reshape(3, 3)
+
+
+def test_tables_have_their_units(robot, motion, judged, tmp_path: Path) -> None:
+    (tmp_path / "motion.mot").write_bytes(one(robot, motion, judged, "mot"))
+    again = open_motion(tmp_path / "motion.mot")
+    assert again.angles is not None
+    k = list(again.angles.names).index("torso_pitch")
+    assert again.angles.value[:, k] == pytest.approx(judged.q[:, column(robot, "torso_pitch")], abs=1e-8)
+    lines = one(robot, motion, judged, "mc_rtc").decode().splitlines()
+    assert lines[0].split(";")[:3] == ["t", "qOut_0", "qOut_1"]
+    assert [float(x) for x in lines[50].split(";")[1:]] == pytest.approx(judged.q[49, 6:], abs=1e-8)
+
+
+def test_a_broken_motion_is_marked_in_every_format(robot: MotionRobot, motion: Spline, judged: Judged) -> None:
+    fast = Spline(motion.control, motion.step / 12.0)
+    broken = judge(robot, fast, standing(robot), rate=RATE)
+    assert any("centre of pressure" in line for line in broken.broken)
+    whole = judge(robot, motion, standing(robot), rate=RATE)
+    object.__setattr__(whole, "broken", ())
+    for form in FORMATS:
+        good, bad = exported(robot, motion, whole, form), exported(robot, fast, broken, form)
+        assert b"broken" not in b"".join(data for end, data in good.items() if end != ".npz")
+        if form == "mujoco":
+            assert len(np.load(io.BytesIO(bad[".npz"]))["broken"]) == len(broken.broken)
+            assert len(np.load(io.BytesIO(good[".npz"]))["broken"]) == 0
+        else:
+            assert b"broken" in b"".join(bad.values()) or ".broken" in bad
+
+
+def test_a_file_becomes_another_at_any_rate_with_a_sheet(robot, motion, folder: Path, tmp_path: Path, capsys) -> None:
+    still = Spline(np.tile(robot.home, (63, 1)), 1.0 / 60.0)
+    seen = judge(robot, still, standing(robot))
+    (tmp_path / "still.csv").write_bytes(one(robot, still, seen, "csv"))
+    command = ["motion", "export", str(tmp_path / "still.csv"), "--robot", str(folder / "robot.yaml"), "--json"]
+    assert main([*command, "--format", "hrpsys", "--rate", "500", "--out", str(tmp_path / "bow.pos")]) == 0
+    assert json.loads(capsys.readouterr().out)["written"].startswith("bow.pos, bow.vel")
+    assert len(np.loadtxt(tmp_path / "bow.zmp")) == 501
+    told = json.loads((tmp_path / "bow.pos.json").read_text())
+    assert told["rate_hz"] == 500.0
+    assert told["broken"] == []
+    assert told["joints"]["l_knee_pitch"]["range"] == [0.7, 0.7]
+    for name in ("bow.pos", "bow.waist", "still.csv"):
+        assert told["sha256"][name] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+    lines = (tmp_path / "still.csv").read_text().splitlines()  # one knee straighter than the other
+    (tmp_path / "lifted.csv").write_text("\n".join(line.replace(",0.7,", ",0.6,", 1) for line in lines))
+    command[2] = str(tmp_path / "lifted.csv")
+    assert main([*command, "--format", "mot", "--out", str(tmp_path / "lifted.mot")]) == 1
+    assert not (tmp_path / "lifted.mot").exists()
+    assert main([*command, "--format", "mot", "--out", str(tmp_path / "lifted.mot"), "--despite"]) == 1
+    assert b"broken" in (tmp_path / "lifted.mot").read_bytes()
+    assert json.loads((tmp_path / "lifted.mot.json").read_text())["broken"]
+    assert main([*command, "--format", "gif"]) == 2
+    assert "hrpsys" in capsys.readouterr().err

@@ -1,0 +1,81 @@
+"""A person's motion cut, slowed, mirrored, repeated; and what is nearest to what cannot be had."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from exogauge.motion.human import Contacts
+from exogauge.motion.person import Person
+from exogauge.motion.plan.possible import nearest
+
+T = 40
+LEFT = np.arange(T) < 30
+
+
+@pytest.fixture
+def person() -> Person:
+    """Bends ahead, leans and turns to the left, walks ahead and to the left, lifts the left arm sideways."""
+    s = np.linspace(0.0, 1.0, T)
+    trunk = np.stack([pin.rpy.rotate("z", 0.4 * a) @ pin.rpy.rotate("y", 0.6 * a) @ pin.rpy.rotate("x", -0.2 * a)
+                      for a in s])  # fmt: skip
+    turn = np.stack([pin.rpy.rotate("z", 0.3 * a) for a in s])
+    place = np.stack([s, 0.5 * s, 0.9 - 0.1 * s], axis=1)
+    arm = np.stack([0 * s, np.sin(s), -np.cos(s)], axis=1)
+    other = np.tile([0.0, 0.0, -1.0], (T, 1))
+    return Person("p", 0.1 * np.arange(T), place, turn, trunk, {"l_upper_arm": arm, "r_upper_arm": other}, 0.8,
+                  Contacts(LEFT, np.ones(T, bool)))  # fmt: skip
+
+
+def test_a_mirrored_person_does_with_the_right_what_it_did_with_the_left(person: Person) -> None:
+    other = person.mirrored()
+    assert other.pelvis[-1] == pytest.approx([1.0, -0.5, 0.8])
+    assert pin.rpy.matrixToRpy(other.turn[-1])[2] == pytest.approx(-0.3)
+    back = other.trunk[-1] @ [1.0, 0.0, 0.0]
+    assert back == pytest.approx((person.trunk[-1] @ [1.0, 0.0, 0.0]) * [1.0, -1.0, 1.0])
+    assert np.linalg.det(other.trunk) == pytest.approx(np.ones(T))
+    assert other.limbs["r_upper_arm"][-1] == pytest.approx([0.0, -np.sin(1.0), -np.cos(1.0)])
+    assert other.contacts is not None
+    assert (other.contacts.right == LEFT).all()
+    again = other.mirrored()
+    assert again.trunk == pytest.approx(person.trunk)
+    assert again.limbs["l_upper_arm"] == pytest.approx(person.limbs["l_upper_arm"])
+
+
+def test_a_share_of_the_trunks_angle_is_that_share(person: Person) -> None:
+    half = person.trunk_share(0.5)
+    assert half.trunk @ half.trunk == pytest.approx(person.trunk)
+    assert person.trunk_share(0.0).trunk == pytest.approx(np.tile(np.eye(3), (T, 1, 1)))
+    assert half.turn == pytest.approx(person.turn)
+
+
+def test_a_repeated_motion_comes_again_after_a_pause(person: Person) -> None:
+    twice = person.repeated(2, 1.5)
+    assert (np.diff(twice.time) > 0.0).all()
+    assert twice.time[T] - twice.time[T - 1] == pytest.approx(1.5)
+    assert twice.cut(twice.time[T], np.inf).trunk == pytest.approx(person.trunk)
+    assert person.slowed(2.0).time[-1] == pytest.approx(2.0 * person.time[-1])
+
+
+def test_parts_can_be_left_out(person: Person) -> None:
+    assert person.without("arms").limbs == {}
+    still = person.without("pelvis")
+    assert np.ptp(still.pelvis, axis=0) == pytest.approx(np.zeros(3))
+    assert still.trunk == pytest.approx(person.trunk)
+
+
+@pytest.mark.parametrize(("wanted", "safe", "edge"), [(1.0, 4.0, 2.3), (1.0, 0.0, 0.62)])
+def test_what_is_nearest_to_what_is_wanted_is_found(wanted: float, safe: float, edge: float) -> None:
+    asked = []
+
+    def holds(value: float) -> bool:
+        asked.append(value)
+        return (value - edge) * (safe - wanted) >= 0.0
+
+    found = nearest(holds, wanted, safe, 0.05)
+    assert found is not None
+    assert holds(found)
+    assert abs(found - edge) <= 0.05
+    assert len(asked) < 10
+    assert nearest(lambda _: False, wanted, safe, 0.05) is None
