@@ -158,7 +158,7 @@ def _settle(
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
         report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max())))
         used = shares(robot, spline, slope, pairs, criteria)
-        over = float((used.beyond(criteria) - np.maximum(excess, 0.0)).max())  # more than the equations said
+        over = float((used.beyond - np.maximum(excess, 0.0)).max())  # more than the equations said
         held = strays < criteria.held and floats < criteria.floats and over < criteria.over
         if rounds == criteria.rounds or (held and size < criteria.done_rad):
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
