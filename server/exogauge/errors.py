@@ -12,8 +12,10 @@ ExogaugeError
 ├── Cancelled            the caller asked to stop
 ├── NotFound             no such thing, or not yours to see
 ├── Conflict             the thing changed meanwhile, or the same key was used for something else
+├── TooMany              a limit on how much in how short a time; `retry_after_s` says when it works again
 └── Unavailable          the database, the disk or a worker cannot serve now; trying again may help
-    └── DiskFull         a disk, or a quota on it, has no room: the same works as soon as there is
+    └── DiskFull         a disk has no room: the same works as soon as there is
+        └── QuotaFull    the lab has as many bytes as it may
 
 The domain knows no HTTP code; `api/problems.py` maps classes to statuses.
 """
@@ -122,6 +124,18 @@ class Unavailable(ExogaugeError):
 
 class DiskFull(Unavailable):
     """A disk, or a quota on it, has no room; the same works as soon as there is."""
+
+
+class QuotaFull(DiskFull):
+    """The lab keeps as many bytes as it may."""
+
+
+class TooMany(ExogaugeError):
+    """More than may be in so short a time. retry_after_s: after which the same works again."""
+
+    def __init__(self, message: str, retry_after_s: float) -> None:
+        self.retry_after_s = retry_after_s
+        super().__init__(message)
 
 
 def no_room(error: BaseException | None) -> bool:

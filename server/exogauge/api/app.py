@@ -39,7 +39,9 @@ from exogauge.api.access import Access
 from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
+from exogauge.api.rate import Rate
 from exogauge.api.uploads_resumable import TusHeaders
+from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.held_files import own_folder
@@ -56,6 +58,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or Settings()
     prepare(settings.database_url)
     installation = open_installation(settings)
+    at_once.bound(settings.readers)
     hub, housekeeping = Hub(installation, settings), Housekeeping(installation, settings)
 
     @asynccontextmanager
@@ -89,6 +92,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(TusHeaders, prefix=f"{PREFIX}/uploads")
     app.add_middleware(Access)
     app.add_middleware(Guard, local_only=settings.local_only)
+    app.add_middleware(Rate, per_s=settings.requests_per_s)
     for router in (
         robots.router,
         devices.router,

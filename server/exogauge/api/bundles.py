@@ -28,6 +28,8 @@ def keep(
     """The bundle below `folder`, whose `main` file `check` reads, as it is stored; its files; whether it is new."""
     root = root_of(folder, main)
     summary = check(root)
+    with storage.reading() as store:
+        store.refuse_bytes(sum(path.stat().st_size for path in root.rglob("*") if path.is_file()))
     files = keep_folder(storage.blobs, root)
     with storage.transaction() as store:
         kept, new = bundles(store).add(name or summary["name"], files, summary, **facts)

@@ -169,7 +169,8 @@ class Connection(HttpToolsProtocol):
             self.transport.abort()
             return
         slug = title.lower().replace(" ", "-")
-        answer = problem_response(status, slug, title, detail, headers={"connection": "close"})
+        again = {"retry-after": "1"} if status == 503 else {}
+        answer = problem_response(status, slug, title, detail, headers={"connection": "close", **again})
         head = b"".join(name + b": " + value + b"\r\n" for name, value in answer.raw_headers)
         self.transport.write(b"HTTP/1.1 %d %s\r\n%s\r\n%s" % (status, title.encode(), head, bytes(answer.body)))
         self.transport.write_eof()

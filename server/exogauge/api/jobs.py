@@ -78,9 +78,9 @@ class JobOut(Answer):
     an evaluation or identification that belongs; steps: what it did before, with times. place: where in the queue it
     is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
     column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. code_version:
-    the code that computes or computed it, null while no worker has taken it; requested_code_version: the code that took
-    the request, which a worker of another version does not share. revision: grows with every change and is the id of
-    its events."""
+    the code that computes or computed it, null while no worker has taken it; requested_code_version: the code that
+    took the request, which a worker of another version does not share. cpu_s: CPU seconds that it took. revision:
+    grows with every change and is the id of its events."""
 
     id: str
     study_id: str | None
@@ -98,6 +98,7 @@ class JobOut(Answer):
     problem: Problem | None = None
     defect: bool = False
     attempts: int
+    cpu_s: float
     cancel_requested: bool
     code_version: str | None
     requested_code_version: str

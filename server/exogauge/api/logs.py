@@ -72,6 +72,8 @@ def receive(
         if mapping is not None:
             write(mapping.file, scratch / MAPPING, Allowance(settings.max_description_bytes, 1))
         summary = checking.check_log(scratch, name, None if mapping is None else MAPPING, robot)
+        with storage.reading() as store:
+            store.refuse_bytes((scratch / name).stat().st_size)
         return (
             PinnedFile(name, storage.blobs.put(scratch / name), (scratch / name).stat().st_size),
             None if mapping is None else pinned_mapping(storage, scratch / MAPPING),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any, final
@@ -27,7 +28,9 @@ from exogauge.errors import (
     NotFound,
     NotIdentifiable,
     PhysicallyImpossible,
+    QuotaFull,
     TooLarge,
+    TooMany,
     Unavailable,
     no_room,
 )
@@ -37,7 +40,9 @@ log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 MOST_ERRORS = 100
+WAIT_S = 2.0  # after which what cannot be served now is worth another try
 STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class that fits counts
+    QuotaFull: (507, "quota-full", "The lab has no room left"),
     DiskFull: (507, "disk-full", "The disk is full"),
     TooLarge: (413, "too-large", "Too large"),
     BadLog: (422, "bad-log", "The log breaks a rule"),
@@ -48,6 +53,7 @@ STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class t
     PhysicallyImpossible: (422, "physically-impossible", "Not a possible body"),
     NotFound: (404, "not-found", "Not found"),
     Conflict: (409, "conflict", "Conflict"),
+    TooMany: (429, "too-many", "Too many"),
     Cancelled: (409, "cancelled", "Cancelled"),
     Unavailable: (503, "unavailable", "Cannot serve now"),
 }
@@ -108,7 +114,10 @@ def new_problem(
 
 def of_error(error: ExogaugeError, instance: str | None = None) -> JSONResponse:
     """The problem of anything exogauge raises on purpose."""
-    headers = {"Retry-After": "2"} if isinstance(error, Unavailable) else None
+    headers = None
+    if isinstance(error, Unavailable | TooMany):
+        wait_s = error.retry_after_s if isinstance(error, TooMany) else WAIT_S
+        headers = {"Retry-After": str(max(1, math.ceil(wait_s)))}
     document = problem_of(error, instance)
     return JSONResponse(document.model_dump(mode="json"), document.status, headers, MEDIA_TYPE)
 

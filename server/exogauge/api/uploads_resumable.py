@@ -130,6 +130,8 @@ def create_upload(
     """Begin a file; `Location` says where its pieces go."""
     size, name, key = int(length), name_in(metadata), new_id()
     refuse_too_much(size, settings)
+    with storage.reading() as store:
+        store.refuse_bytes(size, coming=True)
     files.create(key)
     with storage.transaction() as store:
         upload = store.uploads.add(key, name, size, until(settings))

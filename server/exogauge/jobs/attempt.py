@@ -83,6 +83,7 @@ class Runner:
         self._leaving = threading.Event()
         self._looked = 0.0
         self._progress = 0.0
+        self._charged = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
 
     def run(self) -> None:
@@ -126,6 +127,7 @@ class Runner:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
         started, folder = time.monotonic(), self._scratch / job.id
         log.info("job %s: attempt %d", job.id, job.attempts)
+        self._charged = self._child.used_s
         try:
             self._compute_and_save(job, folder)
             log.info("job %s succeeded in %.1f s", job.id, time.monotonic() - started)
@@ -207,6 +209,7 @@ class Runner:
         try:
             if self._unsaid is not None:
                 with self._of(job).transaction() as store:
+                    self._charge(store, job)
                     claims.report(store.session, job.id, self._worker, *self._unsaid)
                 self._unsaid = None
             with self._of(job).reading() as store:
@@ -219,8 +222,15 @@ class Runner:
         if wanted:
             raise Cancelled("cancelled on request")
 
+    def _charge(self, store: Store, job: JobRecord) -> None:
+        """What was computed since it was last told."""
+        before, self._charged = self._charged, self._child.used_s
+        if self._charged > before:
+            claims.charge(store.session, job.id, self._worker, self._charged - before)
+
     def _succeed(self, job: JobRecord, files: tuple[PinnedFile, ...]) -> None:
         with self._of(job).transaction() as store:
+            self._charge(store, job)
             claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts} succeeded"))
             if not claims.succeed(store.session, job, self._worker, files):
                 raise NotMineAnyMore(job.id)
@@ -231,6 +241,7 @@ class Runner:
 
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 self._say_the_last(store, job)
                 claims.fail(store.session, job.id, self._worker, reason, failure)
 
@@ -246,6 +257,7 @@ class Runner:
 
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 self._say_the_last(store, job)
                 claims.end_cancelled(store.session, job.id, self._worker)
 
@@ -254,6 +266,7 @@ class Runner:
     def _note(self, job: JobRecord, text: str) -> None:
         def write() -> None:
             with self._of(job).transaction() as store:
+                self._charge(store, job)
                 claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
 
         until_it_works(write)

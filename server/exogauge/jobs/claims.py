@@ -88,6 +88,11 @@ def report(session: Session, job_id: str, worker: str, progress: float, message:
     return change(session, held_by(job_id, worker), said) == 1
 
 
+def charge(session: Session, job_id: str, worker: str, cpu_s: float) -> bool:
+    """Add what this attempt has computed since the last time."""
+    return change(session, held_by(job_id, worker), {"cpu_s": Job.cpu_s + cpu_s}) == 1
+
+
 def append_log(session: Session, job_id: str, worker: str, text: str) -> bool:
     """Add to the job's log; its end stays."""
     added = printable(text)[-LOG_TAIL:]

@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, final
 
@@ -74,6 +75,7 @@ class ComputeChild:
         self._channel: socket.socket | None = None
         self._stderr: IO[bytes] | None = None
         self._request_id = 0
+        self._used = self._used_before = 0.0
 
     def start(self) -> None:
         """Start the process if there is none; imports nothing of the numerics yet."""
@@ -129,6 +131,7 @@ class ComputeChild:
             while True:
                 if time.monotonic() > deadline:
                     raise ComputeTimeout(f"stopped after {timeout_s:.0f} s, the limit for this kind of job")
+                self._look()
                 readable, _, _ = select.select([channel], [], [], POLL_S)
                 if not readable:
                     watch(None, None, None)
@@ -138,6 +141,7 @@ class ComputeChild:
                     raise self._died()
                 *lines, buffer = (buffer + received).split(b"\n")
                 if any(self._take(json.loads(line), watch) for line in lines):
+                    self._look()
                     return
         except (BrokenPipeError, ConnectionResetError) as error:
             raise self._died() from error
@@ -164,6 +168,18 @@ class ComputeChild:
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         return ComputeChildDied(f"the computing process died ({how})", self.stderr_tail())
 
+    @property
+    def used_s(self) -> float:
+        """CPU seconds of all processes that there were, and of their children that ended, as far as was looked."""
+        return self._used_before + self._used
+
+    def _look(self) -> None:
+        with suppress(OSError):  # gone, or no /proc
+            assert self._process is not None
+            fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
+            utime_stime_and_of_children = map(int, fields[11:15])
+            self._used = max(self._used, sum(utime_stime_and_of_children) / os.sysconf("SC_CLK_TCK"))
+
     def stderr_tail(self) -> str:
         """The last characters the child wrote to stdout or stderr."""
         if self._stderr is None:
@@ -180,3 +196,4 @@ class ComputeChild:
             if resource is not None:
                 resource.close()
         self._process = self._channel = self._stderr = None
+        self._used_before, self._used = self.used_s, 0.0

@@ -18,6 +18,7 @@ from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import attended, in_turn
 from exogauge.storage.database import database_now
+from exogauge.storage.quotas import refuse_jobs
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import OF_ALL_LABS
@@ -48,6 +49,7 @@ def submit(
     same = lab.select(Job).where(Job.request_hash == asked, Job.state.in_(LIVE_STATES))
 
     def make() -> list[Base]:
+        refuse_jobs(lab, store.quotas)
         common = {"lab_id": store.lab_id, f"{recipe.of}_id": owner_id, "requested_code_version": code_version()}
         return [Job(kind=kind, request_hash=asked, settings=wanted, **common)]
 

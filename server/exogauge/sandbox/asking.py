@@ -12,9 +12,11 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy, DiskFull, Fault, TooLarge, Unavailable
 from exogauge.sandbox.limits import Limits
@@ -27,6 +29,36 @@ KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 ERRORS: Mapping[str, type[BadInput]] = {
     each.__name__: each for each in (BadInput, BadLog, BadRobot, BadStudy, TooLarge)
 }
+
+
+@final
+class Places:
+    """How many children this process has at once: no bound, unless a server sets one."""
+
+    def __init__(self) -> None:
+        self._places: threading.Semaphore | None = None
+        self._wait_s = 0.0
+
+    def bound(self, most: int | None, wait_s: float = 5.0) -> None:
+        """wait_s: for which a request may wait for a place, before it is told to come again."""
+        self._places, self._wait_s = None if most is None else threading.Semaphore(most), wait_s
+
+    @contextmanager
+    def place(self, what: str) -> Iterator[None]:
+        """Unavailable where all are taken."""
+        places = self._places
+        if places is None:
+            yield
+            return
+        if not places.acquire(timeout=self._wait_s):
+            raise Unavailable(f"too many files are being read to read the {what} now; try again in a moment")
+        try:
+            yield
+        finally:
+            places.release()
+
+
+at_once = Places()
 
 
 def ask(
@@ -44,7 +76,8 @@ def ask(
     error: the class for input that brings the child down. what, file: how the user knows the input.
     """
     request = {"task": task, "options": options, "limits": dataclasses.asdict(limits)}
-    code, trace = _run(module, json.dumps(request), folder, limits.wall_s, what, file)
+    with at_once.place(what):
+        code, trace = _run(module, json.dumps(request), folder, limits.wall_s, what, file)
     answer = _read_answer(folder / ANSWER)
     if code == 0 and "result" in answer:
         return dict(answer["result"])

@@ -64,7 +64,7 @@ def check(
     for k, digits in enumerate(parts):
         said(k, len(parts))
         _check_blobs(installation, digits, found)
-    with installation.session() as session:
+    with installation.reading() as session:
         found.broken += list(broken_references(session))
     if settings is not None:
         found.left_over += [str(path) for path in left_on_machine(installation, settings)]
@@ -74,7 +74,7 @@ def check(
 
 def _check_blobs(installation: Installation, digits: str, found: Findings) -> None:
     there = set(installation.blobs.iterate(digits))  # before the rows: what comes meanwhile is no orphan …
-    with installation.session() as session:
+    with installation.reading() as session:
         rows = list(naming_rows(session, digits))
     named = {sha256 for _, _, sha256, _ in rows}
     found.orphans += sorted(there - named)
@@ -117,7 +117,7 @@ def naming_rows(session: Session, digits: str) -> Iterator[tuple[str, str, str, 
 
 
 def _still_names(installation: Installation, table: str, key: str) -> bool:
-    with installation.session() as session:
+    with installation.reading() as session:
         return bool(
             session.scalar(sa.select(sa.func.count()).select_from(sa.table(table)).where(sa.column("id") == key))
         )

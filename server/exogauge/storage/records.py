@@ -107,7 +107,8 @@ class JobRecord:
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
     log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs.
-    requested_code_version: of the server that took the request; code_version: of the worker that took the job."""
+    requested_code_version: of the server that took the request; code_version: of the worker that took the job.
+    cpu_s: what its attempts have computed, in CPU seconds."""
 
     id: str
     lab_id: str
@@ -127,6 +128,7 @@ class JobRecord:
     failure: Mapping[str, Any] | None
     steps: Sequence[Mapping[str, Any]] | None
     attempts: int
+    cpu_s: float
     cancel_requested: bool
     started_at: datetime | None
     finished_at: datetime | None

@@ -33,6 +33,7 @@ from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
+from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import AllLabsSession, LabSession
@@ -46,8 +47,9 @@ LOCAL = "local"  # who does what where there are no accounts
 class Store:
     """One lab's things inside one transaction (`session`), and the blobs beside them."""
 
-    def __init__(self, session: Session, blobs: BlobStore, lab_id: str) -> None:
+    def __init__(self, session: Session, blobs: BlobStore, lab_id: str, quotas: Quotas) -> None:
         lab = Lab(session, lab_id)
+        self.lab, self.quotas = lab, quotas
         self.session = session
         self.blobs = blobs
         self.lab_id = lab_id
@@ -67,6 +69,10 @@ class Store:
         self.tokens = Tokens(lab)
         self.audit = Audit(lab)
 
+    def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
+        """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
+        refuse_bytes(self.lab, self.quotas, more + (bytes_on_their_way(self.lab) if coming else 0))
+
     def study_of(self, job: JobRecord) -> StudyRecord:
         """NotFound for a job of a payload."""
         if job.study_id is None:
@@ -84,6 +90,7 @@ class Storage:
     blobs: BlobStore
     lab_id: str
     actor: str = LOCAL
+    quotas: Quotas = NO_LIMIT
 
     @contextmanager
     def transaction(self) -> Iterator[Store]:
@@ -92,13 +99,13 @@ class Storage:
             LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session,
             session.begin(),
         ):
-            yield Store(session, self.blobs, self.lab_id)
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
     @contextmanager
     def reading(self) -> Iterator[Store]:
         with serving("answer"), LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session:
             session.connection(execution_options=READONLY)
-            yield Store(session, self.blobs, self.lab_id)
+            yield Store(session, self.blobs, self.lab_id, self.quotas)
 
 
 @final
@@ -111,9 +118,10 @@ class Installation:
 
     engine: Engine
     blobs: BlobStore
+    quotas: Quotas = NO_LIMIT
 
     def of_lab(self, lab_id: str, actor: str = LOCAL) -> Storage:
-        return Storage(self.engine, self.blobs, lab_id, actor)
+        return Storage(self.engine, self.blobs, lab_id, actor, self.quotas)
 
     @contextmanager
     def session(self) -> Iterator[Session]:
@@ -141,4 +149,5 @@ class Installation:
 
 def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
     """migrating: as the tables' owner, at whatever revision, and with the rows of all labs: for backups."""
-    return Installation(make_engine(settings.database_url, migrating=migrating), FolderBlobs(settings.blobs))
+    engine = make_engine(settings.database_url, migrating=migrating)
+    return Installation(engine, FolderBlobs(settings.blobs), Quotas.of(settings))

@@ -23,6 +23,7 @@ from exogauge.storage.sweeping import sweep_installation, sweep_machine
 log = logging.getLogger(__name__)
 EVERY = timedelta(hours=1)
 AGAIN = timedelta(minutes=5)  # after one that failed
+FIRST_S = 15.0  # after the start: requests come first
 LOOK_EVERY_S = 60.0  # whether a chore is due
 SCRUBBED = 2  # of 256 parts of the blobs are read and hashed in an hour: all of them in five days
 SWEEP, CHECK = "sweep", "check"
@@ -50,6 +51,7 @@ class Housekeeping:
         self._thread.join(timeout=5.0)
 
     def _keep(self) -> None:
+        self._stopping.wait(FIRST_S)
         machine_due = time.monotonic()
         while not self._stopping.is_set():
             if time.monotonic() >= machine_due:
