@@ -137,7 +137,7 @@ def test_the_end_of_a_session_leads_to_our_own_sign_in_and_back(page: Page, serv
 
 
 def test_a_study_is_shared_with_one_lab_read_there_and_gone_again(
-    page: Page, service: Service, browser: Browser, screenshot: Callable[..., None]
+    page: Page, service: Service, browser: Browser
 ) -> None:
     page.goto("/sign-in")
     sign_in(page)
@@ -157,7 +157,6 @@ def test_a_study_is_shared_with_one_lab_read_there_and_gone_again(
     page.get_by_label("Name of another lab").fill("South")
     page.get_by_role("dialog").get_by_role("button", name="Share", exact=True).click()
     expect(page.get_by_role("button", name="End for South")).to_be_visible()
-    screenshot("accounts-share", without=(".mantine-Modal-root",))  # its header is no banner
     context = browser.new_context(base_url=service.url)
     cleo = context.new_page()
     cleo.goto(f"/invited#{code}")
