@@ -1,4 +1,4 @@
-"""A request can be followed: an id in the answer and in the log, counts and times for Prometheus; and health is told."""
+"""A request can be followed: an id in answer and log, counts and times for Prometheus; and health is told."""
 
 from __future__ import annotations
 

@@ -243,7 +243,7 @@ def main() -> int:
     options.add_argument(
         "--server", default="postgresql://root@127.0.0.1:5432/postgres", help="where databases are made"
     )
-    options.add_argument("--longest", type=float, default=8.0, metavar="S", help="between a start and its kill")
+    options.add_argument("--longest", type=float, default=15.0, metavar="S", help="between a start and its kill")
     given = options.parse_args()
     bad = False
     for kind in ("sqlite", "postgresql") if given.database == "both" else (given.database,):

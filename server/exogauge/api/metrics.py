@@ -60,8 +60,8 @@ class OfInstallation(Collector):
     def _of_database(self) -> Iterator[GaugeMetricFamily]:
         workers = self._installation.workers_alive()
         with self._installation.reading() as session:
-            counted = sa.select(Job.state, sa.func.count()).group_by(Job.state)
-            states = dict[str, int](session.execute(counted).tuples())
+            counted = sa.select(Job.state, sa.func.count().label("jobs")).group_by(Job.state)
+            states = {row.state: row.jobs for row in session.execute(counted)}
             oldest = session.scalar(sa.select(sa.func.min(Job.created_at)).where(Job.state == "queued"))
             waited = 0.0 if oldest is None else (database_now(session) - oldest).total_seconds()
             cpu = session.scalar(sa.select(sa.func.sum(Job.cpu_s))) or 0.0
