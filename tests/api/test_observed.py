@@ -55,7 +55,7 @@ def test_metrics_count_requests_by_route_and_jobs_by_state(client: TestClient, f
         client.get(f"/api/v1/jobs/{finished_job}")
     client.get("/api/v1/jobs/00000000-0000-4000-8000-000000000000")
     found = numbers(client.get("/metrics").text)
-    route = 'exogauge_requests_total{method="GET",route="/api/v1/jobs/{job_id}",status="%d"}'
+    route = 'exogauge_requests_total{method="GET",route="/jobs/{job_id}",status="%d"}'
     assert (found[route % 200], found[route % 404]) == (3, 1)
     assert found['exogauge_jobs{state="succeeded"}'] == 1
     assert found['exogauge_jobs{state="queued"}'] == 0

@@ -13,6 +13,7 @@ from exogauge import __version__
 from exogauge.api import (
     compare,
     devices,
+    events,
     from_uploads,
     health,
     imports,
@@ -88,6 +89,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.installation = installation
     app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
+    app.state.watch = events.Watch(installation)
     app.state.measures = measures = Measures()
     measures.registry.register(OfInstallation(installation, settings))
     problems.install(app)

@@ -96,7 +96,11 @@ class Place:
 def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
     """Job id -> its place among those of all labs, as workers take them, of those that are queued. Two statements,
     however many they are."""
-    wanted = [job.id for job in jobs if job.state == "queued"]
+    return places_of(session, [job.id for job in jobs if job.state == "queued"])
+
+
+def places_of(session: Session, wanted: Sequence[str]) -> dict[str, Place]:
+    """The same for ids of queued jobs."""
     if not wanted:
         return {}
     queue = in_turn()
