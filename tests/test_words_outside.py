@@ -94,6 +94,15 @@ def test_the_numerics_make_no_sentences(package: str) -> None:
     assert not found, "a Remark or a Caveat, and its words in studies/words: " + "; ".join(found)
 
 
+def test_an_effect_speaks_in_its_words_alone() -> None:
+    """`words`, `sentence`, `needs` and the words of its numbers stand in its class; what it computes says nothing."""
+    found = []
+    for path in sorted((SOURCE / "effects").glob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        found += [(path.name, function) for function, _, _ in sentences(tree) if function]
+    assert found == [("order.py", "since_log"), ("order.py", "one_log")]  # each makes a shape, with its words
+
+
 def test_the_rule_sees_a_warning_and_lets_an_error_speak() -> None:
     documented = '"""Says that it is not much of one, and of what."""'
     warns = f"def f(n):\n    {documented}\n    return [f'Of {{n}} joints there is little to fit.']"

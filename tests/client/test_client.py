@@ -107,7 +107,7 @@ def test_motions_that_differ_are_told_joint_by_joint(client, study, tmp_path):
     for error in problem.value.errors:
         assert (error["code"], error["file"]) == ("motions_differ", "worn.csv")
     assert "worn.csv, column 'dq.knee': the motions differ (value: 44 %). Record the same motion" in str(problem.value)
-    assert client.job(job).problem["title"] == "The study breaks a rule"
+    assert client.job(job).problem["title"] == "What was handed in breaks a rule"
 
 
 def test_a_problem_reads_like_advice(client, study_folder):

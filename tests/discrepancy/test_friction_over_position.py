@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import final
 
 import numpy as np
 import pytest
 from tests.discrepancy.conftest import SETTINGS
 
+import exogauge
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.effects.effect import Quantity
@@ -15,6 +18,10 @@ from exogauge.effects.shaped import Array, AxisSignals, Shape
 from exogauge.studies.words.finding_sentences import finding_sentence
 
 pytestmark = pytest.mark.slow
+
+HOUSE = Path(exogauge.__file__).parent
+SEARCH = ("detect", "search", "experiment", "findings")
+DEEPEST_SEARCH, DEEPEST = 8, 15  # calls below `find_missing_effects`; they may only fall
 
 A, B = 0.9, -0.6  # [N·m]
 
@@ -45,11 +52,49 @@ class PositionFriction:
         return bool(np.any(signals.direction != 0.0))
 
 
+class Depth:
+    """The longest chain of our own functions below `find_missing_effects`, and of those of the search alone."""
+
+    def __init__(self):
+        self.chain, self.of_search = (), ()
+
+    def __call__(self, frame, event, arg):
+        if event != "call":
+            return
+        chain = []
+        while frame is not None and frame.f_code is not find_missing_effects.__code__:
+            path = Path(frame.f_code.co_filename)
+            if HOUSE in path.parents and not frame.f_code.co_name.startswith("<"):  # no comprehension, no lambda
+                chain.append(f"{path.relative_to(HOUSE).with_suffix('')}:{frame.f_code.co_name}")
+            frame = frame.f_back
+        if frame is None:
+            return
+        of_search = [each for each in chain if each.startswith(SEARCH)]
+        self.chain, self.of_search = max(self.chain, chain, key=len), max(self.of_search, of_search, key=len)
+
+
 @pytest.fixture(scope="module")
-def found(identified, study, on_joint):
+def searched(identified, study, on_joint):
     recordings = study(on_joint(1, lambda m: (A * np.cos(m.q) + B * np.sin(m.q)) * np.sign(m.v)))
     effects = (*shaped_effects().values(), PositionFriction())
-    return find_missing_effects(identified(recordings), recordings, effects, SETTINGS).discrepancy.findings
+    before, depth, usual = identified(recordings), Depth(), sys.getprofile()
+    sys.setprofile(depth)
+    try:
+        return find_missing_effects(before, recordings, effects, SETTINGS).discrepancy.findings, depth
+    finally:
+        sys.setprofile(usual)
+
+
+@pytest.fixture(scope="module")
+def found(searched):
+    return searched[0]
+
+
+def test_who_reads_the_search_goes_down_no_deeper_than_before(searched):
+    """The search's own layers, and all that it calls: identification, rows, filters."""
+    _, depth = searched
+    assert 0 < len(depth.of_search) <= DEEPEST_SEARCH, depth.of_search[::-1]
+    assert len(depth.of_search) < len(depth.chain) <= DEEPEST, depth.chain[::-1]
 
 
 def test_it_is_named_alone_at_its_joint_with_its_numbers(found):

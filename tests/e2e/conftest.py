@@ -70,10 +70,10 @@ class Service:
 
 
 @contextmanager
-def running(data: Path, workers: int = 1, root_path: str = "") -> Iterator[Service]:
+def running(data: Path, workers: int = 1, root_path: str = "", **more: str) -> Iterator[Service]:
     """The real service as a process of its own, on a free port, until the context ends."""
     command = [sys.executable, "-m", "exogauge.cli", "serve", "--port", "0", "--workers", str(workers)]
-    environment = os.environ | {"EXOGAUGE_DATA_DIR": str(data), "EXOGAUGE_ROOT_PATH": root_path}
+    environment = os.environ | {"EXOGAUGE_DATA_DIR": str(data), "EXOGAUGE_ROOT_PATH": root_path, **more}
     with subprocess.Popen(
         [*command, "--with-parent"], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:

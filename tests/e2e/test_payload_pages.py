@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +16,7 @@ from tests.e2e.test_studies_page import drop
 from tests.payload.planned import plan_yaml
 
 from exogauge.cli import main
-from exogauge.client import Client
+from exogauge.client import Client, ClientProblem
 from exogauge.synthetic import payload as generator
 from exogauge.synthetic import write_payload_sample
 
@@ -124,6 +125,43 @@ def test_what_was_identified_is_told_with_its_doubt(
         expect(opened.value.get_by_role("heading", level=1)).to_contain_text("SYNTHETIC component")
         expect(opened.value.get_by_role("row").filter(has_text="mass m")).to_contain_text("40.173")
         opened.value.close()
+
+
+def test_a_job_that_fails_says_at_which_stage_and_what_to_change(
+    page: Page, service: Service, folder: Path, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    shutil.copytree(folder, tmp_path / "turned")
+    file = tmp_path / "turned" / "payload.yaml"
+    file.write_text(
+        file.read_text().replace("sees: payload_on_sensor", "sees: sensor_on_payload").replace("seed 1", "turned round")
+    )
+    with Client(service.url) as client:
+        payload = client.upload_payload(tmp_path / "turned")
+        with pytest.raises(ClientProblem):
+            client.wait(client.identify_payload(payload), progress=False)
+    page.goto(f"/payloads/{payload.id}")
+    steps = page.get_by_role("list", name="Steps")
+    for name, state in (("Reading", "done"), ("Postures", "failed"), ("Excitation", "unreached")):
+        expect(steps.get_by_role("listitem").filter(has_text=re.compile(f"^{name}"))).to_have_attribute(
+            "data-state", state
+        )
+    expect(page.get_by_role("alert").filter(has_text="sees: payload_on_sensor").first).to_be_visible()
+    screenshot("payload-failed")
+
+
+def test_what_the_model_lacks_is_told_with_its_size(
+    page: Page, service: Service, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    write_payload_sample(tmp_path / "hidden", 11, ["crosstalk@my_fx"])
+    with Client(service.url) as client:
+        payload = client.upload_payload(tmp_path / "hidden")
+        client.wait(client.identify_payload(payload), progress=False)
+    page.goto(f"/payloads/{payload.id}")
+    section = page.get_by_role("region", name="What the model lacks")
+    expect(section).to_contain_text("Missing: crosstalk: my of fx")
+    told = re.compile(r"share −0\.00\d+ ± \S+ m\. What was not fitted goes from 3")
+    expect(section.get_by_role("listitem")).to_contain_text(told)
+    screenshot("payload-missing")
 
 
 def test_an_export_moves_into_the_flange_as_it_is_typed(page: Page, identified: str) -> None:

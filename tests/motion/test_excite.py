@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
-from importlib.metadata import distribution
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-import yaml
+from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
@@ -21,36 +19,10 @@ from exogauge.motion.excite.search import Task, point, random_motion, within
 from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.motion.touching import Pairs
 from exogauge.studies.intake.robot_file import load_robot
-from exogauge.synthetic.urdf import robot_file, robot_urdf
 
-STOCK = "cmeel.prefix/share/example-robot-data/robots"
-ARMS = {  # urdf, joints, home [rad], acceleration [rad/s²] as the maker states it or, of UR10, as is usual
-    "panda": ("panda_description/urdf/panda.urdf", [f"panda_joint{k}" for k in range(1, 8)],
-              [0.0, -0.3, 0.0, -2.0, 0.0, 1.8, 0.7], [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]),
-    "ur10": ("ur_description/urdf/ur10_robot.urdf",
-             ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint",
-              "wrist_3_joint"], [0.0, -1.6, 1.2, -1.2, -1.5, 0.0], [10.0] * 6),
-}  # fmt: skip
-QUICK = MotionExcite(top_hz=0.6, per_period=8, drawn=1, steps=25)
-
-
-def arm_folder(made: Path, name: str) -> Path:
-    """robot.yaml of a stock robot with torques logged."""
-    urdf, joints, home, fast = ARMS[name]
-    made.mkdir(parents=True, exist_ok=True)
-    root = ElementTree.fromstring(
-        Path(str(distribution("example-robot-data").locate_file(f"{STOCK}/{urdf}"))).read_bytes()
-    )
-    (made / "robot.urdf").write_bytes(ElementTree.tostring(root))
-    content = {
-        "version": 1, "name": name, "urdf": "robot.urdf", "base": "fixed",
-        "joints": [{"name": joint, "actuation": "torque"} for joint in joints],
-        "noise": {"q": 1e-5, "tau": 0.1}, "uncertainty": "none",
-        "home": dict(zip(joints, home, strict=True)), "limits": {"acceleration": dict(zip(joints, fast, strict=True))},
-    }  # fmt: skip
-    (made / "robot.yaml").write_text(yaml.safe_dump(content))
-    return made / "robot.yaml"
+QUICK = MotionExcite(top_hz=0.6, standing_hz=0.6, per_period=8, drawn=1, steps=25)
 
 
 @pytest.fixture(scope="module")
@@ -60,14 +32,17 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def human(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("robot")
-    (made / "robot.urdf").write_text(robot_urdf())
-    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
-    return made / "robot.yaml"
+    return sample_folder(tmp_path_factory.mktemp("robot"))
 
 
 def task(path: Path, seconds: float = 6.0, criteria: MotionExcite = QUICK) -> Task:
     return task_of(load_robot(path.parent, path.name), load_motion_robot(path), seconds, criteria)
+
+
+def bare(of: Task) -> Task:
+    """Without shapes that could touch."""
+    robot = replace(of.stance.robot, shapes=())
+    return replace(of, bounds=replace(of.bounds, pairs=Pairs(robot, of.criteria.clearance_m)))
 
 
 def along(of: Task, x: np.ndarray, dear: float, seed: int) -> tuple[float, float]:
@@ -79,7 +54,7 @@ def along(of: Task, x: np.ndarray, dear: float, seed: int) -> tuple[float, float
 
 def test_the_gradient_of_an_arm_is_that_of_differences(arm: Path) -> None:
     """Beyond its bounds, so that these pull too."""
-    of = task(arm)
+    of = bare(task(arm))
     x = 1.4 * random_motion(of, np.random.default_rng(0))
     assert point(of, x, 100.0)[2] > 1.0
     for seed in range(3):
@@ -87,9 +62,24 @@ def test_the_gradient_of_an_arm_is_that_of_differences(arm: Path) -> None:
         assert exact == pytest.approx(differences, rel=1e-5, abs=1e-5)
 
 
+def test_what_comes_too_near_pulls(arm: Path) -> None:
+    """Hulls have edges, at which a difference may be off; a slope that is wrong is off everywhere."""
+    of = task(arm)
+    x, clear = 1.4 * random_motion(of, np.random.default_rng(0)), bare(of)
+    d = np.random.default_rng(1).standard_normal(x.shape) * of.sizes
+
+    def pull(x: np.ndarray) -> float:
+        return point(of, x, 100.0)[0] - point(clear, x, 100.0)[0]
+
+    exact = float(np.sum((point(of, x, 100.0)[1] - point(clear, x, 100.0)[1]) * d))
+    off = [abs((pull(x + h * d) - pull(x - h * d)) / (2 * h) - exact) for h in (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)]
+    assert abs(exact) > 1e-3
+    assert min(off) < 1e-3 * abs(exact)
+
+
 def test_the_gradient_of_a_standing_robot_is_that_of_differences(human: Path) -> None:
     """Through legs that follow; with bounds so tight that balance, friction and position pull."""
-    of = task(human, 4.0, replace(QUICK, kept=0.3))
+    of = bare(task(human, 4.0, replace(QUICK, kept=0.3)))
     x = random_motion(of, np.random.default_rng(0))
     for seed in range(2):
         exact, differences = along(of, x, 10.0, seed)
@@ -119,7 +109,7 @@ def test_what_a_turning_base_feels_and_its_slopes() -> None:
 
 
 def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
-    of = task(human, 4.0)
+    of = bare(task(human, 4.0))
     x = random_motion(of, np.random.default_rng(2))
     assert isinstance(of.stance, Standing)
     h = 1e-4
@@ -132,7 +122,7 @@ def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
 
 
 def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
-    of = task(arm)
+    of = bare(task(arm))
     robot = replace(of.stance.robot, home=of.stance.robot.limits.lower.copy())
     of = replace(of, stance=type(of.stance)(robot), bounds=replace(of.bounds, robot=robot, order=of.order))
     x = within(of, 3.0 * random_motion(of, np.random.default_rng(0)))
@@ -140,6 +130,7 @@ def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
     assert np.abs(x[:, :-1]).max() > 0.1
 
 
+@pytest.mark.slow
 def test_the_command_plans_for_an_arm_and_says_what_will_be_known(
     arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,14 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-import pyarrow.parquet as pq
 import pytest
 from numpy.typing import NDArray
+from tests.payload import tools
 from tests.payload.conftest import GRAVITY, STD, case, generator
 
 from exogauge.errors import NotIdentifiable
 from exogauge.payload.dynamics import (
     DynamicSolution,
+    Method,
     Rows,
     dynamic_rows,
     dynamic_stage,
@@ -168,26 +169,37 @@ def test_without_postures_the_motion_alone_decides_all_sixteen() -> None:
 
 
 @pytest.mark.skipif(not TOOLS.is_dir(), reason="no recordings beside the repository")
-@pytest.mark.parametrize("tool", ["Hammer", "Clamp", "Screwdriver"])
-def test_tools_of_another_simulation_come_back_to_the_last_digits(tool: str) -> None:
+@pytest.mark.parametrize("name", tools.NAMES)
+def test_tools_of_another_simulation_come_back_to_the_last_digits(name: str) -> None:
     """Wrenches in world axes, gravity along +z there, s = +1."""
-    table = pq.read_table(TOOLS / f"{tool}.parquet").to_pydict()
-
-    def columns(*names: str) -> Array:
-        return np.stack([np.array(table[name]) for name in names], axis=1)
-
-    R = columns(*(f"R{i}{j}" for i in "123" for j in "123")).reshape(-1, 3, 3)
-    a, alpha, omega, f, n = (
-        np.einsum("tji,tj->ti", R, columns(*(f"{name}{axis}" for axis in "xyz"))) for name in ("a", "al", "w", "f", "m")
-    )
-    motion = SensorMotion(np.array(table["t"]), R, a, alpha, omega, np.zeros((len(R), 9, 1)))
-    rows = dynamic_rows(motion, np.concatenate([f, n], axis=1), np.array([0.0, 0.0, 9.81]), 1, np.full(6, 1e-8))
+    of = tools.tool(name)
+    rows = dynamic_rows(of.motion, of.wrench, tools.GRAVITY, 1, np.full(6, 1e-8))
     found = dynamic_stage(rows, static_prior(None, mass_scale=10.0), "ls")
-    truth = json.loads((TOOLS / "truth.json").read_text())[tool]
+    truth = json.loads((TOOLS / "truth.json").read_text())[name]
     assert found.value[0] == pytest.approx(truth["mass_kg"], abs=1e-9)
     assert found.value[1:4] / found.value[0] == pytest.approx(truth["com_m"], abs=1e-9)
-    assert found.value[:10][PAPER_ORDER] == pytest.approx(list(truth["phi_of_the_generator"].values()), abs=1e-9)
+    assert found.value[:10] == pytest.approx(of.phi, abs=1e-9)
     assert np.abs(found.value[10:]).max() < 1e-9
+
+
+@pytest.mark.skipif(not TOOLS.is_dir(), reason="no recordings beside the repository")
+@pytest.mark.parametrize("level", ["low", "moderate", "high"])
+def test_tools_with_the_noise_of_who_published_them_are_told_with_their_doubt(level: str) -> None:
+    """The motion stops and goes: mass and centre are told, of the inertia next to nothing, and its interval says so."""
+    inside: dict[Method, list[Array]] = {"ls": [], "gtls": []}
+    off = []
+    for name in tools.NAMES:
+        of = tools.tool(name)
+        for seed in range(8):
+            for method, held in inside.items():
+                found = tools.identified(of, level, seed, method)
+                held.append(np.abs(found.value[:10] - of.phi) < 1.96 * found.std[:10])
+            off.append(tools.errors(of, found.value[:10]))
+    assert 0.88 < np.mean(inside["gtls"]) < 0.98
+    assert np.mean(inside["ls"]) < 0.8  # whose regressor is taken to be exact
+    mass, centre, _ = np.mean(off, axis=0) / tools.NOISE[level]
+    assert mass < 0.5
+    assert centre < 2.0
 
 
 def test_what_was_not_excited_is_said() -> None:

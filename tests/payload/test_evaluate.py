@@ -246,6 +246,39 @@ def put(name: str, row: int, value: float) -> Callable[[dict[str, Array]], None]
     return change
 
 
+def of_two_clocks(content: dict[str, Any], folder: Path) -> None:
+    """Every third wrench and every second pose, in two files, the pose a little later than the first wrench."""
+    for entry in content["logs"]:
+        path = folder / entry["file"]
+        table = pq.read_table(path)
+        joints = [name for name in table.column_names if name[0] == "q"]
+        wrench, pose = table.drop(joints), table.select(["t", *joints])
+        every = np.arange(table.num_rows)
+        pq.write_table(wrench.take(every[::3]), path.with_suffix(".wrench.parquet"))
+        pq.write_table(pose.take(every[7::2]), path.with_suffix(".pose.parquet"))
+        entry["file"] = [entry["file"].replace(".parquet", f".{part}.parquet") for part in ("wrench", "pose")]
+
+
+def test_pose_and_wrench_of_two_clocks_and_rates_are_as_good_as_of_one(sample: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "two"
+    shutil.copytree(sample, folder)
+    content = yaml.safe_load((folder / "payload.yaml").read_text())
+    of_two_clocks(content, folder)
+    (folder / "payload.yaml").write_text(yaml.safe_dump(content))
+    found = results(evaluate(open_payload(folder)))
+    truth = json.loads((sample / "truth.json").read_text())
+    assert found.dynamic is not None
+    assert found.dynamic.method == "gtls"
+    assert found.dynamic.mu == pytest.approx(1.0, abs=0.1)
+    assert found.missing.verdict == "none"
+    values = {each.name: each for each in found.dynamic.values}
+    inertia = np.array(truth["inertia_about_sensor"])
+    for name, true in (("m", truth["mass"]), ("Ixx", inertia[0, 0]), ("Iyz", inertia[1, 2]), ("Izz", inertia[2, 2])):
+        assert abs(values[name].value - true) < 3.5 * values[name].std
+    assert values["Izz"].std < 0.01
+    assert len(found.contacts["contact.wrench"]) == len(truth["pushes"])
+
+
 def postures_alone(folder: Path) -> None:
     content = yaml.safe_load((folder / "payload.yaml").read_text())
     content["logs"] = content["logs"][:1]

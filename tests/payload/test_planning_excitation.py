@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,7 +13,7 @@ from tests.payload.planned import COMPONENT, arm_of, task_of, wrist_limits
 
 from exogauge.errors import NotIdentifiable
 from exogauge.payload.dynamics import batch, dynamic_rows, prior_information, static_prior
-from exogauge.payload.planning.excitation import Series, Task, improve, point, random_motion, within
+from exogauge.payload.planning.excitation import Series, Task, improve, point, random_motion, touches, within
 from exogauge.payload.sensor_motion import SensorMotion, rotations
 
 Array = NDArray[np.float64]
@@ -167,6 +168,22 @@ def test_a_motion_that_passes_its_bounds_is_shrunk_until_it_does_not(times: floa
     x[:, :-1] *= times
     assert task.largest(x) > 1.0
     assert 0.5 < task.largest(within(task, x)) <= 1.0
+
+
+@pytest.mark.slow
+def test_a_motion_that_would_collide_is_shrunk_until_nothing_touches() -> None:
+    """A ball on the link before the wrist, which the component's box clears at home."""
+    ball = '<collision><origin xyz="0.2 0 -0.2"/><geometry><sphere radius="0.1"/></geometry></collision>'
+    urdf = generator.arm_urdf().replace('<link name="link3">', f'<link name="link3">{ball}')
+    task = replace(task_of(), arm=arm_of(urdf=urdf))
+    wide = random_motion(task, np.random.default_rng(4))
+    assert not task.arm.touching(task.arm.home[task.arm.moved])
+    assert touches(task, wide)
+    clear = within(task, wide, clear=True)
+    assert not touches(task, clear)
+    share = (clear - np.eye(task.series.size)[-1] * task.arm.home[task.arm.moved][:, None])[:, :-1] / wide[:, :-1]
+    assert np.ptp(share) < 1e-9
+    assert 0.0 < share.mean() < 1.0
 
 
 def test_a_home_outside_the_bounds_is_refused() -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tests.payload.conftest import GRAVITY, arm, case, generator
 
 from exogauge.payload.sensor_motion import Chain, from_pose
-from exogauge.payload.smoothing import innovation_variance, likeliest, smooth
+from exogauge.payload.smoothing import at_times, innovation_variance, likeliest, smooth
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,37 @@ def test_missing_samples_are_stepped_over(logged: Array) -> None:
     found = smooth(TIME[keep], logged[keep], STD, density=10.0)
     error = found.state[:, :, 2] - swing(2)[keep]
     assert np.abs(error[100:-100]).max() < 1.0
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_between_samples_errors_are_no_larger_than_the_noise_says(logged: Array, every: int) -> None:
+    """At a third of the rate too, at times that belong to no sample."""
+    found = smooth(TIME[::every], logged[::every], STD)
+    at = np.linspace(1.0, 9.0, 1777)
+    phase = np.outer(at, [1.7, 3.1])
+    told = at_times(found, TIME[::every], at).state
+    for order in range(3):
+        true = 0.5 * np.array([1.7, 3.1]) ** order * np.sin(phase + order * np.pi / 2)
+        error = np.sqrt(np.mean((told[:, :, order] - true) ** 2))
+        at_samples = np.sqrt(np.mean((found.state[:, :, order] - swing(order)[::every])[60:-60] ** 2))
+        assert error < 1.15 * at_samples
+
+
+def test_a_pose_and_its_position_have_clocks_of_their_own() -> None:
+    one = case(0)
+    q, dq, ddq = one.exact
+    time = np.arange(len(q)) / generator.RATE_HZ
+    exact = Chain.of(arm(), "ft").motion(time, np.stack([q, dq, ddq], axis=2), np.zeros((6, 3, 3)), GRAVITY)
+    a_B = np.einsum("tij,tj->ti", exact.rotation, exact.acceleration)
+    position = np.cumsum(np.cumsum(a_B, axis=0), axis=0) / generator.RATE_HZ**2
+    found = from_pose(
+        time[::2], exact.rotation[::2], position[3::3], 1e-6, 1e-6, GRAVITY, at=time, position_time=time[3::3]
+    )
+    which = np.flatnonzero(np.isin(time, found.time))
+    assert 0.8 * len(time) < len(which) < len(time)
+    inner = slice(100, -100)
+    assert np.abs(found.omega - exact.omega[which])[inner].max() < 1e-3
+    assert np.abs(found.acceleration - exact.acceleration[which])[inner].max() < 0.1
 
 
 def test_a_logged_pose_gives_what_joint_angles_give() -> None:

@@ -168,7 +168,8 @@ def test_the_doubt_of_the_score_is_no_less_than_either_of_its_two_estimates_says
     setting, found = fitted(biped, suit, [make_evidence(suit, stoop(1), noise=0.5)])
     rows, number = np.einsum("ndp,nd->np", found.A, setting.weight * found.e), blocks(setting.logs, found.e)
     scores = np.stack([rows[number == each].sum(axis=0) for each in range(number.max() + 1)])
-    whole, size = score_covariance(setting, found), np.sqrt(np.sum(scores**2, axis=0))
+    weighted = found.A * setting.weight[:, :, None]
+    whole, size = score_covariance(setting.logs, found.e, weighted), np.sqrt(np.sum(scores**2, axis=0))
     more = (whole - scores.T @ scores) / np.outer(size, size)
     assert np.linalg.eigvalsh(more).min() > -1e-9
     # errors of one joint, alike at all times: Σ g^T C g, with C written out

@@ -10,7 +10,7 @@ from tests.band_problem import Motion, TorqueSamples, fit_bands, setting
 from exogauge.criteria.criterion import Z95
 from exogauge.devices.device import Band, ViaPoint
 from exogauge.support.band_model import shared
-from exogauge.support.stiffness import interval
+from exogauge.support.stiffness import Profiles
 
 NOWHERE = (ViaPoint("chest", (0.0, 0.0, 0.0)), ViaPoint("pelvis", (0.0, 0.0, 0.0)))
 PLAN = shared((Band("back", "back", NOWHERE),))
@@ -48,16 +48,16 @@ def test_both_kinds_agree_where_the_cost_is_a_parabola(samples, coloured):
     given, fit = found_in(bending(samples), beliefs)
     covariance = coloured * curved(fit)
     std, value = np.sqrt(covariance[STIFFNESS, STIFFNESS]), fit.wear.theta[STIFFNESS]
-    by_profile = interval(given, fit, covariance, STIFFNESS, 0.0)
+    by_profile = Profiles(given, fit, covariance).interval(STIFFNESS, 0.0)
     np.testing.assert_allclose(by_profile, [value - Z95 * std, value + Z95 * std], atol=0.01 * std)
-    assert interval(given, fit, covariance, STIFFNESS, 1e9) == (value - Z95 * std, value + Z95 * std)
+    assert Profiles(given, fit, covariance).interval(STIFFNESS, 1e9) == (value - Z95 * std, value + Z95 * std)
 
 
 @pytest.mark.parametrize("index", [STIFFNESS, LENGTH])
 def test_ends_of_a_profile_are_where_the_best_of_the_rest_costs_the_quantile_squared_more(index):
     samples = bending(noise=3.0)
     given, fit = found_in(samples)
-    ends = interval(given, fit, curved(fit), index, 0.0)
+    ends = Profiles(given, fit, curved(fit)).interval(index, 0.0)
     other, start = 1 - index, fit.wear.theta
 
     def best(value):
@@ -83,23 +83,23 @@ def test_little_doubt_against_the_value_is_stated_symmetrically():
     std = np.sqrt(np.diag(covariance))
     for index, size in ((STIFFNESS, fit.wear.theta[STIFFNESS]), (LENGTH, 0.1)):
         assert std[index] < 0.05 * size
-        low, high = interval(given, fit, covariance, index, size)
+        low, high = Profiles(given, fit, covariance).interval(index, size)
         assert (low + high) / 2 == pytest.approx(fit.wear.theta[index], rel=1e-12)
         assert high - low == pytest.approx(2 * Z95 * std[index])
 
 
 def test_what_the_data_do_not_hold_may_be_anything():
     given, fit = found_in(bending())
-    assert interval(given, fit, np.diag([np.inf, 1e-6]), STIFFNESS, fit.wear.theta[STIFFNESS]) == (0.0, np.inf)
+    assert Profiles(given, fit, np.diag([np.inf, 1e-6])).interval(STIFFNESS, fit.wear.theta[STIFFNESS]) == (0.0, np.inf)
 
 
 def test_an_end_that_no_data_hold_is_open():
     """Noise as large as the pull: any stiffness, if only the band comes taut late enough; and none at all."""
     given, fit = found_in(bending(noise=12.0, samples=200))
-    low, high = interval(given, fit, curved(fit), STIFFNESS, fit.wear.theta[STIFFNESS])
+    low, high = Profiles(given, fit, curved(fit)).interval(STIFFNESS, fit.wear.theta[STIFFNESS])
     assert low == 0.0
     assert np.isinf(high)
-    assert interval(given, fit, curved(fit), LENGTH, 0.1)[0] == 0.0
+    assert Profiles(given, fit, curved(fit)).interval(LENGTH, 0.1)[0] == 0.0
 
 
 def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
@@ -109,5 +109,5 @@ def test_the_interval_of_a_believed_parameter_narrows_as_the_closed_form_says():
         given, fit = found_in(samples, beliefs)
         g = samples.jacobian[:, 0, 0] * np.maximum(samples.length[:, 0] - 0.62, 0.0)
         own = 1.0 / np.sqrt(np.sum(samples.weight[:, 0] * g**2) + std**-2)
-        low, high = interval(given, fit, curved(fit), STIFFNESS, 0.0)
+        low, high = Profiles(given, fit, curved(fit)).interval(STIFFNESS, 0.0)
         assert high - low == pytest.approx(2 * Z95 * own, rel=0.01)

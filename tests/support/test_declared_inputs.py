@@ -18,7 +18,7 @@ from exogauge.support.balance import balance, of_this_log, slopes
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Setting, fit, shared
-from exogauge.support.band_rows import band_wires, rows_with
+from exogauge.support.band_rows import band_wires, rows_with, stretches
 
 SETTINGS = Settings(cutoff_hz=20.0, prior_strength=1.0, consistency="free")
 DECLARED = Declared(0.01, 0.01, 2.0, 0.2, 0.01, 0.009)
@@ -203,7 +203,7 @@ def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_m
     square, step = np.zeros(3), 1e-5  # more, and samples enter or leave the stretch
     for b in range(2):
         k, l_0 = fitted.wear.spring(b)
-        longer = setting.wires[b].stretch(l_0 - step) - setting.wires[b].stretch(l_0)
+        longer = np.subtract(*stretches([setting.wires[b]] * 2, np.array([l_0 - step, l_0])).T)
         for log in range(2):
             in_one = np.where(setting.logs.log == log, k * longer, 0.0)
             pulled = setting.logs.torque.copy()

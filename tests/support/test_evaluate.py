@@ -9,7 +9,7 @@ import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
 from exogauge.studies.words.remark_words import sentence
-from exogauge.support.evaluate import estimate_support, with_values
+from exogauge.support.evaluate import consequences, estimate_support, with_values
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 
 PITCH, YAW = 0, 1  # of a trial's joints
@@ -216,6 +216,19 @@ def test_a_device_without_values_gets_those_identified(biped, suit, recorded, tr
     nothing, why = with_values(told_nothing(suit), ())
     assert nothing is None
     assert sentence(why).startswith("none")
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_what_hangs_on_the_model_is_what_the_whole_evaluation_says_of_it(biped, suit, recorded, stated):
+    blank = suit if stated else told_nothing(suit)
+    result, stiffness = estimate_support(biped.known(), *asked(recorded, blank))
+    told = consequences(biped.known(), *asked(recorded, blank))
+    assert told.rmse == {(each.device, each.motion, each.joint): each.rmse["b"] for each in result.joints}
+    assert told.stiffness == {
+        (each.device, each.approach): {band.group: band.stiffness for band in each.bands}
+        for each in stiffness
+        if each.approach != "prior"
+    }
 
 
 def test_two_devices_in_one_study_are_kept_apart(biped, suit, recorded, stoop):

@@ -1,8 +1,8 @@
 """Outer guards of every request: who may be asked for, from which page, and what a browser may do with the answer.
 
-There are no accounts yet, so the service must not be usable from a web page that its user happens to visit: a request
-that changes something must come from our own page or from no page, and a server on the loopback interface answers only
-to names that nobody can register (addresses and names without a dot), against DNS rebinding.
+With accounts or without, the service must not be usable from a web page that its user happens to visit: a request that
+changes something must come from our own page or from no page, and a server on the loopback interface answers only to
+names that nobody can register (addresses and names without a dot), against DNS rebinding.
 
 No request body is larger than its limit: announced, it is refused at once; unannounced, it is cut off.
 """

@@ -24,7 +24,10 @@ from exogauge.settings import Settings, packaged_folder
 
 router = APIRouter(include_in_schema=False)
 
-PLACES = ("", "studies", "import", "robots", "devices", "payloads", "compare")  # the first part of a page's address
+PLACES = (  # the first part of a page's address
+    "", "studies", "import", "robots", "devices", "payloads", "compare",
+    "sign-in", "set-up", "invited", "account", "lab",
+)  # fmt: skip
 BASE, NONCE, LIMITS = '<base href="/" />', 'nonce=""', 'name="limits" content=""'
 FOREVER = "public, max-age=31536000, immutable"  # names hold a hash of the content
 MEDIA_TYPES = {

@@ -47,7 +47,7 @@ STATUS: dict[type[ExogaugeError], tuple[int, str, str]] = {  # the first class t
     TooLarge: (413, "too-large", "Too large"),
     BadLog: (422, "bad-log", "The log breaks a rule"),
     BadRobot: (422, "bad-robot", "The robot's description breaks a rule"),
-    BadStudy: (422, "bad-study", "The study breaks a rule"),
+    BadStudy: (422, "bad-study", "What was handed in breaks a rule"),
     BadInput: (422, "bad-input", "The input breaks a rule"),
     NotIdentifiable: (422, "not-identifiable", "The data hold no answer"),
     PhysicallyImpossible: (422, "physically-impossible", "Not a possible body"),

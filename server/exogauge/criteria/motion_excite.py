@@ -9,10 +9,13 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class MotionExcite:
-    """top_hz: of the series' harmonics: a robot's drives follow it, and its log's low-pass leaves it whole; of a robot
-    that balances half of it left 1.3 times the doubt. per_period: samples per period of the fastest harmonic while
-    planning: between them a sine is 3 % higher at most. kept: share of every bound that is used then.
+    """top_hz: of the series' harmonics: a robot's drives follow it, and its log's low-pass leaves it whole, turns
+    round seldom enough to move steadily between. standing_hz: likewise of a robot that stands: its balance binds before
+    its joints fill their ranges, and half of it left 1.3 times the doubt.
+    per_period: samples per period of the fastest harmonic while planning: between them a sine is 3 % higher at most.
+    kept: share of every bound that is used then.
     margin_m, friction, least_weight: of standing feet, as `MotionPlan`'s; 30 mm, for a motion that nobody has tried.
+    clearance_m, look_m: as `MotionPlan`'s.
     turn_s: so near to a turn an axis counts half: .7 periods of a cut-off of 10 Hz.
     slow_share: of the top speed, at which an axis counts half. starts: searches; each begins from the best of
     drawn random motions.
@@ -24,12 +27,15 @@ class MotionExcite:
     rate_hz: of logs, where none is named.
     """
 
-    top_hz: float = 2.0
+    top_hz: float = 1.0
+    standing_hz: float = 2.0
     per_period: int = 12
     kept: float = 0.98
     margin_m: float = 0.03
     friction: float = 0.5
     least_weight: float = 0.3
+    clearance_m: float = 0.01
+    look_m: float = 0.03
     turn_s: float = 0.07
     slow_share: float = 0.01
     starts: int = 1

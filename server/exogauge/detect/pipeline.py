@@ -43,22 +43,15 @@ def find_missing_effects(
     settings: Settings,
     progress: Progress = unwatched,
 ) -> Found:
-    """found: identification without them, of the same recordings. effects: what may be missing."""
-    so_far = _asked(Question(found, tuple(recordings), effects, settings, progress))
-    while so_far.anew is not None:
-        so_far = _asked(so_far.anew)
+    """found: identification without them, of the same recordings. effects: what may be missing. Where a detector asks
+    for another question, all begin again with it."""
+    so_far, left = SoFar.of(Question(found, tuple(recordings), effects, settings, progress)), DETECTORS
+    while left:
+        so_far, left = left[0](so_far), left[1:]
+        if so_far.anew is not None:
+            so_far, left = SoFar.of(so_far.anew), DETECTORS
     progress(1.0, Doing.COMPARED)
     return Found(_discrepancy(so_far), so_far.current, so_far.recordings, so_far.question.settings)
-
-
-def _asked(question: Question) -> SoFar:
-    """What all detectors say, or those up to one that asks for another question."""
-    so_far = SoFar.of(question)
-    for detector in DETECTORS:
-        so_far = detector(so_far)
-        if so_far.anew is not None:
-            break
-    return so_far
 
 
 def _discrepancy(so_far: SoFar) -> Discrepancy:

@@ -29,7 +29,7 @@ class Shape:
     unit: str
     low: float
     high: float
-    grid: tuple[float, ...]
+    grid: tuple[float, ...] = ()
     choice: bool = False
     words: str = ""
 

@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True)
 class Moved:
-    """A log on one clock. noise_known: every sample is as it was measured, so that its noise is the stated one."""
+    """A log on one clock. noise_known: every wrench is as it was measured, and its motion that of a smoother of
+    known noise. Not with an IMU, whose noise nobody stated."""
 
     motion: SensorMotion
     wrench: Array
@@ -103,28 +104,43 @@ def moving(
         raise BadStudy(Fault(detail, "no_acceleration", advice, recording.pose.file))
     first = recording.wrench.time
     same = all(np.array_equal(each.time, first) for each in streams.values())
-    if not same:
+    at = None if same or "a" in streams else first
+    if not same and at is None:
         streams = _one_clock(streams, recording.name)
     time, values = streams["p"].time, streams["p"].values
     if payload.tree is not None:
         frame = payload.file.sensor.frame or ""
         motion = from_joints(
-            payload.tree, frame, time, values, pose.noise_rad, gravity, density=settings.jerk_density, criteria=criteria
+            payload.tree,
+            frame,
+            time,
+            values,
+            pose.noise_rad,
+            gravity,
+            density=settings.jerk_density,
+            criteria=criteria,
+            at=at,
         )
     elif "x" in streams:
         motion = from_pose(
             time, values.reshape(-1, 3, 3), streams["x"].values, pose.noise_rad, pose.noise_m, gravity,
-            density=settings.jerk_density, criteria=criteria,
+            density=settings.jerk_density, criteria=criteria, at=at, position_time=streams["x"].time,
         )  # fmt: skip
     else:
         R, alpha, omega = turning(time, values.reshape(-1, 3, 3), pose.noise_rad, criteria)
         a = streams["a"].values + np.einsum("tji,j->ti", R, gravity)
         motion = SensorMotion(time, R, a, alpha, omega, np.zeros((len(time), 9, 1)))
     wrench = streams["w"].values
+    if at is not None:
+        wrench = wrench[np.isin(at, motion.time)]
     if payload.file.sensor.axes == "base":
         wrench = into_sensor(motion.rotation, wrench)
-    inner = slice(motion.edge, len(time) - motion.edge)
-    return Moved(motion.inner(), wrench[inner], same and "a" not in streams)
+    if not len(motion.time):
+        advice = "Record longer, or check `time.unit` and `span`."
+        detail = "pose and wrench have too little time in common"
+        raise BadStudy(Fault(detail, "clocks_apart", advice, recording.pose.file))
+    inner = slice(motion.edge, len(motion.time) - motion.edge)
+    return Moved(motion.inner(), wrench[inner], "a" not in streams)
 
 
 def rows_of(

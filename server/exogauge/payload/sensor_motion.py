@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.payload_dynamic import USUAL, Moving
 from exogauge.loops.sensor_chain import end_motion
-from exogauge.payload.smoothing import Kind, smooth
+from exogauge.payload.smoothing import Kind, at_times, smooth
 from exogauge.robots.regressor import wrench_columns
 from exogauge.robots.tree import RigidTree
 
@@ -113,30 +113,45 @@ class Chain:
 
 def from_joints(
     tree: RigidTree, frame: str, time: Array, angles: Array, std: float, gravity: Array,
-    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL,
+    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL, at: Array | None = None,
 ) -> SensorMotion:  # fmt: skip
-    """angles: (T, J) [rad] as logged, with errors of `std`. frame: of the sensor; tree: on a fixed base."""
+    """angles: (T, J) [rad] as logged, with errors of `std`. frame: of the sensor; tree: on a fixed base. at: (n,) times
+    of another clock, for which it is told; those that lie where the smoother is not settled are left out."""
     smoothed = smooth(time, angles, std, density=density, kind=kind, criteria=criteria)
+    if at is not None:
+        at = _settled(at, time, smoothed.edge)
+        time, smoothed = at, at_times(smoothed, time, at)
     motion = Chain.of(tree, frame).motion(time, smoothed.state, smoothed.noise, gravity)
     return replace(motion, edge=smoothed.edge, density=smoothed.density)
 
 
 def from_pose(
     time: Array, rotation: Array, position: Array, std_angle: float, std_position: float, gravity: Array,
-    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL,
+    *, density: float | None = None, kind: Kind = "smoother", criteria: Moving = USUAL, at: Array | None = None,
+    position_time: Array | None = None,
 ) -> SensorMotion:  # fmt: skip
     """rotation: (T, 3, 3) R_BS, position: (T, 3) [m] of the origin in {B}, as logged.
 
     The entries of the rotation are smoothed, and made a rotation again; ω and α are the skew parts of RᵀṘ and RᵀR̈.
-    A density is that of the positions; that of rotations is always chosen.
+    A density is that of the positions; that of rotations is always chosen. at: as in `from_joints`; position_time:
+    (P,) of the positions, where they have a clock of their own, which then needs `at`.
     """
     turned = smooth(time, rotation.reshape(-1, 9), std_angle, kind=kind, criteria=criteria)
-    moved = smooth(time, position, std_position, density=density, kind=kind, criteria=criteria)
+    clock = time if position_time is None else position_time
+    moved = smooth(clock, position, std_position, density=density, kind=kind, criteria=criteria)
+    if at is not None:
+        at = _settled(_settled(at, time, turned.edge), clock, moved.edge)
+        turned, moved, time = at_times(turned, time, at), at_times(moved, clock, at), at
     motion = pose_motion(
         time, turned.state, moved.state, turned.noise[int(np.argmax(turned.density))], moved.noise, gravity
     )
     edge = max(turned.edge, moved.edge)
     return replace(motion, edge=edge, density=np.append(moved.density, turned.density.max()))
+
+
+def _settled(at: Array, time: Array, edge: int) -> Array:
+    """Those of some times at which a smoother of samples at `time` is settled."""
+    return np.asarray(at[(at >= time[edge]) & (at <= time[len(time) - 1 - edge])])
 
 
 def pose_motion(

@@ -5,7 +5,7 @@ State [q, q̇, q̈], white noise as jerk: [Payload] takes a Kalman filter and do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
@@ -62,6 +62,25 @@ def smooth(
         noise[j] = error_root(ratio, lag) * std * units[:, None]
         edge = max(edge, min(memory(ratio), len(time) // 4) if moves else 0)
     return Smoothed(state, densities, noise, edge)
+
+
+def at_times(smoothed: Smoothed, time: Array, at: Array) -> Smoothed:
+    """The same at (n,) times within the samples that are known: positions and velocities by cubics through both and
+    their slopes, accelerations by straight lines, whose errors are no larger than those of the samples.
+    time: (T,) of the samples."""
+    k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    h = (time[k + 1] - time[k])[:, None]
+    s = (at - time[k])[:, None] / h
+    first, last = smoothed.state[k], smoothed.state[k + 1]
+    state = np.empty((len(at), *smoothed.state.shape[1:]))
+    for order in (0, 1):
+        a, b, slope_a, slope_b = (each[:, :, order + up] for up in (0, 1) for each in (first, last))
+        state[:, :, order] = (
+            (1 + 2 * s) * (1 - s) ** 2 * a + s**2 * (3 - 2 * s) * b
+            + h * s * (1 - s) * ((1 - s) * slope_a - s * slope_b)
+        )  # fmt: skip
+    state[:, :, 2] = (1 - s) * first[:, :, 2] + s * last[:, :, 2]
+    return replace(smoothed, state=state, edge=0)
 
 
 def likeliest(z: Array, step: Array) -> float:

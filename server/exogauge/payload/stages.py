@@ -168,8 +168,7 @@ def excitation_stage(
     method: Method = settings.method if known else "ls"
     if settings.method != method:
         warnings.append(
-            "Several clocks, an IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not "
-            "read."
+            "An IMU or a low-pass: the noise of the regressor is not known, so LS decides and μ is not read."
         )
 
     rows = rows_of(payload, moved, gravity, sign)

@@ -23,7 +23,7 @@ from exogauge.studies.intake.mesh_files import Opener
 Array = NDArray[np.float64]
 
 AXES: tuple[Rgb, ...] = ((204, 51, 51), (51, 153, 51), (51, 85, 204))  # x, y, z
-CONTACT: Rgb = (176, 32, 32)
+CONTACT: Rgb = (214, 120, 0)  # unlike the axes and the centre
 ARROW, DOME, BALL = 0.14, 0.24, 0.012  # of the robot's size: sensor's axes, radius of caps, centre of mass
 SHOWN = 0.06  # of the robot's size, at most: three standard deviations of the centre, magnified to be seen
 SIGMAS = 3.0

@@ -15,7 +15,7 @@ from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.settings import Recording
 from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.progress import Doing, Progress
-from exogauge.search.candidates import Candidate, candidates_at, columns_of, place_kind, sites
+from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
 from exogauge.search.sums import Sums
 from exogauge.side_by_side import each as side_by_side
@@ -132,7 +132,7 @@ def _all_at(
     fitting = [each for each in effects if each.place == place_kind(site) and each.name not in there]
     if isinstance(site, AxisSite) and model.solution.gains.column_of(site.axis) is not None:
         fitting = [each for each in fitting if not of_logged_torque(each)]
-    every = [Candidate(effect, site, shape) for effect, shape in candidates_at(fitting)]
+    every = [Candidate(effect, site, shape) for effect in fitting for shape in grid(effect)]
     every = [each for each in every if begins_among(each.effect.shapes, each.shape, numbers)]
     return [each for each in every if only is None or about(each.effect.shapes, each.shape, only)]
 

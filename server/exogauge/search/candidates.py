@@ -53,10 +53,6 @@ def place_kind(site: Site) -> str:
     return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
 
 
-def candidates_at(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
-    return [(effect, shape) for effect in effects for shape in grid(effect)]
-
-
 def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
     """All combinations of the shapes' grid values; the empty one where it has none."""
     yield from itertools.product(*(shape.grid for shape in effect.shapes))

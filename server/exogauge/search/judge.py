@@ -67,18 +67,16 @@ class Judgement:
 @final
 @dataclass(frozen=True)
 class _Change:
-    """One kind of row in one log. before, after: (n,) residuals. acts: whether the effect does anything in the log."""
+    """One kind of row in one log. before, after: (n,) residuals. gain: (n,) by which their squares fall. acts: whether
+    the effect does anything in the log."""
 
     rows: SiteRows
     kind: int
     before: Array
     after: Array
+    gain: Array
     acts: bool
     block_s: float
-
-    @property
-    def gain(self) -> Array:
-        return np.asarray(self.before**2 - self.after**2)
 
     def blocks(self, weight: float, inside: NDArray[np.bool_] | None = None) -> Iterator[tuple[tuple[str, int], float]]:
         """Sums of the weighted gain over blocks of `block_s` of the log's time."""
@@ -102,8 +100,9 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
         left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
         acts = any(bool(c.any()) for c in each.columns(candidate.effect, candidate.shape).values())
         changes += [
-            _Change(each, kind, each.rows[kind].e, after, acts, judging.block_s)
+            _Change(each, kind, e, after, np.asarray(e**2 - after**2), acts, judging.block_s)
             for kind, after in left.items()
+            for e in (each.rows[kind].e,)
             if weights[kind] > 0
         ]
     out, fitted = ([each for each in changes if each.rows.held_out is held_out] for held_out in (True, False))

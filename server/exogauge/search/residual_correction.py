@@ -8,7 +8,7 @@ like anything else.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
@@ -50,6 +50,11 @@ class OwnCurve:
     of: Any
     sizes: tuple[float, ...]
     terms: tuple[int, ...]
+    coefficients: tuple[Quantity, ...] = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        every = possible_terms(self.of)
+        object.__setattr__(self, "coefficients", tuple(every[term] for term in self.terms))
 
     @property
     def name(self) -> str:
@@ -66,11 +71,6 @@ class OwnCurve:
     @property
     def sentence(self) -> str:
         return str(self.of.sentence)
-
-    @property
-    def coefficients(self) -> tuple[Quantity, ...]:
-        every = possible_terms(self.of)
-        return tuple(every[term] for term in self.terms)
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
@@ -97,7 +97,8 @@ class OwnCurve:
             relative = np.abs(own / np.array(self.sizes))
             bent = np.concatenate([own * relative, own * relative**2], axis=1)
         every, width = [bent], len(self.of.coefficients)
-        for number, place in enumerate(_searched(self.of)):
+        searched = [place for place, one in enumerate(self.of.shapes) if not one.choice]
+        for number, place in enumerate(searched):
             first = bent.shape[1] + number * width
             asked = any(first <= term < first + width for term in self.terms)
             every.append(self._along(signals, shape, place) if asked else np.zeros((len(bent), width)))
@@ -116,17 +117,13 @@ class OwnCurve:
         return bool(self.of.applies(signals))
 
 
-def _searched(of: Any) -> list[int]:
-    """Places of the shapes that are no choices."""
-    return [place for place, one in enumerate(of.shapes) if not one.choice]
-
-
 def possible_terms(of: Any) -> tuple[Quantity, ...]:
     """What each term's coefficient is called, in the order of `OwnCurve.terms`. of: the effect."""
     bent = tuple(Quantity(f"{each.name}_{name}", each.unit) for name in NAMES for each in of.coefficients)
     along = [
-        Quantity(f"{each.name}_along_{of.shapes[place].name}", each.unit)
-        for place in _searched(of)
+        Quantity(f"{each.name}_along_{one.name}", each.unit)
+        for one in of.shapes
+        if not one.choice
         for each in of.coefficients
     ]
     return (*(of.departing if hasattr(of, "departures") else bent), *along)

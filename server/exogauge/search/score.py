@@ -129,7 +129,7 @@ def _evidence(
         in_own_rows += gained if kind in sums else 0.0
         explained -= weight * change
     prior = np.maximum(explained - np.array([each.gain for each in fitted]), 0.0)
-    price = np.array([each.candidate.width + len(each.candidate.shape) for each in fitted])
+    price = np.array([len(each.coefficients) + len(each.candidate.shape) for each in fitted])
     evidence = total - prior - price * np.log(max(independent, 2.0))
     elsewhere = in_own_rows < 0.5 * total
     return [(float(value), bool(other)) for value, other in zip(evidence, elsewhere, strict=True)]

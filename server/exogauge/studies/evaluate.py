@@ -48,7 +48,7 @@ from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse
 from exogauge.studies.series.write import Moved, write_series
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.progress_words import phrase
-from exogauge.support.evaluate import Gathered, beside_named, conclude_support, estimate_support, gather_support
+from exogauge.support.evaluate import Gathered, beside_named, conclude_support, consequences, gather_support
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -131,7 +131,7 @@ def _evaluate(
                     with keeping(failed, "discrepancy"):
                         if twice:
                             again = _part(0.5, 1.0, span)
-                            earlier = estimate_support(first.model, plain, worn, study.support_settings, again)
+                            earlier = consequences(first.model, plain, worn, study.support_settings, again)
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)

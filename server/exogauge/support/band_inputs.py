@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exogauge.devices.device import Band
 from exogauge.devices.routing import Routing
 from exogauge.support.band_model import NEAR, SEARCHED, Fitted, Setting
-from exogauge.support.band_rows import Wire
+from exogauge.support.band_rows import Wire, taut
 from exogauge.support.evidence import on_joints
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class _Few:
     def __init__(self, setting: Setting, fitted: Fitted) -> None:
         step = max(1, len(setting.weight) // SEARCHED)
         logs = setting.logs
-        self._chosen = np.concatenate([np.flatnonzero(logs.log == k)[::step] for k in range(len(logs.logs))])
+        self._chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in logs.spans])
         self._log, self._joints = logs.log[self._chosen], logs.joints
         self._posture = np.concatenate([each.posture[each.kept[::step]] for each in logs.logs])
         self._weighted = fitted.A[self._chosen] * (step * setting.weight[self._chosen])[:, :, None]
@@ -72,7 +72,7 @@ class _Few:
     def other_lengths(self, wire: Wire, place: int) -> Iterator[Array]:
         """(P,) of each log, per metre by which the band is longer in it."""
         k, l_0 = self._wear.spring(place)
-        torque = (wire.jacobian * (k * wire.taut(l_0))[:, None])[self._chosen]
+        torque = (wire.jacobian * (k * taut([wire], np.array([l_0]))))[self._chosen]
         for log in np.unique(self._log):
             own = self._log == log
             yield np.einsum("ndp,nd->p", self._weighted[own], torque[own])

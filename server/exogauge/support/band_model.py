@@ -22,7 +22,7 @@ from exogauge.effects.band import BandEffect
 from exogauge.effects.band_laws import law_named
 from exogauge.estimation.least_squares import bounded_least_squares
 from exogauge.support.band_offsets import paid, whitened, without_offsets
-from exogauge.support.band_rows import WearLogs, Wire
+from exogauge.support.band_rows import WearLogs, Wire, stretches, taut
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -196,8 +196,8 @@ def thinned(setting: Setting, most: int = SEARCHED) -> Setting:
     """On every n-th sample, as if nothing had been low-passed: to search on."""
     step = max(1, len(setting.weight) // most)
     logs = setting.logs.every(step)
-    chosen = np.concatenate([np.flatnonzero(setting.logs.log == k)[::step] for k in range(len(setting.logs.logs))])
-    wires = tuple(logs.wire(wire.course) for wire in setting.wires)
+    chosen = np.concatenate([np.arange(span.start, span.stop, step) for span in setting.logs.spans])
+    wires = tuple(wire.every(logs, step) for wire in setting.wires)
     return replace(setting, logs=logs, wires=wires, weight=step * setting.weight[chosen])
 
 
@@ -276,10 +276,9 @@ def _cost(setting: Setting, wear: Wear, e: Array) -> float:
 
 def residual(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     """(N, D) [N·m]"""
-    e = logs.torque.copy()
-    for b in range(len(wear.k)):
-        k, l_0 = wear.spring(b)
-        e += wires[b].jacobian * (k * wires[b].stretch(l_0))[:, None]
+    e, own = logs.torque.copy(), wires[: len(wear.k)]
+    for wire, stretch, k in zip(own, stretches(own, wear.l_0).T, wear.k, strict=True):
+        e += wire.jacobian * (k * stretch)[:, None]
     whole = tensions(wires, wear)
     for place, tension in whole.items():
         e -= wires[place].beyond_spring(tension, *wear.spring(place))
@@ -303,12 +302,12 @@ def tensions(wires: Sequence[Wire], wear: Wear) -> Mapping[int, list[Array]]:
 
 def columns(logs: WearLogs, wires: Sequence[Wire], wear: Wear) -> Array:
     """(N, D, P) slope of the model's torque with theta. That an effect moves with its own band's spring counts too."""
-    W, layout = len(wear.k), wear.layout
+    W, layout, own_wires = len(wear.k), wear.layout, wires[: len(wear.k)]
     springs = np.zeros((*logs.torque.shape, len(wear.springs)))
-    for b in range(W):
-        wire, (k, l_0) = wires[b], wear.spring(b)
-        springs[:, :, layout.stiffness[b]] -= wire.jacobian * wire.stretch(l_0)[:, None]
-        springs[:, :, layout.natural_length[b]] += wire.jacobian * (k * wire.taut(l_0))[:, None]
+    stretched, pulling_at_all = stretches(own_wires, wear.l_0), taut(own_wires, wear.l_0)
+    for b, wire in enumerate(own_wires):
+        springs[:, :, layout.stiffness[b]] -= wire.jacobian * stretched[:, [b]]
+        springs[:, :, layout.natural_length[b]] += wire.jacobian * (wear.k[b] * pulling_at_all[:, [b]])
     more = []
     pulling = {place: [each > 0.0 for each in own] for place, own in tensions(wires, wear).items()}
     for number, each in enumerate(wear.effects):

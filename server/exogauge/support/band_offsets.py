@@ -33,7 +33,7 @@ def without_offsets(logs: WearLogs, weight: Array, X: Array) -> Array:
     if not logs.zero_std.any():
         return X
     gamma = shares(logs, weight).reshape(*logs.zero_std.shape, *(1,) * (X.ndim - 2))
-    return np.asarray(X - (gamma * _means(logs, weight, X))[logs.log])
+    return _less_in_each(logs, X, gamma * _means(logs, weight, X))
 
 
 def whitened(logs: WearLogs, weight: Array, X: Array) -> Array:
@@ -42,7 +42,7 @@ def whitened(logs: WearLogs, weight: Array, X: Array) -> Array:
         return X
     gamma = shares(logs, weight)
     c = (gamma / (1.0 + np.sqrt(1.0 - gamma))).reshape(*gamma.shape, *(1,) * (X.ndim - 2))
-    return np.asarray(X - (c * _means(logs, weight, X))[logs.log])
+    return _less_in_each(logs, X, c * _means(logs, weight, X))
 
 
 def paid(logs: WearLogs, weight: Array, e: Array) -> float:
@@ -68,4 +68,12 @@ def _means(logs: WearLogs, weight: Array, X: Array) -> Array:
 
 def _by_log(logs: WearLogs, X: Array) -> Array:
     """(L, D, …) sums."""
-    return np.stack([X[logs.log == place].sum(axis=0) for place in range(len(logs.logs))])
+    return np.stack([X[span].sum(axis=0) for span in logs.spans])
+
+
+def _less_in_each(logs: WearLogs, X: Array, values: Array) -> Array:
+    """X less what is each log's own, (L, D, …)."""
+    out = np.empty_like(X)
+    for span, own in zip(logs.spans, values, strict=True):
+        np.subtract(X[span], own, out=out[span])
+    return out

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from exogauge.devices.result import Approach
 from exogauge.devices.routing import Routing
@@ -57,14 +58,35 @@ class WearLog:
         friction, leaves less of itself in the torque."""
         return (self.low_pass.apply(pull) if self.low_pass else pull)[self.kept]
 
+    def at_slopes(self, weighted: Array) -> NDArray[np.float32]:
+        """(m D', P) Σ over the kept samples, of which each stands for its neighbours among the sloped ones: between
+        these, slopes are taken as straight. weighted: (n, D, P); D': joints that slopes are known of."""
+        m, joints = (
+            len(self.sloped),
+            next(each.shape[1] for each in (self.slope, *self.own.values()) if each is not None),
+        )
+        own = weighted[:, :joints]
+        flat = self._between_slopes @ own.reshape(len(own), -1)
+        return np.asarray(flat.reshape(m * joints, -1).astype(np.float32))
+
+    @cached_property
+    def _between_slopes(self) -> csr_array:
+        """(m, n) share of each kept sample that each sloped one has in it."""
+        n, m = len(self.kept), len(self.sloped)
+        between = np.interp(np.arange(n), self.sloped, np.arange(m))
+        before = np.minimum(between.astype(np.intp), max(m - 2, 0))
+        after = np.minimum(before + 1, m - 1)
+        shares = np.concatenate([1.0 - (between - before), between - before])
+        return csr_array((shares, (np.concatenate([before, after]), np.tile(np.arange(n), 2))), shape=(m, n))
+
 
 @final
 class WearLogs:
     """Several logs with one wear on (or as if it were); N kept samples of all of them.
 
-    joints: (D,) columns of q. torque: (N, D) [N·m]. used: (N, D). log: (N,) place of each sample's log. time: (N,) [s]
-    in its log. share: (N,) how many logs with the wear its log stands for (1, but for logs without it).
-    zero_std: (L, D) [N·m] of a constant torque that is a log's own.
+    joints: (D,) columns of q. torque: (N, D) [N·m]. used: (N, D). log: (N,) place of each sample's log. spans: the
+    samples of each log. time: (N,) [s] in its log. share: (N,) how many logs with the wear its log stands for (1, but
+    for logs without it). zero_std: (L, D) [N·m] of a constant torque that is a log's own.
     """
 
     def __init__(self, logs: Sequence[WearLog], joints: IntArray, names: Sequence[str]) -> None:
@@ -72,12 +94,14 @@ class WearLogs:
         self.torque = np.concatenate([each.torque for each in logs])
         self.used = np.concatenate([each.used for each in logs])
         self.log = np.repeat(np.arange(len(logs)), [len(each.kept) for each in logs])
+        ends = np.cumsum([len(each.kept) for each in logs]).tolist()
+        self.spans = tuple(slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True))
         self.share = np.repeat([each.share for each in logs], [len(each.kept) for each in logs])
         self.time = np.concatenate([each.time[each.kept] for each in logs])
         none = np.zeros(self.torque.shape[1])
         self.zero_std = np.stack([none if each.zero_std is None else each.zero_std for each in logs])
-        ends = np.cumsum([each.time[-1] + float(np.median(np.diff(each.time))) for each in logs])
-        self.starts, self.span = np.concatenate([[0.0], ends[:-1]]), float(ends[-1])
+        stops = np.cumsum([each.time[-1] + float(np.median(np.diff(each.time))) for each in logs])
+        self.starts, self.span = np.concatenate([[0.0], stops[:-1]]), float(stops[-1])
 
     @cached_property
     def clock(self) -> Array:
@@ -102,10 +126,16 @@ class WearLogs:
 
     def wire(self, course: Course) -> Wire:
         """A course in these logs."""
-        runs = [
-            Run(each, float(start), course, self.joints) for each, start in zip(self.logs, self.starts, strict=True)
+        parts = [
+            (course.length(each.posture), course.jacobian(each.posture[each.kept], self.joints)) for each in self.logs
         ]
-        return Wire(course, tuple(runs), self.span)
+        return self.wire_along(course, parts)
+
+    def wire_along(self, course: Course, parts: Sequence[tuple[Array, Array]]) -> Wire:
+        """The same where `Run.length` and `Run.jacobian` are known, by log."""
+        each = zip(self.logs, self.starts, parts, strict=True)
+        runs = [Run(log, float(start), course, self.joints, *part) for log, start, part in each]
+        return Wire(course, runs, self.span)
 
 
 def _kept(log: WearLog, step: int) -> WearLog:
@@ -243,11 +273,12 @@ class Course:
 class Run:
     """One wire in one log. length: (T,) [m]. rate: (T,) [m/s]. jacobian: (n, D) [m/rad] at the kept samples."""
 
-    def __init__(self, log: WearLog, start: float, course: Course, joints: IntArray) -> None:
+    def __init__(
+        self, log: WearLog, start: float, course: Course, joints: IntArray, length: Array, jacobian: Array
+    ) -> None:
         self.log, self.start, self._course, self._joints = log, start, course, joints
-        self.length = course.length(log.posture)
-        self.rate = np.gradient(self.length, log.time) if len(log.time) > 1 else np.zeros_like(self.length)
-        self.jacobian = course.jacobian(log.posture[log.kept], joints)
+        self.length, self.jacobian = length, jacobian
+        self.rate = np.gradient(length, log.time) if len(log.time) > 1 else np.zeros_like(length)
 
     @cached_property
     def segments(self) -> tuple[Array, Array] | None:
@@ -269,7 +300,31 @@ class Run:
 
 def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
     """Of the declared bands."""
-    return tuple(logs.wire(Course("band", band.name, routing, b)) for b, band in enumerate(routing.bands))
+    parts = list[list[tuple[Array, Array]]]()
+    for log in logs.logs:
+        length, geometry = routing.lengths(log.posture), routing.geometry(log.posture[log.kept])
+        jacobian = on_joints(geometry.jacobian, routing, logs.joints)
+        parts.append([(length[:, b], jacobian[:, b].copy()) for b in range(len(routing.bands))])
+    courses = [Course("band", band.name, routing, b) for b, band in enumerate(routing.bands)]
+    return tuple(logs.wire_along(course, part) for course, part in zip(courses, zip(*parts, strict=True), strict=True))
+
+
+def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
+    """(N, W) [m] beyond l_0 (W,), low-passed as the torque: the low-pass rounds the corner where a band comes taut."""
+    return _as_torque(wires, lambda run, rest: np.maximum(run.length - rest, 0.0), l_0)
+
+
+def taut(wires: Sequence[Wire], l_0: Array) -> Array:
+    """(N, W) share of the moment that bands of natural length l_0 are taut: minus the slope of `stretches` with l_0."""
+    return _as_torque(wires, lambda run, rest: (run.length > rest).astype(np.float64), l_0)
+
+
+def _as_torque(wires: Sequence[Wire], pull: Callable[[Run, float], Array], l_0: Array) -> Array:
+    """Of all wires of a log side by side, which costs little more than one."""
+    found = []
+    for runs in zip(*(wire.runs for wire in wires), strict=True):
+        found.append(runs[0].log.as_torque(np.stack([pull(*each) for each in zip(runs, l_0, strict=True)], axis=1)))
+    return np.concatenate(found) if found else np.zeros((0, 0))
 
 
 @final
@@ -304,13 +359,10 @@ class Wire:
             wrap=None if segments is None else segments[1],
         )
 
-    def stretch(self, l_0: float) -> Array:
-        """(N,) [m] beyond l_0, low-passed as the torque: the low-pass rounds the corner where the band comes taut."""
-        return np.concatenate([run.log.as_torque(np.maximum(run.length - l_0, 0.0)) for run in self.runs])
-
-    def taut(self, l_0: float) -> Array:
-        """(N,) share of the moment that a band of natural length l_0 is taut: minus the slope of `stretch` with l_0."""
-        return np.concatenate([run.log.as_torque((run.length > l_0).astype(float)) for run in self.runs])
+    def every(self, logs: WearLogs, step: int) -> Wire:
+        """In the same logs with every n-th of the kept samples alone (`WearLogs.every`)."""
+        parts = [(run.length[run.log.kept[::step]], run.jacobian[::step]) for run in self.runs]
+        return logs.wire_along(self.course, parts)
 
     def applies(self, effect: BandEffect, k: float, l_0: float) -> bool:
         return any(effect.applies(self.signals(run, k, l_0, effect.per_segment)) for run in self.runs)

@@ -8,8 +8,10 @@ doubts of the fit go through the same split columns, so that what both parts sha
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +28,7 @@ from exogauge.support.band_offsets import without_offsets
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+Said = tuple[str, str, tuple[str, str]]  # check, group, between
 
 SAID = {
     "approaches": About.APPROACHES_DISAGREE,
@@ -41,107 +44,107 @@ def within(
 ) -> tuple[CrossCheck, ...]:
     """Of one approach: each log against all others, bands that lengthen against the same that shorten, and bands of a
     group against each other. robot: as in `contributions`. What the motions cannot tell apart is not compared."""
-    found = list[tuple[float, CrossCheck]]()
-    layout, wear, logs = seen.fitted.wear.layout, seen.fitted.wear, seen.setting.logs
-    for place in np.unique(layout.stiffness):
-        members = np.flatnonzero(layout.stiffness == place)
-        group, value = bands[int(members[0])].group, float(wear.springs[place])
-        for number, log in enumerate(logs.logs):
-            if len(logs.logs) > 1 and (number == 0 or len(logs.logs) > 2):
-                pair = (log.name, logs.logs[1].name if len(logs.logs) == 2 else "others")
-                found += _between_samples(seen, robot, int(place), logs.log == number, "repetitions", group, pair)
-        rate = np.sum([seen.setting.wires[k].rate for k in members], axis=0)
-        pair = (LENGTHENING, SHORTENING)
-        found += _between_samples(seen, robot, int(place), rate > 0.0, "strokes", group, pair)
-        if not wear.added:
-            found += _between_bands(seen, bands, robot, members.tolist(), value)
-    return tuple(each for value, each in found if 0.0 < each.std <= criteria.known * value)
-
-
-def _between_samples(
-    seen: BandFit,
-    robot: Mapping[str, Array],
-    place: int,
-    first: BoolArray,
-    check: str,
-    group: str,
-    between: tuple[str, str],
-) -> Iterator[tuple[float, CrossCheck]]:
-    """first: (N,) samples of one part; the others are the other. place: of the stiffness."""
-    fitted, setting = seen.fitted, _believing_nothing(seen.setting)
-    S = len(fitted.wear.springs)
-    springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
-    parts = [springs * part[:, None, None] for part in (first, ~first)]
-    A = np.concatenate([*parts, more], axis=2)
-    contrast = np.zeros(A.shape[2])
-    contrast[place], contrast[S + place] = 1.0, -1.0
-    shares = [float(np.sum(setting.weight[part] * fitted.A[part][:, :, place] ** 2)) for part in (first, ~first)]
-    whole = max(sum(shares), 1e-300)
-    # What logs without the device say is not split: each part is taken to err by all of it, independently.
-    yield from _compared(
-        replace(seen, setting=setting, null=None),
-        _with_columns(setting, fitted, A),
-        robot,
-        contrast,
-        _null_of_fit(seen, place) * np.sqrt(2.0) if min(shares) > NULL * whole else 0.0,
-        float(fitted.wear.springs[place]),
-        (check, group, between),
+    wear, logs = seen.fitted.wear, seen.setting.logs
+    layout = wear.layout.stiffness
+    members = {int(place): np.flatnonzero(layout == place).tolist() for place in np.unique(layout)}
+    found: dict[int, list[CrossCheck]] = {place: [] for place in members}
+    null = _null_of_fit(seen)
+    for number, log in enumerate(logs.logs):
+        if len(logs.logs) > 1 and (number == 0 or len(logs.logs) > 2):
+            between = (log.name, logs.logs[1].name if len(logs.logs) == 2 else "others")
+            parts = _between_samples(seen, robot, logs.log == number)
+            for place, own in members.items():
+                found[place] += parts.springs(place, ("repetitions", bands[own[0]].group, between), null[place])
+    for place, own in members.items():
+        rate = np.sum([seen.setting.wires[k].rate for k in own], axis=0)
+        said = ("strokes", bands[own[0]].group, (LENGTHENING, SHORTENING))
+        found[place] += _between_samples(seen, robot, rate > 0.0).springs(place, said, null[place])
+    if not wear.added:
+        alone, k_of = _between_bands(seen, bands, robot), each_its_own(bands).stiffness
+        for place, own in members.items():
+            for one, other in combinations(own, 2):
+                said = ("sides", bands[one].group, (bands[one].name, bands[other].name))
+                found[place] += alone.values(int(k_of[one]), int(k_of[other]), said)
+    return tuple(
+        each for place, own in found.items() for each in own if 0.0 < each.std <= criteria.known * wear.springs[place]
     )
 
 
-def _between_bands(
-    seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array], members: Sequence[int], value: float
-) -> Iterator[tuple[float, CrossCheck]]:
-    """Every band its own stiffness; each pair of a group."""
-    if len(members) < 2:
-        return
+def _between_samples(seen: BandFit, robot: Mapping[str, Array], first: BoolArray) -> _Split:
+    """first: (N,) samples of one part; the others are the other.
+
+    What logs without the device say is not split: each part is taken to err by all of it, independently.
+    """
+    fitted, setting = seen.fitted, _believing_nothing(seen.setting)
+    S = len(fitted.wear.springs)
+    springs, more = fitted.A[:, :, :S], fitted.A[:, :, S:]
+    A = np.concatenate([*(springs * part[:, None, None] for part in (first, ~first)), more], axis=2)
+    return _Split(replace(seen, setting=setting, null=None), _with_columns(setting, fitted, A), robot)
+
+
+def _between_bands(seen: BandFit, bands: Sequence[Band], robot: Mapping[str, Array]) -> _Split:
+    """Every band its own stiffness."""
     wear, layout = seen.fitted.wear, each_its_own(bands)
     own = replace(wear, layout=layout, springs=np.concatenate([wear.k, wear.l_0]))
     setting = replace(seen.setting, belief=Belief(own.springs, np.zeros((len(own.springs), len(own.springs)))))
-    alone = replace(seen.fitted, wear=own)
     A = columns(setting.logs, setting.wires, own)
-    for one, other in combinations(members, 2):
-        contrast = np.zeros(A.shape[2])
-        contrast[layout.stiffness[one]], contrast[layout.stiffness[other]] = 1.0, -1.0
-        said = ("sides", bands[one].group, (bands[one].name, bands[other].name))
-        yield from _compared(
-            replace(seen, setting=setting), _with_columns(setting, alone, A), robot, contrast, 0.0, value, said
-        )
+    return _Split(replace(seen, setting=setting), _with_columns(setting, replace(seen.fitted, wear=own), A), robot)
 
 
-def _compared(
-    seen: BandFit,
-    split: Fitted,
-    robot: Mapping[str, Array],
-    contrast: Array,
-    beside: float,
-    value: float,
-    said: tuple[str, str, tuple[str, str]],
-) -> Iterator[tuple[float, CrossCheck]]:
-    """The step's difference along the contrast; nothing where the data hold none. value, beside: [N/m] the
-    stiffness, which goes with it, and further doubt."""
-    H = split.hessian
-    size = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-300))
-    curvature, vectors = np.linalg.eigh(H * np.outer(size, size))
-    blind = vectors[:, curvature <= NULL * len(H)] * size[:, None]
-    chosen = np.flatnonzero(contrast)
-    if np.any(np.diag(H)[chosen] <= 0.0) or np.any(np.abs(contrast @ blind) > 1e-6 * size[chosen].max()):
-        return
-    score = np.einsum("ndp,nd,nd->p", split.A, seen.setting.weight, split.e)
-    step = np.linalg.lstsq(H * np.outer(size, size), size * score, rcond=1e-12)[0] * size
-    explained = without_offsets(seen.setting.logs, seen.setting.weight, split.A @ step)
-    let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
-    shares = contributions(seen.setting, let_differ, robot, seen.null, seen.joint_weight)
-    variance = sum(float(contrast @ each @ contrast) for each in shares.values()) + beside**2
-    yield value, CrossCheck(*said, float(contrast @ step), float(np.sqrt(max(variance, 0.0))))
+@final
+@dataclass(frozen=True)
+class _Split:
+    """The fit with more values than it had. split: its columns, at the errors of the common fit."""
+
+    seen: BandFit
+    split: Fitted
+    robot: Mapping[str, Array]
+
+    def springs(self, place: int, said: Said, beside: float) -> Iterator[CrossCheck]:
+        """One spring, split in two. beside: [N/m] what each part errs by besides."""
+        A, other = self.split.A, place + len(self.split.wear.springs)
+        shares = [float(np.sum(self.seen.setting.weight * A[:, :, each] ** 2)) for each in (place, other)]
+        both = min(shares) > NULL * max(sum(shares), 1e-300)
+        return self.values(place, other, said, beside * np.sqrt(2.0) if both else 0.0)
+
+    def values(self, one: int, other: int, said: Said, beside: float = 0.0) -> Iterator[CrossCheck]:
+        """The difference of two values' steps; nothing where the data hold none. beside: further doubt of it."""
+        H, size, chosen = self.split.hessian, self._size, [one, other]
+        contrast = np.zeros(len(H))
+        contrast[one], contrast[other] = 1.0, -1.0
+        if np.any(np.diag(H)[chosen] <= 0.0) or np.any(np.abs(contrast @ self._blind) > 1e-6 * size[chosen].max()):
+            return
+        step, shares = self._step
+        variance = sum(float(contrast @ each @ contrast) for each in shares.values()) + beside**2
+        yield CrossCheck(*said, float(contrast @ step), float(np.sqrt(max(variance, 0.0))))
+
+    @cached_property
+    def _size(self) -> Array:
+        return np.asarray(1.0 / np.sqrt(np.maximum(np.diag(self.split.hessian), 1e-300)))
+
+    @cached_property
+    def _blind(self) -> Array:
+        """(P, n) directions that the data hold nothing of."""
+        curvature, vectors = np.linalg.eigh(self.split.hessian * np.outer(self._size, self._size))
+        return np.asarray(vectors[:, curvature <= NULL * len(curvature)] * self._size[:, None])
+
+    @cached_property
+    def _step(self) -> tuple[Array, Mapping[str, Array]]:
+        """From the common fit, and its doubt by source."""
+        split, setting, size = self.split, self.seen.setting, self._size
+        score = np.einsum("ndp,nd,nd->p", split.A, setting.weight, split.e)
+        step = np.linalg.lstsq(split.hessian * np.outer(size, size), size * score, rcond=1e-12)[0] * size
+        explained = without_offsets(setting.logs, setting.weight, split.A @ step)
+        let_differ = replace(split, e=split.e - explained)  # or a disagreement would count as scatter
+        return step, contributions(setting, let_differ, self.robot, self.seen.null, self.seen.joint_weight)
 
 
-def _null_of_fit(seen: BandFit, place: int) -> float:
-    """[N/m] what the null test is in the doubt of a stiffness."""
-    if seen.null is None:
-        return 0.0
-    found = contributions(seen.setting, seen.fitted, {}, seen.null, seen.joint_weight).get("null_test")
-    return 0.0 if found is None else float(np.sqrt(max(found[place, place], 0.0)))
+def _null_of_fit(seen: BandFit) -> Array:
+    """(P,) what the null test is in the doubt of each value."""
+    nothing = np.zeros_like(seen.fitted.hessian)
+    if seen.null is not None:
+        nothing = contributions(seen.setting, seen.fitted, {}, seen.null, seen.joint_weight).get("null_test", nothing)
+    return np.asarray(np.sqrt(np.maximum(np.diag(nothing), 0.0)))
 
 
 def _believing_nothing(setting: Setting) -> Setting:

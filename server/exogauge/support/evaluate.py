@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach, BandEstimate, StiffnessResult
+from exogauge.devices.device import Device
+from exogauge.devices.result import Approach, Estimate, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.devices.torque import band_torque
 from exogauge.identification.model import RobotModel
@@ -30,12 +30,14 @@ from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
-from exogauge.support.stiffness import identify_bands
+from exogauge.support.stiffness import Springs, fit_springs, identify_bands, with_spring
 from exogauge.support.summary import summarise_joint
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
+
+Fit = TypeVar("Fit")
 
 DEFAULTS = SupportSettings()
 APPROACHES: tuple[Approach, ...] = ("A", "B", "paired", "prior")
@@ -103,31 +105,63 @@ def conclude_support(
     progress: Progress = unwatched,
 ) -> tuple[SupportResult, tuple[StiffnessResult, ...]]:
     """Bands from what was gathered, and supporting torques joint by joint."""
-    evidences, backgrounds, nothings = gathered.evidences, gathered.backgrounds, gathered.nothings
     progress(0.8, Doing.IDENTIFYING_BANDS)
     devices = {each.device.name: each.device for each in worn}
-    fits = [
-        fit
-        for device in devices.values()
-        for fit in _bands(model, device, evidences, backgrounds, nothings, gathered.names)
-    ]
+    fits = [fit for device in devices.values() for _, fit in _bands(identify_bands, model, device, gathered)]
     stiffness = judged(list(side_by_side(lambda fit: fit(), fits)), model.criteria.support)
     progress(0.95, Doing.COMPARING_BAND_MODEL)
-    support = _result(model, evidences, backgrounds, stiffness, gathered.names, settings)
+    support = _result(model, gathered.evidences, gathered.backgrounds, stiffness, gathered.names, settings)
     return replace(support, remarks=(*gathered.notes, *support.remarks)), stiffness
+
+
+@final
+@dataclass(frozen=True)
+class Consequences:
+    """What hangs on the model of the robot. rmse: (device, motion, joint) -> [N·m] of B against the band model.
+    stiffness: (device, approach) -> that of each group."""
+
+    rmse: Mapping[tuple[str, str, str], float]
+    stiffness: Mapping[tuple[str, Approach], Mapping[str, Estimate]]
+
+
+def consequences(
+    model: RobotModel,
+    plain: Sequence[PlainLog],
+    worn: Sequence[WornLog],
+    settings: SupportSettings = DEFAULTS,
+    progress: Progress = unwatched,
+) -> Consequences:
+    """Of another model, on the same logs: no more than is compared."""
+    gathered = gather_support(model, plain, worn, settings, progress)
+    devices, springs = {each.device.name: each.device for each in worn}, dict[tuple[str, Approach], Springs]()
+    fits = [
+        (device, approach, fit)
+        for device in devices.values()
+        for approach, fit in _bands(fit_springs, model, device, gathered)
+        if approach != "prior"
+    ]
+    for (device, approach, _), found in zip(fits, side_by_side(lambda each: each[2](), fits), strict=True):
+        springs[device.name, approach] = found
+    errors: dict[tuple[str, str, str], list[Array]] = {}
+    for each in gathered.evidences:
+        device = each.worn.device
+        first = next((found for (name, _), found in springs.items() if name == device.name), None)
+        filled = device if _all_stated(device) else first and first.filled(device)
+        if filled is not None:
+            pulled, _ = _pulled(model, each, filled, gathered.names)
+            for joint, error in zip(gathered.names, (each.b - pulled).T, strict=True):
+                errors.setdefault((device.name, each.worn.motion, joint), []).append(error[np.isfinite(error)])
+    return Consequences(
+        {key: float(np.sqrt(np.mean(np.concatenate(each) ** 2))) for key, each in errors.items()},
+        {key: {band.group: found.of(k)[0] for k, band in enumerate(found.bands)} for key, found in springs.items()},
+    )
 
 
 def beside_named(
     model: RobotModel, gathered: Gathered, stiffness: Sequence[StiffnessResult], named: Sequence[NamedBands]
 ) -> tuple[StiffnessResult, ...]:
     """Bands of which something was named, fitted again with it by every approach; the others as they were."""
-    fits = [
-        fit
-        for one in named
-        for fit in _bands(
-            model, one.device, gathered.evidences, gathered.backgrounds, gathered.nothings, gathered.names, one
-        )
-    ]
+    fits = [fit for one in named for _, fit in _bands(identify_bands, model, one.device, gathered, one)]
     found = judged(list(side_by_side(lambda fit: fit(), fits)), model.criteria.support)
     again = {(each.device, each.approach): each for each in found}
     return tuple(again.get((each.device, each.approach), each) for each in stiffness)
@@ -194,18 +228,12 @@ def _nothing(plain: Plain, motion: str) -> Nothing:
 
 
 def _bands(
-    model: RobotModel,
-    device: Device,
-    evidences: Sequence[Evidence],
-    backgrounds: Mapping[str, Background],
-    nothings: Sequence[Nothing],
-    names: Sequence[str],
-    named: NamedBands | None = None,
-) -> Iterator[Callable[[], StiffnessResult]]:
-    """What fits them: by A and the paired estimate where there is a log to compare with, by B, and by B with the
-    maker's values."""
-    own = [each for each in evidences if each.worn.device.name == device.name]
-    repeats = [backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
+    fit: Callable[..., Fit], model: RobotModel, device: Device, gathered: Gathered, named: NamedBands | None = None
+) -> Iterator[tuple[Approach, Callable[[], Fit]]]:
+    """What fits them (`fit_springs` or `identify_bands`): by A and the paired estimate where there is a log to compare
+    with, by B, and by B with the maker's values."""
+    own = [each for each in gathered.evidences if each.worn.device.name == device.name]
+    repeats = [gathered.backgrounds[motion].repeats for motion in dict.fromkeys(each.worn.motion for each in own)]
     for approach in APPROACHES:
         used = [each for each in own if approach in ("B", "prior") or each.a is not None]
         if not used:
@@ -214,7 +242,7 @@ def _bands(
         known = [each.steady for each in runs if each is not None] if approach in ("A", "paired") else []
         found = known or [each.b.steady for each in repeats]
         sigma = np.maximum(np.sqrt(np.mean(np.square(found), axis=0)), LEAST_SIGMA)
-        yield partial(identify_bands, model, device, approach, used, sigma, nothings, names, named)
+        yield approach, partial(fit, model, device, approach, used, sigma, gathered.nothings, gathered.names, named)
 
 
 def _result(
@@ -253,13 +281,10 @@ def _shifts(evidences: Sequence[Evidence], names: Sequence[str], settings: Suppo
 
 
 def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: Sequence[str]) -> Trial:
-    worn, routing = evidence.worn, Routing(model.robot.tree, evidence.worn.device.bands)
-    bands = [band.name for band in worn.device.bands]
+    worn, bands = evidence.worn, [band.name for band in evidence.worn.device.bands]
     band_model, tension = None, np.full(evidence.length.shape, np.nan)
     if device is not None:
-        pulled = band_torque(routing, device.bands, evidence.posture, evidence.time)
-        columns = [model.robot.tree.joints.index(name) for name in names]
-        band_model, tension = on_joints(pulled.torque, routing, np.array(columns)), pulled.tension
+        band_model, tension = _pulled(model, evidence, device, names)
     return Trial(
         log=worn.log.name,
         device=worn.device.name,
@@ -297,25 +322,27 @@ def _trial(model: RobotModel, evidence: Evidence, device: Device | None, names: 
     )
 
 
+def _pulled(model: RobotModel, evidence: Evidence, device: Device, names: Sequence[str]) -> tuple[Array, Array]:
+    """(T, D) torque and (T, W) tension of the device's bands with their values."""
+    routing = Routing(model.robot.tree, device.bands)
+    pulled = band_torque(routing, device.bands, evidence.posture, evidence.time)
+    columns = [model.robot.tree.joints.index(name) for name in names]
+    return on_joints(pulled.torque, routing, np.array(columns)), pulled.tension
+
+
+def _all_stated(device: Device) -> bool:
+    return all(band.stiffness is not None and band.natural_length is not None for band in device.bands)
+
+
 def with_values(device: Device, stiffness: Sequence[StiffnessResult]) -> tuple[Device | None, Remark]:
     """The device with a stiffness and natural length for every band, and where they come from."""
-    if all(band.stiffness is not None and band.natural_length is not None for band in device.bands):
+    if _all_stated(device):
         return device, Remark(About.BANDS_OF_FILE)
     results = [each for each in stiffness if each.device == device.name and each.approach != "prior"]
     if not results:
         return None, Remark(About.BANDS_UNKNOWN)
     found = {each.band: each for each in results[0].bands}
-    bands = [_filled(band, found[band.name]) for band in device.bands]
+    values = [found[band.name] for band in device.bands]
+    bands = [with_spring(band, (own.stiffness, own.natural_length), own.longest)
+             for band, own in zip(device.bands, values, strict=True)]  # fmt: skip
     return replace(device, bands=tuple(bands)), Remark(About.BANDS_IDENTIFIED, beside=(results[0].approach,))
-
-
-def _filled(band: Band, found: BandEstimate) -> Band:
-    """A band that pulls nowhere is as long as it was ever seen, of whatever stiffness."""
-    k, l_0 = found.stiffness.value, found.natural_length.value
-    return replace(
-        band,
-        stiffness=(k if np.isfinite(k) else 1.0) if band.stiffness is None else band.stiffness,
-        natural_length=(l_0 if np.isfinite(l_0) else found.longest)
-        if band.natural_length is None
-        else band.natural_length,
-    )

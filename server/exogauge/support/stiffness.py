@@ -5,8 +5,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +35,61 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 
-def identify_bands(
+@final
+@dataclass(frozen=True)
+class Springs:
+    """What the logs say of a device's bands by one approach. shares: source -> its part of the doubt; of_robot: sources
+    that are the robot's (`contributions`). blind: names of values of which the samples hold nothing."""
+
+    bands: Sequence[Band]
+    seen: BandFit
+    notes: tuple[Remark, ...]
+    of_robot: Mapping[str, Array]
+    shares: Mapping[str, Array]
+    blind: frozenset[str]
+
+    @cached_property
+    def doubt(self) -> Array:
+        """(P, P) of theta about the truth; infinite where nothing is known."""
+        doubt = np.sum(list(self.shares.values()), axis=0)
+        for index, name in enumerate(self.seen.fitted.wear.layout.names):
+            if name in self.blind:
+                doubt[index, index] = np.inf
+        return np.asarray(doubt)
+
+    def of(self, k: int) -> tuple[Estimate, Estimate]:
+        """Stiffness and natural length of one band."""
+        wear = self.seen.fitted.wear
+        places = int(wear.layout.stiffness[k]), int(wear.layout.natural_length[k])
+        stiffness, length = (
+            Estimate(
+                np.nan if wear.layout.names[place] in self.blind else float(wear.springs[place]),
+                float(np.sqrt(self.doubt[place, place])),
+                unit,
+            )
+            for place, unit in zip(places, ("N/m", "m"), strict=True)
+        )
+        return stiffness, length
+
+    def filled(self, device: Device) -> Device:
+        """With these values where it states none."""
+        wires = self.seen.setting.wires
+        bands = [with_spring(band, self.of(k), wires[k].longest) for k, band in enumerate(device.bands)]
+        return replace(device, bands=tuple(bands))
+
+
+def with_spring(band: Band, spring: tuple[Estimate, Estimate], longest: float) -> Band:
+    """With stiffness and natural length where it states none. One that pulls nowhere is as long as it was ever seen, of
+    whatever stiffness."""
+    k, l_0 = (each.value for each in spring)
+    return replace(
+        band,
+        stiffness=(k if np.isfinite(k) else 1.0) if band.stiffness is None else band.stiffness,
+        natural_length=(l_0 if np.isfinite(l_0) else longest) if band.natural_length is None else band.natural_length,
+    )
+
+
+def fit_springs(
     model: RobotModel,
     device: Device,
     approach: Approach,
@@ -42,7 +98,7 @@ def identify_bands(
     nothings: Sequence[Nothing],
     joints: Sequence[str],
     named: NamedBands | None = None,
-) -> StiffnessResult:
+) -> Springs:
     """All logs with the device together. sigma: (D,) [N·m] what the approach finds where there is nothing.
 
     The law that device.yaml states of a band is in the model, its values as stated. named: what a search has named is
@@ -60,39 +116,52 @@ def identify_bands(
         if approach not in ("A", "paired"):
             null = rows_without(nothings, evidences, approach, columns, joints, zero_std=zero)
         wires = band_wires(logs, Routing(model.robot.tree, device.bands))
-        robot = robot_doubt
         if named is None:
-            seen, told = fit_device(device, logs, wires, null, robot, sigma)
+            seen, told = fit_device(device, logs, wires, null, robot_doubt, sigma)
             notes += told
         else:
-            seen = fit_beside(logs, wires, null, robot, sigma, named.fit)
-    fitted, plan = seen.fitted, seen.fitted.wear.layout
+            seen = fit_beside(logs, wires, null, robot_doubt, sigma, named.fit)
+    plan = seen.fitted.wear.layout
     known = {place for place in range(len(plan.names)) if seen.setting.belief.precision[place, place] > 0.0}
-    blind = {name for direction in fitted.null_directions for name in involved(plan, direction)}
+    blind = {name for direction in seen.fitted.null_directions for name in involved(plan, direction)}
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
-    shares = contributions(seen.setting, fitted, of_robot, seen.null, seen.joint_weight)
-    doubt = np.sum(list(shares.values()), axis=0)
-    for index, name in enumerate(plan.names):
-        if name in blind:
-            doubt[index, index] = np.inf
-    std = np.sqrt(np.diag(doubt))[: len(plan.names)]
+    shares = contributions(seen.setting, seen.fitted, of_robot, seen.null, seen.joint_weight)
+    return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind))
+
+
+def identify_bands(
+    model: RobotModel,
+    device: Device,
+    approach: Approach,
+    evidences: Sequence[Evidence],
+    sigma: Array,
+    nothings: Sequence[Nothing],
+    joints: Sequence[str],
+    named: NamedBands | None = None,
+) -> StiffnessResult:
+    """What `fit_springs` finds, with intervals, and held against itself."""
+    springs = fit_springs(model, device, approach, evidences, sigma, nothings, joints, named)
+    seen, doubt = springs.seen, springs.doubt
+    names = seen.fitted.wear.layout.names
+    std = np.sqrt(np.diag(doubt))[: len(names)]
     with np.errstate(invalid="ignore"):
         correlation = doubt[: len(std), : len(std)] / np.outer(std, std)
     edge, criteria = _at_bounds_of_each(seen), model.criteria.support
+    profiles = Profiles(seen.setting, seen.fitted, doubt)
     return StiffnessResult(
         device=device.name,
         approach=approach,
         bands=tuple(
-            _estimate(band, k, seen, shares, doubt, blind, edge[k], criteria.known, named)
+            _estimate(band, k, springs, profiles, edge[k], criteria.known, named is not None)
             for k, band in enumerate(device.bands)
         ),
-        parameters=plan.names,
+        parameters=names,
         correlation=correlation,
-        rms=dict(zip(joints, map(float, rms(seen.setting.logs, fitted.e)), strict=False)),
+        rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
-        notes=tuple(notes),
-        cross_checks=() if approach == "prior" else within(seen, device.bands, of_robot, criteria),
+        notes=springs.notes,
+        cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria),
     )
 
 
@@ -162,30 +231,24 @@ def true_stiffness(band: Band) -> float | None:
 def _estimate(
     band: Band,
     k: int,
-    seen: BandFit,
-    shares: Mapping[str, Array],
-    doubt: Array,
-    blind: set[str],
+    springs: Springs,
+    profiles: Profiles,
     edge: tuple[str, ...],
     known: float,
-    named: NamedBands | None,
+    with_effects: bool,
 ) -> BandEstimate:
+    seen, blind = springs.seen, springs.blind
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
     own = k_at, l_at = int(plan.stiffness[k]), int(plan.natural_length[k])
-    k_std, l_std = (float(np.sqrt(doubt[place, place])) for place in own)
+    stiffness, length = springs.of(k)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
-    k_interval = interval(seen.setting, seen.fitted, doubt, k_at, value)
-    l_interval = interval(seen.setting, seen.fitted, doubt, l_at, stretch)
-    if not pulls and np.isfinite(k_std):
+    k_interval, l_interval = profiles.interval(k_at, value), profiles.interval(l_at, stretch)
+    if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
-    k_known = k_std <= known * value and np.isfinite(k_interval[1]) and not edge
-    l_known = l_std <= known * stretch and not edge
-    stiffness, length = (
-        Estimate(np.nan if name in blind else float(wear.springs[place]), float(np.sqrt(doubt[place, place])), unit)
-        for name, place, unit in zip(names, own, ("N/m", "m"), strict=True)
-    )
+    k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
+    l_known = length.std <= known * stretch and not edge
     return BandEstimate(
         band=band.name,
         group=band.group,
@@ -198,9 +261,9 @@ def _estimate(
         identifiable=bool(k_known),
         length_identifiable=bool(l_known),
         note=_note(band, pulls, names, blind, edge, k_known, l_known),
-        with_effects=named is not None,
+        with_effects=with_effects,
         longest=wire.longest,
-        budget=_budget(shares, k_at, l_at) if np.isfinite(k_std) else (),
+        budget=_budget(springs.shares, k_at, l_at) if np.isfinite(stiffness.std) else (),
     )
 
 
@@ -213,7 +276,7 @@ def _budget(shares: Mapping[str, Array], k_at: int, l_at: int) -> tuple[Share, .
 
 
 def _note(
-    band: Band, pulls: bool, own: Sequence[str], blind: set[str], edge: tuple[str, ...], k_known: bool, l_known: bool
+    band: Band, pulls: bool, own: Sequence[str], blind: Set[str], edge: tuple[str, ...], k_known: bool, l_known: bool
 ) -> Remark | None:
     unseen = tuple(name for name in own if name in blind)
     if not pulls and unseen:
@@ -232,36 +295,57 @@ SKEWED = 0.15  # std over the value (over the stretch, for a length) above which
 SHORTEST = 1e-3  # [N/m or m] of either value
 
 
-def interval(
-    setting: Setting, fitted: Fitted, covariance: Array, index: int, relative_to: float
-) -> tuple[float, float]:
-    """(low, high) of one spring's value. relative_to: its size, against which its std says whether the doubt is skewed.
+@final
+@dataclass(frozen=True)
+class Profiles:
+    """95 % intervals of a fit's springs. covariance: (P, P) of theta about the truth.
 
     The profile's square sum counts by how much the curvature overstates what coloured residuals really tell, so that
     both kinds of interval agree where the cost is a parabola. Neither value is below 0; an end beyond reach is 0 or
     infinite.
     """
-    reach = 12.0  # standard deviations within which the ends of a profile are sought
-    std, value = float(np.sqrt(covariance[index, index])), float(fitted.wear.springs[index])
-    if not np.isfinite(std):
-        return 0.0, np.inf
-    if std < SKEWED * relative_to:
-        return value - Z95 * std, value + Z95 * std
-    few = thinned(setting)
-    coarse = fit(few, fitted.wear)
-    size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
-    curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
-    share = float(curvature[index, index]) * size[index] ** 2 / std**2
-    shift = value - float(coarse.wear.springs[index])
 
-    def excess(candidate: float) -> float:
-        held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
-        return float(share * (held.cost - coarse.cost) - Z95**2)
+    setting: Setting
+    fitted: Fitted
+    covariance: Array
 
-    return (
-        _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
-        _crossing(excess, value, std, value + reach * std) or np.inf,
-    )
+    def interval(self, index: int, relative_to: float) -> tuple[float, float]:
+        """(low, high) of one value. relative_to: its size, against which its std says whether the doubt is skewed."""
+        std, value = float(np.sqrt(self.covariance[index, index])), float(self.fitted.wear.springs[index])
+        if not np.isfinite(std):
+            return 0.0, np.inf
+        if std < SKEWED * relative_to:
+            return value - Z95 * std, value + Z95 * std
+        if index not in self._found:
+            self._found[index] = self._walked(index, value, std)
+        return self._found[index]
+
+    @cached_property
+    def _found(self) -> dict[int, tuple[float, float]]:
+        """Bands share values: what was walked along once."""
+        return {}
+
+    @cached_property
+    def _coarse(self) -> tuple[Setting, Fitted]:
+        few = thinned(self.setting)
+        return few, fit(few, self.fitted.wear)
+
+    def _walked(self, index: int, value: float, std: float) -> tuple[float, float]:
+        few, coarse = self._coarse
+        reach = 12.0  # standard deviations within which the ends of a profile are sought
+        size = 1.0 / np.sqrt(np.maximum(np.diag(coarse.hessian), 1e-300))
+        curvature = np.linalg.pinv(coarse.hessian * np.outer(size, size), rcond=1e-12, hermitian=True)
+        share = float(curvature[index, index]) * size[index] ** 2 / std**2
+        shift = value - float(coarse.wear.springs[index])
+
+        def excess(candidate: float) -> float:
+            held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
+            return float(share * (held.cost - coarse.cost) - Z95**2)
+
+        return (
+            _crossing(excess, value, -std, max(SHORTEST, value - reach * std)) or 0.0,
+            _crossing(excess, value, std, value + reach * std) or np.inf,
+        )
 
 
 def _crossing(excess: Callable[[float], float], value: float, step: float, limit: float) -> float | None:

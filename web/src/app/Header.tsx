@@ -1,5 +1,7 @@
 import { Link, NavLink } from "react-router";
 
+import { useSession } from "../api/session";
+import { AccountMenu } from "./AccountMenu";
 import { address } from "./base";
 import { SchemeSwitch } from "./SchemeSwitch";
 import styles from "./Shell.module.css";
@@ -14,6 +16,8 @@ const PLACES = [
 ] as const;
 
 export function Header() {
+  const { data: session } = useSession();
+  const outside = session?.accounts === true && !session.account;
   return (
     <header className={styles.header}>
       <div className={styles.inner}>
@@ -21,18 +25,21 @@ export function Header() {
           <img src={address("icon.svg")} alt="" width={28} height={28} />
           exogauge
         </Link>
-        <nav aria-label="Main" className={styles.nav}>
-          <ul className={styles.links}>
-            {PLACES.map(([to, name]) => (
-              <li key={to}>
-                <NavLink to={to} className={styles.link}>
-                  {name}
-                </NavLink>
-              </li>
-            ))}
-          </ul>
-        </nav>
+        {!outside && (
+          <nav aria-label="Main" className={styles.nav}>
+            <ul className={styles.links}>
+              {PLACES.map(([to, name]) => (
+                <li key={to}>
+                  <NavLink to={to} className={styles.link}>
+                    {name}
+                  </NavLink>
+                </li>
+              ))}
+            </ul>
+          </nav>
+        )}
         <div className={styles.switch}>
+          <AccountMenu />
           <SchemeSwitch />
         </div>
       </div>

@@ -2,6 +2,7 @@ import { useEffect, useRef } from "react";
 import { Outlet, ScrollRestoration, useLocation, useNavigation } from "react-router";
 
 import { Header } from "./Header";
+import { LetIn } from "./LetIn";
 import { SkipLink } from "./SkipLink";
 import styles from "./Shell.module.css";
 import { UnreachableBanner } from "./UnreachableBanner";
@@ -25,7 +26,9 @@ export function Shell() {
       <Header />
       <UnreachableBanner />
       <main ref={main} tabIndex={-1} className={styles.main} aria-busy={loading}>
-        <Outlet />
+        <LetIn>
+          <Outlet />
+        </LetIn>
       </main>
       <ScrollRestoration getKey={(location) => location.pathname} />
     </>

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import final
 
@@ -13,17 +13,15 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import BadMotion, Fault
-from exogauge.identification.result import Parameter
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
-from exogauge.motion.excite.promise import promised
+from exogauge.motion.excite.promise import Promise, promised
 from exogauge.motion.excite.search import Report, best_motion, within
 from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.robots.description import Robot
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.intake.robot_file import load_robot
 
@@ -32,16 +30,6 @@ Array = NDArray[np.float64]
 PLACES = 8  # decimals of what is written
 SMALLER = 0.95  # of a motion that breaks a bound
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
-
-
-@final
-@dataclass(frozen=True)
-class Promise:
-    """parameters: as they will be identified. before: (len) their standard deviations before. cutoff_hz: of the log."""
-
-    parameters: tuple[Parameter, ...]
-    before: tuple[float, ...]
-    cutoff_hz: float
 
 
 @final
@@ -90,7 +78,8 @@ def plan_excitation(
             break
         x = within(task, task.still + SMALLER * (x - task.still))  # the way there and back has bounds too
     say("what will be known")
-    return ExcitationPlan(moving, planned, nearest, judged, _promise(robot, planned, known))
+    promise = promised(robot, [planned], known.logs if known else (), known.before if known else None)
+    return ExcitationPlan(moving, planned, nearest, judged, promise)
 
 
 def _judged(planned: Excited) -> tuple[str, ...]:
@@ -98,12 +87,6 @@ def _judged(planned: Excited) -> tuple[str, ...]:
     if not isinstance(stance, Standing):
         return ()
     return judge(stance.robot, planned, stance.place, rate=planned.task.criteria.check_hz).broken
-
-
-def _promise(robot: Robot, planned: Excited, known: Known | None) -> Promise:
-    found = promised(robot, [planned], known.logs if known else ())
-    before = [known.before.get(each.name, each.prior_std) if known else each.prior_std for each in found.parameters]
-    return Promise(found.parameters, tuple(before), found.cutoff_hz)
 
 
 def motion_table(plan: ExcitationPlan, rate_hz: float) -> bytes:
@@ -117,36 +100,36 @@ def motion_table(plan: ExcitationPlan, rate_hz: float) -> bytes:
 
 def promise_file(plan: ExcitationPlan) -> bytes:
     """JSON: every parameter with the standard deviation that it will have and has now."""
-    rows = [
-        {"name": each.name, "unit": each.unit, "std": each.std, "before": before, "decided": each.identifiable}
-        for each, before in zip(plan.promise.parameters, plan.promise.before, strict=True)
-    ]
+    rows = [asdict(each) for each in plan.promise.certain]
     return json.dumps({"parameters": rows}, indent=1).encode() + b"\n"
 
 
 def summarise(plan: ExcitationPlan) -> dict[str, str | float | list[str]]:
     """In a few lines."""
     begins, ends = plan.planned.edges[1:3]
-    base = [k for k, each in enumerate(plan.promise.parameters) if each.name.startswith("base[")]
-    joints = set(plan.robot.joints)
-    own = [k for k, each in enumerate(plan.promise.parameters)
-           if each.name.rpartition("[")[2].rstrip("]") in joints and each.prior_std > 0.0]  # fmt: skip
+    ends_of = {f"[{joint}]" for joint in plan.robot.joints}
+    certain = [each for each in plan.promise.certain if each.before > 0.0]
+    base = [each for each in certain if each.name.startswith("base[")]
+    joints = [each for each in certain if any(each.name.endswith(end) for end in ends_of)]
     share, name = plan.nearest
     said: dict[str, str | float | list[str]] = {
         "robot": plan.robot.name,
         "seconds": round(plan.planned.duration, 3),
         "motion": f"{begins:.2f} to {ends:.2f} s; before and after it, rest at home and the way there",
         "nearest bound": f"{100 * share:.1f} % of {name}, at {plan.planned.task.criteria.check_hz:g} Hz",
-        "not looked at": "collisions of the robot with itself",
         "identified up to": f"{plan.promise.cutoff_hz:.1f} Hz",
     }
-    for what, which in (("base parameters", base), ("joint parameters", own)):
-        decided = sum(plan.promise.parameters[k].identifiable for k in which)
-        after = [plan.promise.parameters[k].std / plan.promise.before[k] for k in which if plan.promise.before[k] > 0.0]
-        left = f"; median {100 * float(np.median(after)):.2g} % of the doubt before is left" if after else ""
-        said[what] = f"{decided} of {len(which)} will be decided{left}"
-    said["undecided"] = [plan.promise.parameters[k].name for k in (*base, *own)
-                         if not plan.promise.parameters[k].identifiable]  # fmt: skip
+    for what, which in (("base parameters", base), ("joint parameters", joints)):
+        left = float(np.median([each.std / each.before for each in which])) if which else 1.0
+        said[what] = (f"{sum(each.decided for each in which)} of {len(which)} will be decided; median "
+                      f"{100 * left:.2g} % of the doubt before is left")  # fmt: skip
+    said["undecided"] = [each.name for each in (*base, *joints) if not each.decided]
+    if plan.robot.shapeless or not plan.robot.shapes:
+        said["not looked at"] = ("collisions of " + ", ".join(plan.robot.shapeless) + ": their meshes are not there"
+                                 if plan.robot.shapeless else "collisions: no link has a shape")  # fmt: skip
+    left_out = plan.planned.task.bounds.pairs.left_out
+    if left_out:
+        said["may touch"] = ", ".join(" and ".join(pair) for pair in left_out)
     broken = [*([f"{name}: {100 * share:.1f} % of its bound"] if share > 1.0 else []), *plan.judged]
     if broken:
         said["broken"] = broken

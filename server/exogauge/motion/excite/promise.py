@@ -3,15 +3,19 @@ it, with its sensors' noise, and identified as any other."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.experiment.information import Information
 from exogauge.identification.identify import identify
 from exogauge.identification.noise_bias import noise_kind
 from exogauge.identification.preparation import wrench_channels
+from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
@@ -28,18 +32,74 @@ NAME = "planned"
 AS_STATED = Settings(prior_strength=1.0)  # of a robot that is as it is stated, held-out data would have it weigh more
 
 
+@final
+@dataclass(frozen=True)
+class Certain:
+    """One parameter: its standard deviation before a motion was recorded, and then. decided: by the data."""
+
+    name: str
+    unit: str
+    before: float
+    std: float
+    decided: bool
+
+
+@final
+@dataclass(frozen=True)
+class Promise:
+    """certain: of every parameter that an identification tells. cutoff_hz: up to which it looks."""
+
+    certain: tuple[Certain, ...]
+    cutoff_hz: float
+
+
 def promised(
-    robot: Robot, planned: Sequence[Excited], logs: Sequence[Log] = (), settings: Settings | None = None,
-    progress: Progress = unwatched, seed: int = 0,
-) -> Identification:  # fmt: skip
-    """Of logs that there are and motions that are planned, all together. Raises as `identify`."""
+    robot: Robot, planned: Sequence[Excited], logs: Sequence[Log] = (), before: Mapping[str, float] | None = None,
+    settings: Settings = AS_STATED, progress: Progress = unwatched, seed: int = 0,
+) -> Promise:  # fmt: skip
+    """Of logs that there are and motions that are planned, all together. before: name -> standard deviation, the
+    prior's where none is named. Raises as `identify`."""
     rng = np.random.default_rng(seed)
-    made = [planned_log(robot, each, rng, f"{NAME} {k + 1}") for k, each in enumerate(planned)]
-    return identify(robot, [Recording(log, False) for log in (*logs, *made)], settings or AS_STATED, progress)
+    made = [
+        _noisy(robot, planned_log(robot, each, f"{NAME} {k + 1}"), each.task.criteria, rng)
+        for k, each in enumerate(planned)
+    ]
+    found = identify(robot, [Recording(log, False) for log in (*logs, *made)], settings, progress)
+    decided = found.model.criteria.identifying.decided
+    certain = []
+    for each, white in zip(found.parameters, _white(found).tolist(), strict=True):
+        std = max(each.std, white)
+        known = each.prior_std if before is None else before.get(each.name, each.prior_std)
+        certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
+    return Promise(tuple(certain), found.cutoff_hz)
 
 
-def planned_log(robot: Robot, planned: Excited, rng: np.random.Generator, name: str = NAME) -> Log:
-    """As the a-priori robot's sensors would read it, at the rate of `MotionExcite`."""
+def _white(found: Identification) -> Array:
+    """(parameters,) what the noise that the weights state leaves: of a log of seconds, few stretches of which count as
+    independent, the scatter of its residuals says too little."""
+    model = found.model
+    standard = model.solution.prior.lift_covariance(model.solution.unbounded.covariance())
+    regroup = model.equations.base.regroup
+    size = regroup.shape[1]
+    base = np.einsum("bi,ij,bj->b", regroup, standard[:size, :size], regroup)
+    return np.asarray(np.sqrt(np.maximum(np.concatenate([np.diag(standard), base]), 0.0)))
+
+
+def _noisy(robot: Robot, log: Log, criteria: MotionExcite, rng: np.random.Generator) -> Log:
+    noise = {name: robot.noise.get(noise_kind(name), 0.0) for name in log.channels}
+    heavy = dict(zip(robot.tree.joints, robot.tree.effort_limit, strict=True))
+    for joint in robot.joints:
+        unknown = criteria.unknown_noise * heavy[joint.name]
+        for name, gain in ((f"tau.{joint.name}", 1.0), (f"i.{joint.name}", joint_prior(joint, "k_T"))):
+            if name in noise and not noise[name] and np.isfinite(unknown):
+                noise[name] = unknown / abs(gain)
+    return replace(log, channels={
+        name: values + noise[name] * rng.standard_normal(log.samples) for name, values in log.channels.items()
+    })  # fmt: skip
+
+
+def planned_log(robot: Robot, planned: Excited, name: str = NAME) -> Log:
+    """As the a-priori robot's sensors without noise would read it, at the rate of `MotionExcite`."""
     task = planned.task
     rate = task.criteria.rate_hz
     time = np.arange(int(planned.duration * rate)) / rate
@@ -61,15 +121,7 @@ def planned_log(robot: Robot, planned: Excited, rng: np.random.Generator, name: 
         for sensor, wrench in zip(robot.contacts, _feet(task.information, motion), strict=True):
             for name_, column in zip(wrench_channels(sensor.name), sensor.sign * wrench.T, strict=True):
                 channels[name_] = column
-    noise = {each: robot.noise.get(noise_kind(each), 0.0) for each in channels}
-    heavy = dict(zip(robot.tree.joints, robot.tree.effort_limit, strict=True))
-    for each in channels:
-        kind, _, own = each.partition(".")
-        if not noise[each] and kind in ("tau", "i") and np.isfinite(heavy[own]):
-            gain = 1.0 if kind == "tau" else told.gain[robot.tree.joints.index(own)]
-            noise[each] = task.criteria.unknown_noise * heavy[own] / gain
-    noisy = {each: values + noise[each] * rng.standard_normal(len(time)) for each, values in channels.items()}
-    return Log(name, time, noisy)
+    return Log(name, time, channels)
 
 
 def _paths(information: Information, motion: Motion) -> Array:

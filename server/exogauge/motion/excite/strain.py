@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.robot import MotionRobot
+from exogauge.motion.touching import Pairs
 
 Array = NDArray[np.float64]
 
@@ -52,12 +53,13 @@ class Bounds:
     """Of a robot; loads come as the identification's rows: six of a floating base, then the joints in `order`.
 
     order: (J,) place among the robot's joints of every joint of these rows. corners: (K, 3) [m] of the soles in the
-    world, none of a fixed base.
+    world, none of a fixed base. pairs: what must not touch.
     """
 
     robot: MotionRobot
     order: NDArray[np.intp]
     criteria: MotionExcite
+    pairs: Pairs
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     def parts(self, q: Array, v: Array, a: Array, loads: Array) -> list[Part]:
@@ -83,7 +85,25 @@ class Bounds:
         found.append(self._both(loads[:, rows] / torque[on], labels, "l", rows, torque[on]))
         if len(self.corners):
             found.append(self._balance(q, loads))
+        if self.pairs.names:
+            found.append(self._apart(q))
         return found
+
+    def _apart(self, q: Array) -> Part:
+        """Of the pairs that come near at all."""
+        pairs, criteria = self.pairs, self.criteria
+        near = pairs.near(q, criteria.look_m)
+        some, column = np.unique(near.pair, return_inverse=True)
+        share = np.zeros((len(q), len(some)))
+        share[near.sample, column] = 1.0 + (criteria.clearance_m - near.distance) / FOOT_M
+
+        def pull(weights: Array, on: Pull) -> None:
+            by = weights[near.sample, column]
+            felt = by != 0.0
+            few = replace(near, **{name: values[felt] for name, values in vars(near).items()})
+            np.add.at(on.q, few.sample, -by[felt, None] / FOOT_M * pairs.slopes(q, few))
+
+        return Part(share, [f"distance of {' and '.join(pairs.names[k])}" for k in some], pull)
 
     @property
     def _carrying(self) -> NDArray[np.bool_]:

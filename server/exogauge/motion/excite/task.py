@@ -16,6 +16,7 @@ from exogauge.motion.excite.search import Task
 from exogauge.motion.excite.stance import Fixed, Standing
 from exogauge.motion.excite.strain import Bounds
 from exogauge.motion.robot import MotionRobot
+from exogauge.motion.touching import Pairs
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
@@ -57,8 +58,10 @@ def task_of(
         corners = np.concatenate([
             sole.outline @ at.rotation.T + at.translation for sole, at in zip(moving.soles, stance.place, strict=True)
         ])  # fmt: skip
-    harmonics = max(3, round(criteria.top_hz * seconds))
-    return Task(stance, Series(seconds, harmonics), information, Bounds(moving, order, criteria, corners), criteria)
+    top_hz = criteria.standing_hz if robot.floating else criteria.top_hz
+    harmonics = max(3, round(top_hz * seconds))
+    bounds = Bounds(moving, order, criteria, Pairs(moving, criteria.clearance_m), corners)
+    return Task(stance, Series(seconds, harmonics), information, bounds, criteria)
 
 
 def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: MotionExcite) -> Array:

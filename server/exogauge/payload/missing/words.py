@@ -80,7 +80,10 @@ def reason_of(reason: Caveat | None) -> str:
     if reason is not None and reason.why == "far":
         return f"{reason.of} stands at {reason.value:.3g} times its noise"
     if reason is not None and reason.why == "noise_unknown":
-        return "the noise of the pose is not known (several clocks, an IMU, a low-pass)"
+        return (
+            "with an IMU or a low-pass the noise of the motion is not known, so nothing says how much may be left; "
+            "joint angles or positions, not filtered, would tell"
+        )
     if reason is not None and reason.why == "no_motion":
         return "no excitation was recorded"
     return "no motion was kept from the fit"

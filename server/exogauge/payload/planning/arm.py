@@ -175,6 +175,16 @@ class Arm:
         b, alpha, omega = moving.state[:, :3], moving.state[:, 3:6], moving.state[:, 6:]
         return np.asarray(sign * wrench_columns(b, alpha, omega) @ self.component.phi)
 
+    def touching(self, angles: Array) -> list[tuple[str, str]]:
+        """Names of what touches what it is not joined to, two by two. angles: (n,)."""
+        (q,) = self._inner(self.posture(angles)[None])
+        pin.computeCollisions(self.model, self.data, self.shapes, self.contact, q, False)
+        pairs = zip(self.shapes.collisionPairs, self.contact.collisionResults, strict=True)
+        return [
+            (self.shapes.geometryObjects[pair.first].name, self.shapes.geometryObjects[pair.second].name)
+            for pair, found in pairs if found.isCollision()
+        ]  # fmt: skip
+
     def collides(self, angles: Array) -> NDArray[np.bool_]:
         """(T,) whether the robot, or the payload's box, touches what it is not joined to. angles: (T, n)."""
         return np.array(

@@ -160,11 +160,12 @@ class Task:
 @dataclass(frozen=True)
 class Excitation:
     """x: (n, 2N-2) numbers of the series. cost: mean ln of the standard deviations of Φ. strain: largest share of a
-    bound at 1 kHz."""
+    bound at 1 kHz. smaller: whether it was shrunk towards home until nothing touches."""
 
     x: Array
     cost: float
     strain: float
+    smaller: bool = False
 
 
 def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> Array:
@@ -197,7 +198,8 @@ def excite(
     task: Task, rng: np.random.Generator, starts: int = 4, *, gravity: bool = True,
     progress: Callable[[float, str], None] = lambda fraction, phrase: None,
 ) -> list[Excitation]:  # fmt: skip
-    """Motions from several starts, best first, by SLSQP with the exact gradient; those that collide are left out.
+    """Motions from several starts, best first, by SLSQP with the exact gradient; those that collide are shrunk towards
+    home until they do not.
 
     gravity: False plans by the criterion without it. Raises NotIdentifiable.
     """
@@ -205,14 +207,10 @@ def excite(
     for k in range(starts):
         progress(k / starts, f"start {k + 1} of {starts}")
         x = improve(task, random_motion(task, rng, 0.8), gravity=gravity)
-        q, _, _ = task.series.motion(x, task.time)
-        if not task.arm.collides(q).any():
-            found.append(Excitation(x, float(np.mean(np.log(task.std_of(x)[:10]))), task.largest(x)))
-    if not found:
-        raise NotIdentifiable(
-            f"every one of {starts} motions would collide: move home away from the robot, narrow the limits, or allow "
-            "more starts", ("Ixx", "Iyy", "Izz"),
-        )  # fmt: skip
+        smaller = touches(task, x)
+        if smaller:
+            x = within(task, x, clear=True)
+        found.append(Excitation(x, float(np.mean(np.log(task.std_of(x)[:10]))), task.largest(x), smaller))
     progress(1.0, "done")
     return sorted(found, key=lambda each: each.cost)
 
@@ -243,17 +241,27 @@ def improve(task: Task, x: Array, *, gravity: bool = True) -> Array:
     return within(task, x)
 
 
-def within(task: Task, x: Array) -> Array:
-    """As it is, or shrunk towards home and rest, which are within every bound, until it is too, at 1 kHz."""
-    if task.largest(x) <= 1.0:
+def touches(task: Task, x: Array) -> bool:
+    """Whether anything collides on the way."""
+    q, _, _ = task.series.motion(x, task.time)
+    return bool(task.arm.collides(q).any())
+
+
+def within(task: Task, x: Array, *, clear: bool = False) -> Array:
+    """As it is, or shrunk towards home and rest, which are within every bound, until it is too, at 1 kHz. clear: and
+    until nothing collides."""
+
+    def inside(x: Array) -> bool:
+        return task.largest(x) <= 1.0 and not (clear and touches(task, x))
+
+    if inside(x):
         return x
     still = np.zeros_like(x)
     still[:, -1] = task.arm.home[task.arm.moved]
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        inner = task.largest(still + middle * (x - still)) <= 1.0
-        low, high = (middle, high) if inner else (low, middle)
+        low, high = (middle, high) if inside(still + middle * (x - still)) else (low, middle)
     return still + low * (x - still)
 
 

@@ -145,9 +145,11 @@ def open_plan(path: Path) -> Asked:
     if not inside(caps, arm.rotations(here))[0]:
         advice = "Correct `home`, or widen `plan.workspace`; theta is from +z of the base, phi about it."
         raise _fault(path, "home lies outside the workspace", "home_outside", advice, "plan.workspace")
-    if arm.collides(here)[0]:
-        advice = "Correct `home`, `plan.payload`, or the collision shapes of the URDF."
-        raise _fault(path, "the robot collides at home", "home_collides", advice, "plan.home")
+    touching = arm.touching(here[0])
+    if touching:
+        said = "; ".join(f"{one} with {other}" for one, other in touching[:3])
+        advice = "Correct `home`, the box of `plan.payload`, or the collision shapes of the URDF."
+        raise _fault(path, f"the robot collides at home: {said}", "home_collides", advice, "plan.home", said)
     return Asked(file, plan, tree, arm, limits, caps)
 
 
@@ -221,10 +223,16 @@ def plan_excitation(asked: Asked, progress: Progress) -> Plan:
             solution.decided, np.sqrt(np.diag(static_prior(None).covariance)), strict=True,
         )
     ]  # fmt: skip
+    warnings = [*asked.warnings]
+    if motions[0].smaller:
+        warnings.append(
+            "The motion is smaller than the bounds allow, so that nothing touches: a home farther from the robot, or a "
+            "smaller box of `plan.payload`, may tell more."
+        )
     found = Found(
         name=asked.file.name, kind="excitation", choice="least_std", certainties=certain,
         undecided=[each.name for each in certain if not each.decided], seconds=choice.duration_s,
-        strain=motions[0].strain, starts=[each.cost for each in motions], warnings=asked.warnings,
+        strain=motions[0].strain, starts=[each.cost for each in motions], warnings=warnings,
     )  # fmt: skip
     columns = {"t": time}
     for key, values in zip(("q", "dq", "ddq"), motion, strict=True):

@@ -17,6 +17,7 @@ from exogauge.studies.csv_table import csv_table
 from exogauge.studies.words.doubt_words import source_advice, source_words
 from exogauge.studies.words.finding_sentences import band_note
 from exogauge.studies.words.remark_words import sentence
+from exogauge.support.evaluate import Consequences
 from exogauge.support.result import Effort, JointEquality, JointSupport, SupportResult, Trial, Verdict
 
 APPROACHES = {"a": "A", "b": "B", "paired": "paired", "prior": "prior", "band_model": "band_model"}  # as in the files
@@ -296,22 +297,23 @@ TOLD = 2  # joints of a device and motion: those that the bands load most
 AT_REST = 0.9  # of the samples: from here on there is an interval of the torque, and hardly a torque
 
 
-def before_after(before: Estimated, after: Estimated) -> tuple[Consequence, ...]:
+def before_after(before: Consequences, after: Estimated) -> tuple[Consequence, ...]:
     """RMSE of B against the band model at the most loaded joints, and the stiffness of each group by each approach."""
     result: list[Consequence] = []
-    pairs = list(zip(before[0].joints, after[0].joints, strict=True))
-    for device, motion in dict.fromkeys((one.device, one.motion) for one, _ in pairs):
-        here = [pair for pair in pairs if (pair[0].device, pair[0].motion) == (device, motion)]
-        for one, other in sorted(here, key=lambda pair: -_load(pair[0]))[:TOLD]:
-            if "b" in one.rmse and "b" in other.rmse and one.rest_share < AT_REST:
-                errors = (Estimate(each.rmse["b"], 0.0, each.unit) for each in (one, other))
-                result.append(Consequence("rmse", (device, motion, one.joint), *errors))
-    for was, now in zip(before[1], after[1], strict=True):
-        groups = {band.group: (band, later) for band, later in zip(was.bands, now.bands, strict=True)}
-        for group, (band, later) in groups.items():
-            if was.approach != "prior":
-                of = (group, was.approach, was.device)
-                result.append(Consequence("group_stiffness", of, band.stiffness, later.stiffness))
+    joints, stiffness = after
+    for device, motion in dict.fromkeys((one.device, one.motion) for one in joints.joints):
+        here = [one for one in joints.joints if (one.device, one.motion) == (device, motion)]
+        for one in sorted(here, key=lambda each: -_load(each))[:TOLD]:
+            of = device, motion, one.joint
+            if "b" in one.rmse and of in before.rmse and one.rest_share < AT_REST:
+                errors = (Estimate(rmse, 0.0, one.unit) for rmse in (before.rmse[of], one.rmse["b"]))
+                result.append(Consequence("rmse", of, *errors))
+    for now in stiffness:
+        earlier = before.stiffness.get((now.device, now.approach), {})
+        for group, value in {band.group: band.stiffness for band in now.bands}.items():
+            if group in earlier:
+                of = (group, now.approach, now.device)
+                result.append(Consequence("group_stiffness", of, earlier[group], value))
     return tuple(result)
 
 
