@@ -19,7 +19,7 @@ from fastapi import APIRouter, Depends, Header, Request
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
-from exogauge.api.dependencies import Id, ReaderDep, StorageDep
+from exogauge.api.dependencies import Id, StorageDep
 from exogauge.api.jobs import JobOut
 from exogauge.errors import Unavailable
 from exogauge.jobs import requests
@@ -96,9 +96,10 @@ def seen_of(installation: Installation, job_ids: Sequence[str]) -> dict[str, See
     return found
 
 
-def existing_job(job_id: Id, store: ReaderDep) -> str:
-    """404 before the stream begins."""
-    return store.jobs.get(str(job_id)).id
+def existing_job(job_id: Id, storage: StorageDep) -> str:
+    """404 before the stream begins. A reader of the request's would keep its connection for as long as the stream."""
+    with storage.reading() as store:
+        return store.jobs.get(str(job_id)).id
 
 
 def watch_of(request: Request) -> Watch:
