@@ -28,7 +28,7 @@ from exogauge.storage.rows import Lab, as_record
 from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
 
 MAX_CRASHES = 4  # of what computes a job: the job is to blame
-MAX_ATTEMPTS = 10  # whoever is to blame: a kill of the whole service takes its jobs with it
+MAX_ATTEMPTS = 8  # whoever is to blame: a kill of the whole service takes its jobs with it
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
 MOST_STEPS = 100  # kept of one attempt
 MOST_FAULTS = 100  # kept of a failed job
