@@ -13,6 +13,8 @@ from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
+from exogauge.estimation.statistics import Statistics
+from exogauge.identification.solution import first_weights
 from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.search import Task, point, random_motion, within
@@ -158,3 +160,16 @@ def test_a_result_of_another_robot_is_refused(arm: Path, tmp_path: Path, capsys:
     other.write_text(json.dumps({"identification": {"parameters": [{"name": "m[x]", "std": 1.0}]}}))
     assert main(["motion", "excite", "--robot", str(arm), "--from", str(other)]) == 2
     assert "a parameter of this robot is missing" in capsys.readouterr().err
+
+
+def test_an_axis_that_is_seldom_in_steady_motion_tells_no_noise(arm: Path) -> None:
+    """Three rows are explained exactly by an axis' own coefficients, so that their noise would be nothing."""
+    information = task(arm).information
+    equations, rng = information.equations, np.random.default_rng(0)
+    statistics = Statistics.empty(equations.size, equations.columns())
+    for axis, rows in ((0, 3), (1, 100)):
+        kind = equations.layout.axis(axis)
+        statistics.add_rows(kind, np.asfortranarray(rng.normal(size=(rows, len(equations.columns()[kind]) + 1))))
+    weights = first_weights(equations, statistics, information.prior)
+    assert weights[equations.layout.axis(0)] == 0.0
+    assert weights[equations.layout.axis(1)] > 0.0

@@ -33,6 +33,7 @@ from exogauge.api import (
     scenes,
     series,
     session,
+    shares,
     studies,
     uploads_resumable,
     what_if,
@@ -121,6 +122,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         models.router,
         session.router,
         lab.router,
+        shares.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)
