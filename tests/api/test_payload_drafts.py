@@ -14,6 +14,7 @@ from tests.payload.planned import plan_yaml
 from exogauge.synthetic import payload as generator
 
 V1 = "/api/v1"
+on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)  # what a child reads
 
 
 @pytest.fixture
@@ -33,6 +34,7 @@ def uploaded(client: TestClient) -> Callable[[str, bytes], str]:
     return send
 
 
+@on_sqlite
 def test_a_urdf_tells_its_joints_and_frames_and_a_log_its_columns(
     client: TestClient, uploaded: Callable[[str, bytes], str]
 ) -> None:
@@ -52,6 +54,7 @@ def test_a_urdf_tells_its_joints_and_frames_and_a_log_its_columns(
     }  # fmt: skip
 
 
+@on_sqlite
 def test_a_file_that_cannot_be_read_is_told_beside_those_that_can(
     client: TestClient, uploaded: Callable[[str, bytes], str]
 ) -> None:
@@ -61,6 +64,7 @@ def test_a_file_that_cannot_be_read_is_told_beside_those_that_can(
     assert [each["file"] for each in seen["logs"]] == ["log.csv"]
 
 
+@pytest.mark.slow  # reads in child processes
 def test_a_draft_is_checked_kept_and_taken_up_again_without_its_files_being_sent_twice(
     client: TestClient, uploaded: Callable[[str, bytes], str]
 ) -> None:
@@ -83,6 +87,7 @@ def test_a_draft_is_checked_kept_and_taken_up_again_without_its_files_being_sent
     assert client.post(f"{V1}/payloads/from-draft", json=draft | {"text": YAML}).status_code == 404  # used up
 
 
+@on_sqlite
 @pytest.mark.parametrize(
     ("draft", "status"),
     [
@@ -105,6 +110,7 @@ def test_a_plan_without_logs_is_a_payload(client: TestClient, uploaded: Callable
     assert wrong["errors"][0]["column"] == "plan.home"
 
 
+@on_sqlite
 def test_what_the_doctor_finds_stands_with_the_payload(client: TestClient, as_form: Callable[..., Any]) -> None:
     files = payload_files()
     files["payload.yaml"] += b"# rated for less than it bears\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +15,9 @@ from fastapi.testclient import TestClient
 from tests.api.small_payload import MASS, payload_files
 from tests.payload.planned import plan_yaml
 
+from exogauge.api.app import create_app
 from exogauge.payload.compute import identify
+from exogauge.settings import Settings
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import Artifact, Job, Result
 from exogauge.synthetic import payload as generator
@@ -30,16 +33,38 @@ def hand_in(client: TestClient, as_form: Callable[..., Any]) -> Post:
     return lambda files: client.post(f"{V1}/payloads", files=as_form(files))
 
 
-@pytest.fixture
-def stored(hand_in: Post) -> dict[str, Any]:
-    answer = hand_in(payload_files())
+@pytest.fixture(scope="module")
+def handed_in(migrated_sqlite: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A folder with a database and blobs that hold one payload, and what was answered when it was handed in."""
+    folder = tmp_path_factory.mktemp("handed_in")
+    shutil.copy(migrated_sqlite, folder / "test.sqlite")
+    settings = Settings(data_dir=folder / "data", database_url=f"sqlite:///{folder / 'test.sqlite'}", workers=0)
+    with TestClient(create_app(settings)) as client:
+        form = [("files", (path, content)) for path, content in payload_files().items()]
+        answer = client.post(f"{V1}/payloads", files=form)
     assert answer.status_code == 201, answer.text
-    payload: dict[str, Any] = answer.json()
-    return payload
+    return folder, answer.json()
 
 
-def test_a_payload_is_read_pinned_and_handed_back(client: TestClient, hand_in: Post, stored: dict[str, Any]) -> None:
+@pytest.fixture
+def settings(request: pytest.FixtureRequest, settings: Settings, tmp_path: Path) -> Settings:
+    """Where a test asks for what is `stored`, it is there: a copy, as children take seconds to read it."""
+    if "stored" in request.fixturenames:
+        shutil.copytree(request.getfixturevalue("handed_in")[0], tmp_path, dirs_exist_ok=True)
+    return settings
+
+
+@pytest.fixture
+def stored(handed_in: tuple[Path, dict[str, Any]]) -> dict[str, Any]:
+    return handed_in[1]
+
+
+@pytest.mark.slow  # reads in child processes
+def test_a_payload_is_read_pinned_and_handed_back(client: TestClient, hand_in: Post) -> None:
     files = payload_files()
+    answer = hand_in(files)
+    assert answer.status_code == 201, answer.text
+    stored = answer.json()
     assert (stored["name"], stored["version"], stored["latest_job"]) == ("Gripper", 1, None)
     assert [(log["role"], log["samples"], log["rate_hz"]) for log in stored["summary"]["logs"]] == [
         ("postures", 12, None)

@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from tests.bench import band_fit, bands, candidates, excite, live, memory, payload, product, speed
+from tests.bench import band_fit, bands, candidates, excite, live, memory, motion, payload, product, speed
 from tests.bench.figaroh_rival import PYTHON
 from tests.bench.problems import RATE_HZ, make
 
@@ -42,6 +42,7 @@ def main() -> int:
             report_candidates()
             report_live()
             payload.report()
+            motion.report()
             excite.report()
     print(f"\n{time.perf_counter() - began:.0f} s in all; estimates differ by at most {worst:.0e} of the largest")
     if worst > speed.AGREEMENT:

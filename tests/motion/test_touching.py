@@ -18,6 +18,7 @@ from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadRobot
 from exogauge.motion.plan.asked import Asked, standing
 from exogauge.motion.plan.judge import judge
+from exogauge.motion.plan.rows import shares, slopes
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import through
 from exogauge.motion.robot import MotionRobot
@@ -133,6 +134,25 @@ def test_what_touches_by_construction_is_left_out_and_told(robot: MotionRobot, p
     assert frozenset(("l_hand", "r_hand")) in asked
     assert frozenset((FLOOR, "l_hand")) in asked
     assert frozenset((FLOOR, "l_sole")) not in asked
+
+
+def test_a_pair_that_is_nearer_at_home_than_is_asked_for_binds_nothing_there(robot: MotionRobot, pairs: Pairs) -> None:
+    """An upper arm so thick that it is 12 mm from the chest, where 15 are asked of others."""
+    arm = ("chest", "l_upper_arm")
+    gap = pairs.at_home[pairs.names.index(arm)]
+    thick = tuple(
+        replace(shape, size=(shape.size[0] + gap - 0.0125, *shape.size[1:])) if shape.link == arm[1] else shape
+        for shape in robot.shapes
+    )
+    changed = replace(robot, shapes=thick)
+    close = Pairs(changed, USUAL.clearance_m)
+    assert USUAL.clearance_m < close.at_home[close.names.index(arm)] < USUAL.apart_m
+    step, place = 1.0 / USUAL.nodes_per_s, standing(robot)
+    still = Asked(np.tile(robot.home, (5, 1)), np.ones(robot.model.nq), step, np.ones((5, 2), bool), (place,) * 5)
+    spline = through(still.q, step)
+    used = shares(changed, spline, slopes(changed, still, spline, np.zeros((5, 2, 6))), close, USUAL)
+    assert close.names.index(arm) in used.near.pair
+    assert (used.apart <= used.near.distance + 1e-9).all()
 
 
 @pytest.mark.slow

@@ -134,10 +134,12 @@ def weigh(statistics: Statistics, prior: Prior, strength: float, weights: Array)
 def first_weights(equations: Equations, statistics: Statistics, prior: Prior) -> Array:
     """(rows,) from what the a-priori robot leaves unexplained.
 
-    0 for joints whose torque is not logged, and for axes that are not in steady motion (see `static_friction`).
+    0 for joints whose torque is not logged, and for axes that are not in steady motion (see `static_friction`), or for
+    fewer samples than they have coefficients of their own: those explain so few rows exactly, whatever their noise.
     """
     variance = statistics.residual_square_sum(prior.seen_mean) / np.maximum(statistics.count, 1)
     measured = statistics.count > 0
+    measured[equations.layout.axes] &= statistics.count[equations.layout.axes] > len(equations.effects)
     measured[equations.layout.axes] &= np.array([joint.actuation != "none" for joint in equations.robot.joints])
     measured[equations.layout.at_rest] = False
     return np.where(measured, 1.0 / np.maximum(variance, 1e-300), 0.0)

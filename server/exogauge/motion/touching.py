@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 FLOOR = "floor"
+LOOSE = 0.1  # [m] at home: that far apart is far
 BLOCK = 2000  # samples whose ways are held at once
 
 
@@ -38,9 +39,9 @@ class Near:
 class Pairs:
     """Shapes of a robot, and the floor where its base floats, two by two.
 
-    names: (P,) links of each pair. left_out: pairs of which no distance is asked, as links: those that the robot file
-    names, and those that are nearer than `clearance` [m] at home, which touch by construction. What one joint or none
-    lies between is in neither.
+    names: (P,) links of each pair; at_home: (P,) [m] how far apart they are there, inf where far. left_out: pairs of
+    which no distance is asked, as links: those that the robot file names, and those that are nearer than `clearance`
+    [m] at home, which touch by construction. What one joint or none lies between is in neither.
     """
 
     def __init__(self, robot: MotionRobot, clearance: float) -> None:
@@ -76,9 +77,12 @@ class Pairs:
         for i, j in asked:
             geometry.addCollisionPair(pin.CollisionPair(i, j))
         self._start()
+        self.at_home = np.full(len(asked), np.inf)
         if asked and robot.home is not None:
-            at_home = self.near(robot.home[None], clearance)
-            touching = set(at_home.pair[at_home.distance < clearance].tolist())
+            at_home = self.near(robot.home[None], LOOSE)
+            self.at_home[at_home.pair] = at_home.distance
+            touching = set(np.flatnonzero(self.at_home < clearance).tolist())
+            self.at_home = self.at_home[self.at_home >= clearance]
             left_out += [(links[i], links[j]) for k, (i, j) in enumerate(asked) if k in touching]
             geometry.removeAllCollisionPairs()
             asked = [pair for k, pair in enumerate(asked) if k not in touching]

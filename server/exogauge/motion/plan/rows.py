@@ -185,7 +185,8 @@ def equations(
 @dataclass(frozen=True)
 class Shares:
     """Of their bounds, less what is kept for between the nodes, that are used: rate (N + 1, J) from one control point
-    to the next, torque and fast (acceleration) (N, J) at the nodes, jerk (N - 1, J) between them; near: pairs.
+    to the next, torque and fast (acceleration) (N, J) at the nodes, jerk (N - 1, J) between them; near: pairs of
+    shapes, and apart: (B,) [m] by how much they shall be: as at home where that is less than `apart_m`.
     """
 
     rate: Array
@@ -193,14 +194,16 @@ class Shares:
     fast: Array
     jerk: Array
     near: Near
+    apart: Array
 
-    def beyond(self, criteria: MotionPlan) -> Array:
+    @property
+    def beyond(self) -> Array:
         """(N,) by which the worst of them is exceeded."""
         worst = np.maximum(np.abs(self.torque).max(axis=1), np.abs(self.fast).max(axis=1)) - 1.0
         rate, jerk = np.abs(self.rate).max(axis=1) - 1.0, np.abs(self.jerk).max(axis=1) - 1.0
         worst = np.maximum(worst, np.maximum(rate[1:], rate[:-1]))
         worst[1:], worst[:-1] = np.maximum(worst[1:], jerk), np.maximum(worst[:-1], jerk)
-        np.maximum.at(worst, self.near.sample, (criteria.apart_m - self.near.distance) / FOOT_M)
+        np.maximum.at(worst, self.near.sample, (self.apart - self.near.distance) / FOOT_M)
         return np.asarray(np.maximum(worst, 0.0))
 
 
@@ -208,10 +211,11 @@ def shares(robot: MotionRobot, spline: Spline, slope: Slopes, pairs: Pairs, crit
     """Of a trajectory."""
     q, _, a = spline.at_nodes()
     control, h, kept, limits = spline.control[:, robot.base :], spline.step, criteria.kept, robot.limits
+    near = pairs.near(q, criteria.look_m)
     return Shares(
         np.diff(control, axis=0) / (h * kept * limits.velocity), slope.torque[:, robot.base :] / (kept * limits.torque),
         a[:, robot.base :] / (kept * limits.acceleration), np.diff(control, 3, axis=0) / (h**3 * kept * robot.jerk),
-        pairs.near(q, criteria.look_m),
+        near, np.minimum(criteria.apart_m, pairs.at_home[near.pair]),
     )  # fmt: skip
 
 
@@ -261,7 +265,7 @@ def bounds(
         rows.add(parts, np.full(N, -criteria.least_weight / criteria.kept))
     near = used.near
     by_q = -pairs.slopes(q, near) / FOOT_M
-    left = np.maximum(near.distance - criteria.apart_m, -criteria.out_m) / FOOT_M
+    left = np.maximum(near.distance - used.apart, -criteria.out_m) / FOOT_M
     left += np.einsum("bn,bn->b", by_q, q[near.sample])
     none = np.zeros_like(by_q)
     parts = [(stage, every, value) for stage, value in spread(near.sample, by_q, none, none, h)]

@@ -23,6 +23,7 @@ from exogauge.motion.touching import Pairs
 
 Array = NDArray[np.float64]
 
+FAR_OFF = 4.0  # times as far off as the round before: then that one is taken up again
 STILLEST = 64.0  # times the pelvis' own weight: steps are then a hundredth of what the equations say
 
 
@@ -152,20 +153,29 @@ def _settle(
     settled = asked.stands.copy()  # where the feet can be moved
     settled[: 0 if ends.before is None else 2] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
+    kept = spline, wrench, excess  # of the round before
     while True:
         slope = slopes(robot, asked, spline, wrench)
+        used = shares(robot, spline, slope, pairs, criteria)
         strays = float(np.abs(slope.error[settled]).max(initial=0.0))
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
+        over = float((used.beyond - np.maximum(excess, 0.0)).max())  # more than the equations said
         report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max())))
-        used = shares(robot, spline, slope, pairs, criteria)
-        over = float((used.beyond(criteria) - np.maximum(excess, 0.0)).max())  # more than the equations said
+        wrong = strays + floats + over
         held = strays < criteria.held and floats < criteria.floats and over < criteria.over
         if rounds == criteria.rounds or (held and size < criteria.done_rad):
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
-        if missed < np.inf:
-            stuck = size > 0.5 * last if held else strays + floats + over > 0.5 * missed
-            still = min(max(8.0 * still, 1.0), STILLEST) if stuck else still / 2.0
-        missed, last = strays + floats + over, size
+        if wrong > max(FAR_OFF * missed, 0.5) and missed < np.inf and still < STILLEST:
+            spline, wrench, excess = kept  # slopes promised what is not there: again, nearer to what was
+            still, rounds = min(max(8.0 * still, 1.0), STILLEST), rounds + 1
+            slope = slopes(robot, asked, spline, wrench)
+            used = shares(robot, spline, slope, pairs, criteria)
+        else:
+            if missed < np.inf:
+                stuck = size > 0.5 * last if held else wrong > 0.5 * missed
+                still = min(max(8.0 * still, 1.0), STILLEST) if stuck else still / 2.0
+            missed, last = wrong, size
+        kept = spline, wrench, excess
         A, b = equations(robot, asked, spline, wrench, slope, ends.before, ends.rest)
         G, h = bounds(robot, asked, spline, wrench, slope, used, pairs, criteria)
         stages = np.zeros((N + 2, wide))
