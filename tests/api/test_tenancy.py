@@ -50,7 +50,7 @@ SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to ano
     "payload_files": "getPayloadFile", "live_streams": "listLiveStreams", "jobs": "listJobs",
     "results": "getJobResults", "artifacts": "listArtifacts", "uploads": "getUploadOffset",
     "robot_mappings": "getRobotMapping", "audit": "listAudit", "memberships": "listMembers",
-    "api_tokens": "listTokens", "invitations": "listInvitations",
+    "api_tokens": "listTokens", "invitations": "listInvitations", "shares": "listShares",
     "idempotency_keys": None,  # test_one_key_of_two_labs_is_two_requests
 }  # fmt: skip
 
@@ -77,9 +77,11 @@ def world(app: FastAPI, settings: Settings) -> World:
     made = World(People(app))
     account = made.people.person("ada@example.org", "north", "admin")
     made.people.person("eve@example.org", "south", "admin")
+    made.people.person("wes@example.org", "west", "admin")
     with made.people.installation.of_lab("north", "test").transaction() as store:
         made.north = filled(store, settings)
         made.north["account_id"] = account
+        made.north["share_id"] = store.shares.add(made.north["study_id"], "west").id
         made.north["invitation_id"] = store.invitations.add("guest@example.org", "viewer", account)[0].id
         made.north["token_id"] = store.tokens.add(
             "of the north", "read", made_by=account, account_id=None, expires_at=None
@@ -155,6 +157,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "renameLab": {JSON: {"name": "Taken"}},
         "invite": {JSON: {"email": "new@example.org", "role": "viewer"}},
         "createToken": {JSON: {"name": "t"}},
+        "shareStudy": {JSON: {"lab": None}},
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},

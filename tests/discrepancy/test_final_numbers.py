@@ -10,8 +10,7 @@ import pytest
 from exogauge.detect.pipeline import find_missing_effects
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.settings import Settings
-from exogauge.search.afterwards import with_final_numbers
-from exogauge.search.shape_doubt import coefficients, place_of
+from exogauge.search.final_numbers import coefficients, place_of, with_final_numbers
 
 AXIS = 1
 

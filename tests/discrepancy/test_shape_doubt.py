@@ -10,7 +10,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect, Extension
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import AxisSite
-from exogauge.search.shape_doubt import with_doubt_of_shapes
+from exogauge.search.final_numbers import with_doubt_of_shapes
 
 SETTINGS = Settings(cutoff_hz=8.0)
 TAU_B, V_S = 1.5, 0.25  # wide: it reaches to where viscous friction is learnt

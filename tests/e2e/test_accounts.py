@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import httpx
 import pytest
 from playwright.sync_api import expect
+from tests.e2e.arm import arm_study
 from tests.e2e.conftest import running
 
 if TYPE_CHECKING:
@@ -133,3 +134,48 @@ def test_the_end_of_a_session_leads_to_our_own_sign_in_and_back(page: Page, serv
     page.get_by_label("Password").first.fill(WORDS)
     page.get_by_role("button", name="Sign in").click()
     expect(page.get_by_role("heading", name="Robots", level=1)).to_be_visible()
+
+
+def test_a_study_is_shared_with_one_lab_read_there_and_gone_again(
+    page: Page, service: Service, browser: Browser, screenshot: Callable[..., None]
+) -> None:
+    page.goto("/sign-in")
+    sign_in(page)
+    asked = {"base_url": f"{service.url}/api/v1", "headers": {"Origin": service.url}, "timeout": 60.0}
+    with httpx.Client(**asked) as north:  # type: ignore[arg-type]
+        north.post("/session", json={"email": "ada@example.org", "password": WORDS})
+        labs = {lab["name"]: lab["id"] for lab in north.get("/session").json()["labs"]}
+        north.put("/session/lab", json={"lab_id": labs["South"]})
+        code = north.post("/lab/invitations", json={"email": "cleo@example.org", "role": "member"}).json()["code"]
+        north.put("/session/lab", json={"lab_id": labs["North"]})
+        made = north.post("/studies", files=[("files", (path, text)) for path, text in arm_study().items()]).json()
+    page.goto(f"/studies/{made['id']}")
+    page.get_by_role("button", name="Share").click()
+    page.get_by_label("Name of another lab").fill("Nowhere")
+    page.get_by_role("dialog").get_by_role("button", name="Share", exact=True).click()
+    expect(page.get_by_role("alert")).to_contain_text("no other lab")
+    page.get_by_label("Name of another lab").fill("South")
+    page.get_by_role("dialog").get_by_role("button", name="Share", exact=True).click()
+    expect(page.get_by_role("button", name="End for South")).to_be_visible()
+    screenshot("accounts-share", without=(".mantine-Modal-root",))  # its header is no banner
+    context = browser.new_context(base_url=service.url)
+    cleo = context.new_page()
+    cleo.goto(f"/invited#{code}")
+    cleo.get_by_label("Your name").fill("Cleo")
+    cleo.get_by_label("Password").first.fill(WORDS)
+    cleo.get_by_role("button", name="Make the account and join").click()
+    cleo.get_by_role("region", name="Shared with your lab").get_by_role("link").click()
+    expect(cleo.get_by_role("heading", level=1)).to_contain_text(made["name"])
+    expect(cleo.get_by_role("button", name="Share")).to_have_count(0)
+    page.get_by_role("button", name="End for South").click()
+    expect(page.get_by_role("button", name="End for South")).to_have_count(0)
+    cleo.reload()
+    expect(cleo.get_by_role("alert")).to_contain_text("no study")
+    context.close()
+
+
+def sign_in(page: Page) -> None:
+    page.get_by_label("E-mail address").fill("ada@example.org")
+    page.get_by_label("Password").first.fill(WORDS)
+    page.get_by_role("button", name="Sign in").click()
+    expect(page.get_by_role("heading", name="Studies", level=1)).to_be_visible()

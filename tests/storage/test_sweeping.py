@@ -54,6 +54,7 @@ NO_HASHES = (
     "id",
     "lab_id",
     "at_lab",
+    "to_lab",
     "kind",
     "action",
     "subject_kind",

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.criteria.identifying import DECLARED as DEFAULT_DOUBTS
 from exogauge.devices.routing import Routing
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
@@ -185,6 +186,20 @@ def problem(biped, bands, evidences):
 @pytest.fixture(scope="module")
 def worn(suit, make_evidence, wander):
     return [make_evidence(suit, wander(seed), 0.3, seed=seed) for seed in (1, 2)]
+
+
+def test_what_drifts_through_a_session_hardly_averages_out_over_its_logs(biped, suit, worn):
+    """One motion in one log, and twice: errors of each log alone would be half of the variance, those alike all."""
+    drift = np.zeros((len(worn[0].sloped), len(NAMES), 1), dtype=np.float32)
+    drift[:, 0, 0] = np.sin(np.linspace(0.0, 9.0, len(drift)))
+    one, two = (
+        contributions(*problem(biped, suit.bands, [replace(worn[0], own_b={"kt_drift": drift})] * times), {})[
+            "kt_drift"
+        ]
+        for times in (1, 2)
+    )
+    share = DEFAULT_DOUBTS.alike + 0.5 * (1.0 - DEFAULT_DOUBTS.alike)
+    np.testing.assert_allclose(two, share * one, rtol=1e-5, atol=1e-9 * np.abs(one).max())
 
 
 def test_via_points_and_donning_move_the_bands_as_far_as_they_do_when_they_are_moved(biped, suit, worn):

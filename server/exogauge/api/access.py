@@ -13,8 +13,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
+from dataclasses import replace
 from typing import final
 
+from sqlalchemy.orm import Session
 from starlette._utils import get_route_path
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
@@ -29,9 +32,13 @@ from exogauge.errors import Unavailable
 from exogauge.storage import callers
 from exogauge.storage.callers import Caller
 from exogauge.storage.secrets import is_token
+from exogauge.storage.shares import host_of
 from exogauge.storage.store import LOCAL, Installation
 
 WEBSOCKET = "WEBSOCKET"
+SHARED = re.compile(  # what a share lets another lab read: a study, its jobs, and all below them but who else may
+    r"/api/v1/(?P<thing>studies|jobs)/(?P<key>[0-9a-fA-F-]{36})(/(?!shares(/|$)).*)?"
+)
 BEARER = "bearer "
 LOOK_EVERY_S = 5.0  # whether who asked for a stream may still have it
 POLICY_VIOLATION = 1008
@@ -83,13 +90,21 @@ class Access:
         installation: Installation = scope["app"].state.installation
         with installation.reading() as session:
             found = callers.by_token(session, key) if by_token else callers.by_session(session, key)
-        if found is None:
-            return None
-        caller, to_note = found
+            if found is None:
+                return None
+            caller, to_note = found
+            host = self.host(session, caller, scope)
         if to_note:
             with contextlib.suppress(Unavailable), installation.session() as session:
                 callers.note(session, caller)
-        return caller
+        return caller if host is None else replace(caller, lab_id=host, role="viewer")
+
+    def host(self, session: Session, caller: Caller, scope: Scope) -> str | None:
+        """The other lab as whose viewer this request reads a study that it shares; None: one reads one's own."""
+        asked = SHARED.fullmatch(get_route_path(scope)) if scope.get("method") in ("GET", "HEAD") else None
+        if asked is None or caller.lab_id is None:
+            return None
+        return host_of(session, caller.lab_id, asked["thing"], asked["key"].lower())
 
     def still(self, scope: Scope) -> bool:
         """A database that is away ends nothing."""

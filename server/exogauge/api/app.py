@@ -31,6 +31,7 @@ from exogauge.api import (
     scenes,
     series,
     session,
+    shares,
     studies,
     uploads_resumable,
     what_if,
@@ -113,6 +114,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         models.router,
         session.router,
         lab.router,
+        shares.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

@@ -152,6 +152,13 @@ class Declaring:
     kt_drift: float = criterion(
         0.01, "1", "torque per ampere of a motor that warms by 10 K: magnets lose .1 % per K", judgement(USUAL)
     )
+    alike: float = criterion(
+        0.8,
+        "1",
+        "share of the variance of a drift or a zero that the logs with the device have in common: late in a session, "
+        "what walks at random until then is .8 to 1 alike in them",
+        judgement(USUAL),
+    )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
     torque_zero: float = criterion(
         0.2,

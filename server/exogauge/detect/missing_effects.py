@@ -19,14 +19,14 @@ from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording
 from exogauge.progress import Rising, still, unwatched
-from exogauge.search.afterwards import look_into_odd_logs, remainders, shapes_again, with_final_numbers
+from exogauge.search.afterwards import look_into_odd_logs, shapes_again
 from exogauge.search.baseline import lay_ground
 from exogauge.search.creeping import Creeping
+from exogauge.search.final_numbers import with_doubt_of_shapes, with_final_numbers
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
-from exogauge.search.residual_correction import Bend, own_curves
+from exogauge.search.residual_correction import Bend, own_curves, remainders
 from exogauge.search.search import searched, taken_back
-from exogauge.search.shape_doubt import with_doubt_of_shapes
 from exogauge.search.state import Problem, Search
 
 

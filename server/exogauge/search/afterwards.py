@@ -1,18 +1,9 @@
 """What begins with a held-out log, or sits in it alone: no fitted log has it, so that log joins the fitted ones.
 
-Shapes sought once more, with the model that has their effect.
-
-A shape is searched before its effect is in the model. What the effect sees there, above all the load of its joint,
-comes of a robot that was bent by what it lacked: where a load changes its sign, and with it when a gear falls to the
-other side of its gap, is off by some hundredths of a second, and the search ends on a summit beside the true one.
-
-What is left at a place where something was named and looks like another effect, too small beside it for a name.
-
-It is no reason to leave it in the residual: it goes into the model without a name, if held-out logs ask for it.
-
-Coefficients as the model with all that was named has them: what was named later moves those of what was before.
-
-So does what the same fit decides, such as a joint's k_T: torques are told on its scale, and so is the curve.
+Shapes sought once more, with the model that has their effect. A shape is searched before its effect is in the model.
+What the effect sees there, above all the load of its joint, comes of a robot that was bent by what it lacked: where
+a load changes its sign, and with it when a gear falls to the other side of its gap, is off by some hundredths of a
+second, and the search ends on a summit beside the true one.
 """
 
 from __future__ import annotations
@@ -21,28 +12,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exogauge.criteria.criteria import Criteria
 from exogauge.findings.result import Finding
 from exogauge.findings.verdict import Caveat
 from exogauge.identification.identify import identify
-from exogauge.identification.model import AddedEffect, RobotModel, Site
+from exogauge.identification.model import AddedEffect, RobotModel
 from exogauge.identification.result import ChannelFit, Identification
 from exogauge.identification.settings import Recording
-from exogauge.identification.sites import AxisSite, SensorSite
-from exogauge.progress import unwatched
-from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate, grid
-from exogauge.search.doubt import gone, parameters
-from exogauge.search.finding import channel_of
+from exogauge.search.doubt import parameters
 from exogauge.search.refine import broadly, climbed, closely
-from exogauge.search.residual_correction import Bend, held_out_rmse
+from exogauge.search.residual_correction import held_out_rmse
 from exogauge.search.score import Score, score
-from exogauge.search.search import as_added, judge_best, resumed
-from exogauge.search.shape_doubt import coefficients, place_of
+from exogauge.search.search import as_added, resumed
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
-from exogauge.search.state import Search, Step
+from exogauge.search.state import Search
 
 
 def look_into_odd_logs(search: Search) -> tuple[Search, tuple[Caveat, ...]]:
@@ -134,62 +119,3 @@ def _best(model: RobotModel, added: AddedEffect, rows: Sequence[SiteRows], memor
 
 def _left(finding: Finding, found: Identification) -> tuple[float, float]:
     return held_out_rmse(finding, finding.held_out.channel, found)
-
-
-def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
-    """At most one for each place, after the effects' own curves."""
-    every = list(bends)
-    last: dict[Site, Step] = {each.added.site: each for each in search.steps}
-    for site, step in last.items():
-        if isinstance(site, AxisSite | SensorSite):
-            every += _remainder(search, step, every)
-    return every[len(bends) :]
-
-
-def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
-    before = bends[-1].found if bends else search.current
-    finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
-    problem = search.problem
-    criteria = problem.settings.criteria.search
-    rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
-    if rmse < criteria.remainder_above * floor:
-        return []
-    site = step.added.site
-    ground = lay_ground(before.model, problem.recordings, problem.effects, unwatched, at=site)
-    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
-    best = next((each for each in judged if not each.objection), None)
-    if best is None:
-        return []
-    added = as_added(best.score.candidate)
-    there = [*search.added, *(each.added for each in bends)]
-    after = search.identified([*there, added])
-    channel = channel_of(before.model.equations, best.kind)
-    sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
-    if gone(*(rmse for rmse, _ in sizes)) < criteria.bend_least * sizes[1][1]:
-        return []
-    rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
-    return [Bend(step, added, finding.refined_by("remainder", rmse, added.effect.name), after, "remainder")]
-
-
-Array = NDArray[np.float64]
-
-
-def with_final_numbers(finding: Finding, added: AddedEffect, model: RobotModel) -> Finding:
-    """added: which effect of `model` the finding is about. Shapes stay. A standard deviation is no less than that of
-    the whole fit, in which a torque is no better known than the scale of all torques. The curve is what the effect
-    does with these coefficients; where they moved apart, with the factor that comes nearest."""
-    quantities, numbers = added.effect.coefficients, dict(finding.parameters)
-    scale = np.array([added.site.in_si(model, quantity.unit, added.shape)[0] for quantity in quantities])
-    now, place = coefficients(model, added) * scale, place_of(model, added)
-    std = np.sqrt(np.maximum(np.diag(model.covariance)[place], 0.0)) * np.abs(scale)
-    was = np.array([numbers[quantity.name].value for quantity in quantities])
-    for quantity, value, least in zip(quantities, now, std, strict=True):
-        known = numbers[quantity.name]
-        numbers[quantity.name] = replace(known, value=float(value), std=float(max(known.std, least)))
-    drawn = replace(finding.evidence, model=finding.evidence.model * _factor(was, now))
-    return replace(finding, parameters=numbers, evidence=drawn)
-
-
-def _factor(was: Array, now: Array) -> float:
-    square = float(was @ was)
-    return float(was @ now) / square if square > 0.0 else 1.0

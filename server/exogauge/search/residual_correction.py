@@ -1,8 +1,11 @@
 """What the formulas of the named effects do not hold: no real curve is a formula, and the rest of it is no effect.
 
-Once nothing more qualifies for a name, each effect of a joint or of a sensor's axis may be bent (`OwnCurve`: terms over
-what its formula gives), by as many terms as the fitted logs pay for. A bend must lower the error of the held-out logs
-like anything else.
+Once nothing more qualifies for a name, each effect of a joint or of a sensor's axis may be bent (`OwnCurve`: terms
+over what its formula gives), by as many terms as the fitted logs pay for. A bend must lower the error of the
+held-out logs like anything else.
+
+What is left then at a place where something was named may look like another effect, too small beside it for a name.
+That is no reason to leave it in the residual: it goes into the model without a name, if held-out logs ask for it.
 """
 
 from __future__ import annotations
@@ -17,15 +20,18 @@ from numpy.typing import NDArray
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import Shape
 from exogauge.findings.result import Finding, What
-from exogauge.identification.model import AddedEffect
+from exogauge.identification.model import AddedEffect, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.sites import AxisSite, SensorSite
+from exogauge.progress import unwatched
+from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate
 from exogauge.search.doubt import gone, parameters
 from exogauge.search.finding import channel_of
 from exogauge.search.judge import judge
 from exogauge.search.locate import pooled
 from exogauge.search.score import Score, score
+from exogauge.search.search import as_added, judge_best
 from exogauge.search.site_rows import SiteRows, collect_rows, sums_of
 from exogauge.search.state import Search, Step
 
@@ -211,3 +217,38 @@ def held_out_rmse(finding: Finding, channel: str, found: Identification) -> tupl
     fits = [fit for fit in found.validation if fit.channel == channel]
     logs = finding.held_out.log.split(", ") if finding.held_out.log else [fit.log for fit in fits if fit.held_out]
     return pooled([fit for fit in fits if fit.log in logs])
+
+
+def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
+    """At most one for each place, after the effects' own curves."""
+    every = list(bends)
+    last: dict[Site, Step] = {each.added.site: each for each in search.steps}
+    for site, step in last.items():
+        if isinstance(site, AxisSite | SensorSite):
+            every += _remainder(search, step, every)
+    return every[len(bends) :]
+
+
+def _remainder(search: Search, step: Step, bends: Sequence[Bend]) -> list[Bend]:
+    before = bends[-1].found if bends else search.current
+    finding = next((each.finding for each in reversed(bends) if each.of is step), step.finding)
+    problem = search.problem
+    criteria = problem.settings.criteria.search
+    rmse, floor = held_out_rmse(finding, finding.held_out.channel, before)
+    if rmse < criteria.remainder_above * floor:
+        return []
+    site = step.added.site
+    ground = lay_ground(before.model, problem.recordings, problem.effects, unwatched, at=site)
+    judged, _ = judge_best(ground, problem.recordings, problem.effects, site)
+    best = next((each for each in judged if not each.objection), None)
+    if best is None:
+        return []
+    added = as_added(best.score.candidate)
+    there = [*search.added, *(each.added for each in bends)]
+    after = search.identified([*there, added])
+    channel = channel_of(before.model.equations, best.kind)
+    sizes = [held_out_rmse(finding, channel, each) for each in (before, after)]
+    if gone(*(rmse for rmse, _ in sizes)) < criteria.bend_least * sizes[1][1]:
+        return []
+    rmse, _ = held_out_rmse(finding, finding.held_out.channel, after)
+    return [Bend(step, added, finding.refined_by("remainder", rmse, added.effect.name), after, "remainder")]

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Mapped, mapped_column
 
 from exogauge.storage.database import UtcDateTime
-from exogauge.storage.tables import NAME, SHA256, UUID, Base, Owned, new_id, one_of, utc_now
+from exogauge.storage.tables import NAME, SHA256, UUID, Base, Owned, new_id, one_of, utc_now, within_lab
 
 LAB = sa.String(64)
 EMAIL = sa.String(254)
@@ -125,6 +125,21 @@ class Invitation(Owned, Base):
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
     accepted_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     revoked_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+
+@final
+class Share(Owned, Base):
+    """Another lab may read a study, with its jobs and results. to_lab: which; None: every lab of the installation."""
+
+    __tablename__ = "shares"
+    __table_args__ = (
+        within_lab("study_id", "studies"),
+        of_lab(),
+        of_lab("to_lab"),
+        sa.Index(None, "to_lab", "study_id"),
+    )
+    study_id: Mapped[str] = mapped_column(UUID, index=True)
+    to_lab: Mapped[str | None] = mapped_column(LAB)
 
 
 @final

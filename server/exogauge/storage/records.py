@@ -265,3 +265,25 @@ class AuditRecord:
     before_hash: str | None
     after_hash: str | None
     said: str
+
+
+@final
+@dataclass(frozen=True)
+class ShareRecord:
+    """to_lab, lab: id and name of who may read; None for every lab."""
+
+    id: str
+    created_at: datetime
+    to_lab: str | None
+    lab: str | None
+
+
+@final
+@dataclass(frozen=True)
+class SharedStudy:
+    """lab: whose it is."""
+
+    study_id: str
+    name: str
+    lab: str
+    since: datetime

@@ -37,6 +37,7 @@ from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import AllLabsSession, LabSession
+from exogauge.storage.shares import Shares
 from exogauge.storage.tables import WorkerLease
 from exogauge.storage.uploads import Uploads
 
@@ -68,6 +69,7 @@ class Store:
         self.invitations = Invitations(lab)
         self.tokens = Tokens(lab)
         self.audit = Audit(lab)
+        self.shares = Shares(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
         """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""

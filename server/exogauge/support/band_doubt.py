@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len, rfft
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.identification.type_b import ROBOT
 from exogauge.identification.uncertainty import block_length
 from exogauge.support.band_inputs import scores_of_inputs
@@ -100,9 +101,11 @@ def blocks(logs: WearLogs, e: Array) -> IntArray:
 
 def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Array]]:
     """(P, X) change of the score with the robot's parameters, None where a log does not know it; and declared
-    uncertainty -> (P, P) of the score, from what is each log's own."""
+    uncertainty -> (P, P) of the score, from what motors and sensors do in each log. Through a session motors warm and
+    zeros drift: a share of their variance is alike in all of these logs."""
     total, known = np.zeros((weighted.shape[2], 0)), True
     of_each_log: dict[str, Array] = {}
+    together, alike = dict[str, Array](), DECLARED.alike
     for log, span in zip(logs.logs, logs.spans, strict=True):
         if log.slope is None and not log.own:
             known = False
@@ -110,11 +113,14 @@ def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Arr
         g = log.at_slopes(weighted[span])
         for name, own in log.own.items():
             moved = _through(g, own)
-            of_each_log[name] = of_each_log.get(name, np.zeros((len(moved), len(moved)))) + moved @ moved.T
+            of_each_log[name] = of_each_log.get(name, 0.0) + (1.0 - alike) * moved @ moved.T
+            together[name] = together.get(name, 0.0) + moved
         if log.slope is None:
             known = False
         else:
             total = _through(g, log.slope) + (total if total.size else 0.0)
+    for name, moved in together.items():
+        of_each_log[name] = of_each_log[name] + alike * moved @ moved.T
     return total if known else None, of_each_log
 
 

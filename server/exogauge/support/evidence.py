@@ -230,9 +230,9 @@ def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: In
 
 
 def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> OwnInputs:
-    """Those that act on these joints."""
+    """The same inputs, in the same order, whatever the log."""
     found = of_this_log(model, prepared, samples, joints)
-    return {name: each[:, :, each.any(axis=(0, 1))].astype(np.float32) for name, each in found.items()}
+    return {name: each.astype(np.float32) for name, each in found.items() if each.any()}
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:

@@ -244,7 +244,7 @@ def _estimate(
     stiffness, length = springs.of(k)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
-    k_interval, l_interval = profiles.interval(k_at, value), profiles.interval(l_at, stretch)
+    k_interval, l_interval = profiles.of_band(k, stretch)
     if not pulls and np.isfinite(stiffness.std):
         l_interval = (_longer_than(seen, k), np.inf)
     k_known = stiffness.std <= known * value and np.isfinite(k_interval[1]) and not edge
@@ -319,6 +319,15 @@ class Profiles:
         if index not in self._found:
             self._found[index] = self._walked(index, value, std)
         return self._found[index]
+
+    def of_band(self, k: int, stretch: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of stiffness and natural length. The pull is known, not what it is a product of: a length is as skewed as
+        the stiffness that it goes with. stretch: [m] the largest."""
+        wear = self.fitted.wear
+        k_at, l_at = int(wear.layout.stiffness[k]), int(wear.layout.natural_length[k])
+        value = float(wear.springs[k_at])
+        skewed = self.covariance[k_at, k_at] >= (SKEWED * value) ** 2
+        return self.interval(k_at, value), self.interval(l_at, 0.0 if skewed else stretch)
 
     @cached_property
     def _found(self) -> dict[int, tuple[float, float]]:

@@ -11,6 +11,7 @@ import { JobBar } from "./JobBar";
 import { JobTrouble } from "./JobTrouble";
 import { NoJob } from "./NoJob";
 import { Pipeline } from "./Pipeline";
+import { ShareButton } from "./ShareButton";
 import { Section } from "./Section";
 import { SectionNav } from "./SectionNav";
 import { useJob, useJobs, type Job } from "./jobs";
@@ -31,6 +32,7 @@ export function Component() {
   return (
     <>
       <PageTitle title={study.data.name} lead={<StudyFacts summary={summaryOf(study.data)} />}>
+        <ShareButton id={study.data.id} name={study.data.name} />
         <DeleteButton kind="studies" id={study.data.id} name={study.data.name}>
           Its files, jobs and results go. Robots, devices and logs in the lists stay.
         </DeleteButton>

@@ -1,0 +1,78 @@
+"""Studies that other labs may read: of the lab that shares, and seen from the lab that may read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import sqlalchemy as sa
+from sqlalchemy.orm import Session
+
+from exogauge.errors import NotFound
+from exogauge.storage.account_tables import LabRow, Share
+from exogauge.storage.records import SharedStudy, ShareRecord, StudyRecord
+from exogauge.storage.rows import Lab
+from exogauge.storage.tables import Job, Study
+
+
+@final
+@dataclass(frozen=True)
+class Shares:
+    """What the lab shares."""
+
+    lab: Lab
+
+    def of(self, study_id: str) -> list[ShareRecord]:
+        """Oldest first."""
+        self._study(study_id)
+        query = sa.select(Share.id, Share.created_at, Share.to_lab, LabRow.name)
+        query = query.outerjoin(LabRow, LabRow.id == Share.to_lab)
+        query = query.where(Share.lab_id == self.lab.lab_id, Share.study_id == study_id)
+        rows = self.lab.session.execute(query.order_by(Share.created_at, Share.id))
+        return [ShareRecord(*row) for row in rows]
+
+    def add(self, study_id: str, lab_name: str | None) -> ShareRecord:
+        """None: with every lab. The same again is the same. NotFound where there is no such lab, or it is one's own."""
+        study, to_lab = self._study(study_id), None
+        if lab_name is not None:
+            find = sa.select(LabRow.id).where(LabRow.name == lab_name, LabRow.id != self.lab.lab_id)
+            to_lab = self.lab.session.scalar(find)
+            if to_lab is None:
+                raise NotFound(f"there is no other lab {lab_name!a}")
+        found = next((each for each in self.of(study_id) if each.to_lab == to_lab), None)
+        if found is not None:
+            return found
+        row = Share(lab_id=self.lab.lab_id, study_id=study_id, to_lab=to_lab)
+        self.lab.session.add(row)
+        self.lab.session.flush()
+        self.lab.audit("share", "study", study_id, after=study.content_hash, said=f"with {lab_name or 'every lab'}")
+        return next(each for each in self.of(study_id) if each.id == row.id)
+
+    def end(self, study_id: str, key: str) -> None:
+        found = next((each for each in self.of(study_id) if each.id == key), None)
+        if found is None:
+            raise NotFound(f"there is no share {key!a}")
+        self.lab.session.execute(sa.delete(Share).where(Share.lab_id == self.lab.lab_id, Share.id == key))
+        self.lab.audit("end share", "study", study_id, said=f"with {found.lab or 'every lab'}")
+
+    def _study(self, key: str) -> StudyRecord:
+        return self.lab.get(StudyRecord, Study, key, "study")
+
+
+def host_of(session: Session, lab_id: str, thing: str, key: str) -> str | None:
+    """Whose study, or job of a study, this is, where that lab lets this one read it. thing: studies or jobs. In a
+    session of all labs."""
+    study = key if thing == "studies" else sa.select(Job.study_id).where(Job.id == key).scalar_subquery()
+    let_in = sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None))
+    return session.scalar(
+        sa.select(Share.lab_id).where(Share.study_id == study, Share.lab_id != lab_id, let_in).limit(1)
+    )
+
+
+def shared_with(session: Session, lab_id: str) -> list[SharedStudy]:
+    """What other labs let this one read, newest first. In a session of all labs."""
+    query = sa.select(Study.id, Study.name, LabRow.name, sa.func.max(Share.created_at))
+    query = query.join(Share, Share.study_id == Study.id).join(LabRow, LabRow.id == Share.lab_id)
+    query = query.where(Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)))
+    query = query.group_by(Study.id, Study.name, LabRow.name).order_by(sa.func.max(Share.created_at).desc(), Study.id)
+    return [SharedStudy(*row) for row in session.execute(query)]
