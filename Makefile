@@ -16,7 +16,7 @@ TESTS := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 export OPENBLAS_NUM_THREADS ?= 1
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz chaos bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -93,6 +93,11 @@ REQUESTS ?= 100
 
 fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUESTS=100, others every time
 	EXOGAUGE_TEST_STUDIES=$(STUDIES) EXOGAUGE_TEST_REQUESTS=$(REQUESTS) $(BIN)/python -m pytest -n 2 tests/fuzz tests/plausibility/test_share.py tests/logs/test_reading.py tests/studies/test_device_fuzz.py tests/api/test_fuzz.py
+
+RUNS ?= 50
+
+chaos: $(READY)  ## kill -9 of the whole service at random moments, on both databases: RUNS=50 SEED=1 DATABASE=both
+	$(BIN)/python -m tests.chaos --runs $(RUNS) --seed $(SEED) --database $(or $(DATABASE),both)
 
 tables: $(READY)  ## the tables of docs/effects.md and docs/criteria.md
 	$(BIN)/python -m tests.effects.tables

@@ -13,7 +13,7 @@ export default defineConfig({
   server: {
     // The service refuses changes that come from a page of another origin; in development that page is ours.
     proxy: Object.fromEntries(
-      ["/api", "/healthz"].map((path) => [
+      ["/api", "/healthz", "/readyz"].map((path) => [
         path,
         {
           target: SERVICE,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Self, final
+from typing import Literal, Self, final
 
 from pydantic import Field, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -37,6 +37,10 @@ class Settings(BaseSettings):
     max_live_streams: int = Field(default=8, ge=0, le=64, description="live streams at once, a process each")
     readers: int = Field(default=4, ge=1, le=64, description="uploads read at once, each by a child of up to 4 GiB")
     requests_per_s: float = Field(default=100.0, ge=0.0, description="of one address in the mean; 0: no limit")
+    metrics: bool | None = Field(
+        default=None, description="whether /metrics answers; unset: where this server listens on this machine alone"
+    )
+    log: Literal["words", "json"] = Field(default="words", description="what a line of the log is")
     lab_bytes: int = Field(default=0, ge=0, description="most that a lab may keep, as handed in and made; 0: no limit")
     lab_jobs: int = Field(default=1000, ge=0, description="most jobs of a lab that wait or run; 0: no limit")
     lab_cpu_s_per_day: float = Field(default=0.0, ge=0.0, description="that jobs of a lab may compute; 0: no limit")

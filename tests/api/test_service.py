@@ -26,7 +26,7 @@ on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
 
 def test_health_tells_what_is_there(client: TestClient) -> None:
-    answer = client.get("/healthz")
+    answer = client.get("/readyz")
     assert answer.status_code == 200
     assert answer.json() == {
         "status": "ok", "version": "0.1.0", "database": "ok", "blobs": "ok", "workers_wanted": 0, "workers_alive": 0,
@@ -37,21 +37,21 @@ def test_health_tells_what_is_there(client: TestClient) -> None:
 def test_health_is_degraded_without_workers_and_unavailable_without_blobs(settings: Settings) -> None:
     app = create_app(settings.model_copy(update={"workers": 1}))
     with TestClient(app) as client:
-        assert client.get("/healthz").json()["status"] == "degraded"
+        assert client.get("/readyz").json()["status"] == "degraded"
         with app.state.installation.of_lab("local").transaction() as store:
             now = datetime.now(UTC)
             store.session.add(WorkerLease(worker_id="w", beat_at=now, started_at=now, host="h", pid=1))
-        assert client.get("/healthz").json()["status"] == "ok"
+        assert client.get("/readyz").json()["status"] == "ok"
         shutil.rmtree(settings.blobs)
-        answer = client.get("/healthz")
+        answer = client.get("/readyz")
         assert (answer.status_code, answer.json()["blobs"]) == (503, "unavailable")
 
 
 @on_sqlite
 def test_health_is_looked_at_without_writing_anything(client: TestClient, settings: Settings) -> None:
-    client.get("/healthz")
+    client.get("/readyz")
     before = {path: path.stat().st_mtime_ns for path in settings.blobs.rglob("*")}
-    assert client.get("/healthz").json()["blobs"] == "ok"
+    assert client.get("/readyz").json()["blobs"] == "ok"
     assert {path: path.stat().st_mtime_ns for path in settings.blobs.rglob("*")} == before
     assert not [path for path in before if path.is_file()]
 
@@ -67,7 +67,7 @@ def test_a_full_disk_shows_in_health_and_is_507_wherever_it_is_met(
         answers = []
         for pages in (0, 2, 6, 9, 10, 11, 12, 13, 15):  # full when it arrives, is laid out, is read or is kept
             small_disk.fill(pages * 4096)
-            assert client.get("/healthz").json()["blobs"] == ("ok" if pages else "unavailable")
+            assert client.get("/readyz").json()["blobs"] == ("ok" if pages else "unavailable")
             answers.append(client.post(f"{V1}/studies", files={"bundle": ("arm.zip", pack(study_files))}))
             small_disk.empty()
             if answers[-1].status_code == 201:
@@ -103,7 +103,7 @@ def test_a_list_is_paged_by_an_opaque_cursor(client: TestClient) -> None:
 
 def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_url: str, tmp_path: Path) -> None:
     with TestClient(create_app(Settings(data_dir=tmp_path, database_url=empty_database_url, workers=0))) as client:
-        assert client.get("/healthz").json()["database"] == "ok"
+        assert client.get("/readyz").json()["database"] == "ok"
         assert client.get(f"{V1}/studies").json()["items"] == []
 
 

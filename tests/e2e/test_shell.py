@@ -87,7 +87,7 @@ def test_a_service_that_is_silent_is_named_and_its_return_is_noticed(
         else:
             route.fallback()
 
-    for pattern in ("**/api/**", "**/healthz"):
+    for pattern in ("**/api/**", "**/readyz"):
         page.route(pattern, answer)
     page.goto("/studies")
     expect(page.get_by_role("heading", name="Handed in")).to_be_visible()

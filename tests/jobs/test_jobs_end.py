@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from exogauge.errors import NotFound
 from exogauge.jobs import claims, requests
-from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.jobs.claims import MAX_CRASHES
 from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.tables import Artifact, AuditEntry, Job, Result
 
@@ -106,8 +106,8 @@ def test_a_job_that_crashes_every_time_stops(staffed):
     job = staffed.submit("poison", mode="segfault")
     done = staffed.ended(job)
     assert done.state == "failed"
-    assert f"{MAX_ATTEMPTS} times" in done.reason
-    assert staffed.words("poison") == ["start"] * MAX_ATTEMPTS
+    assert f"{MAX_CRASHES} times" in done.reason
+    assert staffed.words("poison") == ["start"] * MAX_CRASHES
 
 
 def test_a_worker_works_in_the_lab_of_the_job_and_not_in_one_of_its_own(staffed):

@@ -61,9 +61,8 @@ def test_a_worker_that_is_asked_to_leave_puts_its_job_back(workshop):
 @on_sqlite
 def test_a_job_that_kills_its_worker_every_time_stops(workshop, keep_alive):
     job = workshop.submit("killer", mode="kill_worker", seconds=0.1)
-    keep_alive(2)
-    done = workshop.ended(job)
-    assert done.state == "failed"
+    keep_alive(4)  # each is started again later and later
+    done = workshop.until(job, lambda now: now.state == "failed", deadline_s=180.0)
     assert f"{MAX_ATTEMPTS} times" in done.reason
     assert workshop.words("killer") == ["start"] * MAX_ATTEMPTS
 

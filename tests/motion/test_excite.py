@@ -14,9 +14,13 @@ from tests.motion.robots import ARMS, arm_folder, sample_folder
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.estimation.statistics import Statistics
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording
 from exogauge.identification.solution import first_weights
 from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.excite.excited import Excited
+from exogauge.motion.excite.known import information_of
+from exogauge.motion.excite.promise import AS_STATED, planned_log
 from exogauge.motion.excite.search import Task, point, random_motion, within
 from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
@@ -173,3 +177,19 @@ def test_an_axis_that_is_seldom_in_steady_motion_tells_no_noise(arm: Path) -> No
     weights = first_weights(equations, statistics, information.prior)
     assert weights[equations.layout.axis(0)] == 0.0
     assert weights[equations.layout.axis(1)] > 0.0
+
+
+@pytest.mark.slow
+def test_what_logs_know_is_what_their_noise_leaves(arm: Path) -> None:
+    """A log of a planned motion, then the same once more: the search's information is that of the identification."""
+    of = task(arm)
+    planned, robot = Excited(of, within(of, random_motion(of, np.random.default_rng(0)))), load_robot(arm.parent)
+    log = planned_log(robot, planned)
+    noisy = {
+        name: values + 1e-3 * np.random.default_rng(1).standard_normal(len(values))
+        for name, values in log.channels.items()
+    }
+    known = information_of(identify(robot, [Recording(replace(log, channels=noisy), False)], AS_STATED))
+    after = task_of(robot, of.stance.robot, 6.0, QUICK, known)
+    assert np.linalg.eigvalsh(after.information.before).min() > 0.0
+    assert after.told(planned.x).cost < of.told(planned.x).cost

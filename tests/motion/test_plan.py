@@ -407,6 +407,7 @@ def test_a_robot_of_another_maker_does_the_bend_too(tmp_path: Path) -> None:
         "version": 1, "urdf": "robot.urdf", "base": "floating", "base_link": "PELVIS_S", "imu": {"frame": "gsensor"},
         "joints": [{"name": name, "actuation": "none"} for name in joints],
         "soles": [{"link": f"{side}_ANKLE_P_S", "outline": outline} for side in "LR"],
+        "limits": {"acceleration": 40.0, "jerk": 2000.0},
         "human_map": {"pelvis": "PELVIS_S", "thorax": "WAIST_R_S"}
         | {f"{side.lower()}_{part}": f"{side}_{link}_S" for side in "LR" for part, link in arms.items()},
         "home": {"L_SHOULDER_R": 0.25, "R_SHOULDER_R": -0.25}

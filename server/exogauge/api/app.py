@@ -13,12 +13,14 @@ from exogauge import __version__
 from exogauge.api import (
     compare,
     devices,
+    events,
     from_uploads,
     health,
     imports,
     lab,
     live,
     logs,
+    metrics,
     models,
     openapi,
     page,
@@ -40,6 +42,8 @@ from exogauge.api.access import Access
 from exogauge.api.guard import BodyLimit, Guard
 from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
+from exogauge.api.metrics import OfInstallation
+from exogauge.api.observed import Measures, Observed
 from exogauge.api.rate import Rate
 from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.sandbox.asking import at_once
@@ -86,6 +90,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.installation = installation
     app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
+    app.state.watch = events.Watch(installation)
+    app.state.measures = measures = Measures()
+    measures.registry.register(OfInstallation(installation, settings))
     problems.install(app)
     app.openapi = lambda: openapi.document(app)  # type: ignore[method-assign]
     app.add_middleware(Idempotency)
@@ -94,6 +101,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(Access)
     app.add_middleware(Guard, local_only=settings.local_only)
     app.add_middleware(Rate, per_s=settings.requests_per_s)
+    app.add_middleware(Observed, measures=measures)
     for router in (
         robots.router,
         devices.router,
@@ -119,6 +127,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     ):
         app.include_router(router, prefix=PREFIX)
     app.include_router(health.router)
+    app.include_router(metrics.router)
     app.include_router(page.router)
     return app
 

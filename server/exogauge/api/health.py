@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+from typing import Literal, final
 
 from fastapi import APIRouter, Response
+from pydantic import BaseModel
 
 from exogauge import __version__
 from exogauge.api.dependencies import InstallationDep, SettingsDep
@@ -16,12 +18,26 @@ log = logging.getLogger(__name__)
 router = APIRouter(tags=["health"])
 
 
+@final
+class Alive(BaseModel):
+    """The process answers; whether it can serve, /readyz says."""
+
+    status: Literal["ok"]
+    version: str
+
+
+@router.get("/healthz", operation_id="getHealth")
+async def get_health() -> Alive:
+    """Asks nothing of anybody: for whoever starts a process again that does not answer."""
+    return Alive(status="ok", version=__version__)
+
+
 @router.get(
-    "/healthz",
-    operation_id="getHealth",
+    "/readyz",
+    operation_id="getReadiness",
     responses={503: {"model": Health, "description": "Database or blobs do not answer"}},
 )
-def get_health(installation: InstallationDep, settings: SettingsDep, response: Response) -> Health:
+def get_readiness(installation: InstallationDep, settings: SettingsDep, response: Response) -> Health:
     database, alive = ask_database(installation)
     blobs = ask_blobs(installation)
     serving = database == blobs == "ok"

@@ -13,6 +13,7 @@ from exogauge.blas_threads import one_thread
 from exogauge.cli import accounts, blind, motion, payload, sample, service, study, upkeep
 from exogauge.cli.endings import BAD_INPUT
 from exogauge.errors import ExogaugeError
+from exogauge.logbook import keep
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -20,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.update(one_thread(os.environ))  # before NumPy is there: processors are for logs (`side_by_side`)
     options = parser().parse_args(arguments)
     level = logging.INFO if options.verbose else logging.WARNING
-    logging.basicConfig(level=level, format="%(asctime)s %(levelname)s %(name)s: %(message)s", force=True)
+    keep("json" if os.environ.get("EXOGAUGE_LOG") == "json" else "words", level)
     try:
         code: int = options.command(options)
     except ExogaugeError as error:

@@ -51,7 +51,7 @@ class Client:
 
     def health(self) -> dict[str, Any]:
         """Whether the service can serve, and how many workers live."""
-        answer: dict[str, Any] = self._http.get(f"{self.url}/healthz")
+        answer: dict[str, Any] = self._http.get(f"{self.url}/readyz")
         return answer
 
     def session(self) -> dict[str, Any]:

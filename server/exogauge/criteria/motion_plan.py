@@ -25,7 +25,7 @@ class MotionPlan:
     exceeded by its whole size at one node; more than any angle is worth.
     done_rad: largest step of the last round, and held [m or rad], floats [share of the weight]: what feet and dynamics
     may be off then; half of what is promised. over: share of a bound by which it may then be exceeded more than was
-    planned; what is kept. loosely: times as much where a plan is begun.
+    planned; half of what is kept. loosely: times as much where a plan is begun.
     rounds: at most. approach_s: from home to the motion's begin, and back.
     feet_m, feet_rad: by which a standing foot may move. inside_m: margin of the centre of pressure below which a plan
     breaks its promise. beyond: share by which velocity, acceleration or torque may exceed a bound, round-off.
@@ -57,7 +57,7 @@ class MotionPlan:
     loosely: float = 10.0
     held: float = 5e-5
     floats: float = 1e-3
-    over: float = 0.02
+    over: float = 0.01
     rounds: int = 30
     approach_s: float = 2.0
     feet_m: float = 1e-4

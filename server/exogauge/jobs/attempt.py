@@ -18,10 +18,11 @@ from typing import Any, TypeVar, final
 
 from exogauge.errors import Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
-from exogauge.jobs.claims import MAX_ATTEMPTS
+from exogauge.jobs.claims import MAX_ATTEMPTS, MAX_CRASHES
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import next_jobs
+from exogauge.logbook import job_id
 from exogauge.storage import held_files
 from exogauge.storage.blobs import disk
 from exogauge.storage.files import PinnedFile, keep_folder
@@ -96,7 +97,7 @@ class Runner:
                     self._attempt(job)
                 except ComputeChildDied as error:
                     log.warning("job %s: %s", job.id, error)
-                    self._note(job, f"{error}\n{error.stderr}")
+                    self._note(job, f"{error}\n{error.stderr}", crashed=True)
                     continue
                 except NotMineAnyMore:
                     log.warning("job %s is no longer ours", job.id)
@@ -113,8 +114,9 @@ class Runner:
             if job is not None and job.cancel_requested:
                 claims.end_cancelled(session, job.id, self._worker)
                 return None
-            if job is not None and job.attempts > MAX_ATTEMPTS:
-                died = f"the process that ran it died {MAX_ATTEMPTS} times (crash, kill or out of memory); see the log"
+            if job is not None and (job.crashes >= MAX_CRASHES or job.attempts > MAX_ATTEMPTS):
+                times = job.crashes if job.crashes >= MAX_CRASHES else MAX_ATTEMPTS
+                died = f"the process that ran it died {times} times (crash, kill or out of memory); see the log"
                 claims.fail(session, job.id, self._worker, died)
                 return None
         return job
@@ -126,6 +128,7 @@ class Runner:
     def _attempt(self, job: JobRecord) -> None:
         """Load, compute, save. Raises what means 'try again' or 'not mine'; everything else becomes an end."""
         started, folder = time.monotonic(), self._scratch / job.id
+        job_id.set(job.id)
         log.info("job %s: attempt %d", job.id, job.attempts)
         self._charged = self._child.used_s
         try:
@@ -263,9 +266,11 @@ class Runner:
 
         until_it_works(write)
 
-    def _note(self, job: JobRecord, text: str) -> None:
+    def _note(self, job: JobRecord, text: str, *, crashed: bool = False) -> None:
         def write() -> None:
             with self._of(job).transaction() as store:
+                if crashed:
+                    claims.crashed(store.session, job.id, self._worker)
                 self._charge(store, job)
                 claims.append_log(store.session, job.id, self._worker, stamped(f"attempt {job.attempts}: {text}"))
 

@@ -27,7 +27,8 @@ from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab, as_record
 from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
 
-MAX_ATTEMPTS = 4
+MAX_CRASHES = 4  # of what computes a job: the job is to blame
+MAX_ATTEMPTS = 8  # whoever is to blame: a kill of the whole service takes its jobs with it
 LOG_TAIL = 64 * 1024  # characters of log kept per job: the last ones
 MOST_STEPS = 100  # kept of one attempt
 MOST_FAULTS = 100  # kept of a failed job
@@ -86,6 +87,11 @@ def report(session: Session, job_id: str, worker: str, progress: float, message:
     if message and len(steps) < MOST_STEPS and (not steps or steps[-1]["message"] != said["message"]):
         said["steps"] = [*steps, {**said, "at": database_now(session).isoformat()}]
     return change(session, held_by(job_id, worker), said) == 1
+
+
+def crashed(session: Session, job_id: str, worker: str) -> bool:
+    """What computed it died, and this worker did not."""
+    return change(session, held_by(job_id, worker), {"crashes": Job.crashes + 1}) == 1
 
 
 def charge(session: Session, job_id: str, worker: str, cpu_s: float) -> bool:

@@ -26,7 +26,7 @@ QUEUE = "jobs"
 SCHEMA = "dbos"  # on PostgreSQL
 WORKFLOW = "run_job"
 VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
-POLL_S = 0.2
+POLL_S = 1.0  # half of what a worker costs that has nothing to do; a job begins half a second later in the mean
 WAITING = ["ENQUEUED", "DELAYED"]
 TAKEN = "PENDING"
 

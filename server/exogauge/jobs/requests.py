@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
@@ -24,6 +25,8 @@ from exogauge.storage.rows import Lab
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Store
 from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease
+
+log = logging.getLogger(__name__)
 
 
 def request_hash(content_hash: str, kind: str, settings: Mapping[str, Any], code_version: str) -> str:
@@ -56,6 +59,7 @@ def submit(
     job, new = lab.find_or_add(lambda: lab.one(JobRecord, same), make, "job")
     if new:
         queue.enqueue(store.session, job.id)
+        log.info("job %s asked for", job.id, extra={"facts": {"job": job.id, "kind": kind}})
         lab.audit("submit", "job", job.id, after=asked)
     return job, new
 
@@ -92,7 +96,11 @@ class Place:
 def places(session: Session, jobs: Sequence[JobRecord]) -> dict[str, Place]:
     """Job id -> its place among those of all labs, as workers take them, of those that are queued. Two statements,
     however many they are."""
-    wanted = [job.id for job in jobs if job.state == "queued"]
+    return places_of(session, [job.id for job in jobs if job.state == "queued"])
+
+
+def places_of(session: Session, wanted: Sequence[str]) -> dict[str, Place]:
+    """The same for ids of queued jobs."""
     if not wanted:
         return {}
     queue = in_turn()

@@ -33,11 +33,12 @@ ERRORS: Mapping[str, type[BadInput]] = {
 
 @final
 class Places:
-    """How many children this process has at once: no bound, unless a server sets one."""
+    """How many children this process has at once: no bound, unless a server sets one. taken: of a bound, about now."""
 
     def __init__(self) -> None:
         self._places: threading.Semaphore | None = None
         self._wait_s = 0.0
+        self.taken = 0
 
     def bound(self, most: int | None, wait_s: float = 5.0) -> None:
         """wait_s: for which a request may wait for a place, before it is told to come again."""
@@ -52,9 +53,11 @@ class Places:
             return
         if not places.acquire(timeout=self._wait_s):
             raise Unavailable(f"too many files are being read to read the {what} now; try again in a moment")
+        self.taken += 1
         try:
             yield
         finally:
+            self.taken -= 1
             places.release()
 
 

@@ -108,7 +108,7 @@ class JobRecord:
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
     log: the last lines of what the worker said. lab_id: whose it is; a worker works for all labs.
     requested_code_version: of the server that took the request; code_version: of the worker that took the job.
-    cpu_s: what its attempts have computed, in CPU seconds."""
+    crashes: attempts in which its computation died alone. cpu_s: CPU seconds of all attempts."""
 
     id: str
     lab_id: str
@@ -128,6 +128,7 @@ class JobRecord:
     failure: Mapping[str, Any] | None
     steps: Sequence[Mapping[str, Any]] | None
     attempts: int
+    crashes: int
     cpu_s: float
     cancel_requested: bool
     started_at: datetime | None

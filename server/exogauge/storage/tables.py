@@ -241,6 +241,7 @@ class Job(Owned, Base):
     while none has.
     failure: {class, faults, defect} of the error that ended it; defect: not what was handed in is to blame.
     stage: what an evaluation is at (`exogauge.progress.Stage`).
+    crashes: attempts in which what computed it died and its worker lived to tell.
     cpu_s: what all its attempts have computed, in CPU seconds, as far as a worker lived to tell.
     steps: what the present attempt has done, {message, progress, stage, at}, in order.
     """
@@ -280,6 +281,7 @@ class Job(Owned, Base):
     failure: Mapped[dict[str, Any] | None] = mapped_column(sa.JSON(none_as_null=True))
     steps: Mapped[list[dict[str, Any]] | None] = mapped_column(sa.JSON(none_as_null=True))
     attempts: Mapped[int] = mapped_column(default=0)
+    crashes: Mapped[int] = mapped_column(default=0, server_default=sa.text("0"))
     cpu_s: Mapped[float] = mapped_column(FiniteFloat, default=0.0, server_default=sa.text("0"))
     cancel_requested: Mapped[bool] = mapped_column(default=False)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

@@ -5,7 +5,7 @@ import { answer, api } from "./client";
 export function useHealth(everyMs: number) {
   return useQuery({
     queryKey: ["health"],
-    queryFn: ({ signal }) => answer(api.GET("/healthz", { signal })),
+    queryFn: ({ signal }) => answer(api.GET("/readyz", { signal })),
     refetchInterval: everyMs,
     retry: false,
   });

@@ -48,17 +48,20 @@ def of_study(robot: Robot, path: Path, progress: Progress = unwatched) -> Known:
 
 
 def information_of(found: Identification) -> Array:
-    """(P, P) that logs and prior leave of base and joint parameters; zero of what is known exactly.
+    """(P, P) that logs, by the noise that their weights state, and prior hold of base and joint parameters.
 
-    Of the stated covariance, coloured residuals in it; what was added (zeros of sensors, loads) is doubted along.
+    Zero of what is known exactly; what was added (zeros of sensors, loads) is doubted along.
     """
     model = found.model
-    size, free = model.equations.first_added, model.solution.prior.free
-    own = free[free < size]
-    C = model.covariance[np.ix_(own, own)]
-    scale = np.sqrt(np.diag(C))
+    size, solved = model.equations.first_added, model.solution.unbounded
+    free = model.solution.prior.free
+    whole = solved.information.T @ solved.information + model.solution.prior.information(1.0)
+    own = free < size
+    if not own.all():
+        beside = whole[np.ix_(own, ~own)]
+        whole = whole[np.ix_(own, own)] - beside @ np.linalg.solve(whole[np.ix_(~own, ~own)], beside.T)
     out = np.zeros((size, size))
-    out[np.ix_(own, own)] = np.linalg.inv(C / np.outer(scale, scale)) / np.outer(scale, scale)
+    out[np.ix_(free[own], free[own])] = whole
     return out
 
 

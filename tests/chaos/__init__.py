@@ -1,0 +1,1 @@
+"""Whole services killed at random moments."""
