@@ -36,7 +36,7 @@ JSON, FORM, TUS = "json", "files", "tus"
 OPEN = {  # what needs nobody to say who they are, and proves itself otherwise or holds no data
     ("GET", "/api/v1/session"), ("POST", "/api/v1/session"), ("DELETE", "/api/v1/session"), ("POST", "/api/v1/set-up"),
     ("POST", "/api/v1/invitations/look"), ("POST", "/api/v1/invitations/accept"), ("GET", "/api/v1/scenes/player"),
-    ("GET", "/healthz"), ("GET", "/readyz"),
+    ("GET", "/healthz"), ("GET", "/readyz"), ("GET", "/metrics"),
 }  # fmt: skip
 SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
@@ -209,7 +209,7 @@ def test_every_route_is_sorted_and_closed_unless_it_is_said(app: FastAPI) -> Non
             else "read" if name in ASKS or method in ("GET", "HEAD", "OPTIONS") else "write"
         )  # fmt: skip
         assert right == expected, (method, path)
-    assert right_of("GET", "/metrics") == right_of("GET", "/api/v1/what-comes-next") == "read"
+    assert right_of("GET", "/what-comes-next") == right_of("GET", "/api/v1/what-comes-next") == "read"
     assert right_of("POST", "/api/v1/what-comes-next") == right_of("WEBSOCKET", "/anything") == "write"
     assert right_of("GET", "/api/v1/sessionx") == "read"
     assert right_of("POST", "/api/v1/session/") == "session"
