@@ -229,6 +229,7 @@ def test_every_body_is_known(app: FastAPI, world: World) -> None:
                 assert each["operationId"] in known, each["operationId"]
 
 
+@pytest.mark.slow
 def test_nobody_a_revoked_token_and_a_session_that_is_over_get_nothing_but_401(app: FastAPI, world: World) -> None:
     people = world.people
     over, late = people.session(world.north["account_id"]), people.session(world.north["account_id"])
@@ -264,6 +265,7 @@ def test_an_account_of_no_lab_gets_nothing(app: FastAPI, world: World) -> None:
         assert not shown(answer, world), (method, path)
 
 
+@pytest.mark.slow
 def test_a_viewer_reads_and_changes_nothing(app: FastAPI, world: World) -> None:
     key = world.people.session(world.people.person("viewer@example.org", "north", "viewer"))
     _, token = world.people.token("north", "read")
@@ -281,6 +283,7 @@ def test_a_viewer_reads_and_changes_nothing(app: FastAPI, world: World) -> None:
     assert rows(world) == before
 
 
+@pytest.mark.slow
 def test_another_lab_gets_404_for_what_is_named_and_finds_nothing_of_it(app: FastAPI, world: World) -> None:
     with world.people.installation.session() as session:
         account = session.scalar(sa.text("SELECT id FROM accounts WHERE email = 'eve@example.org'"))
@@ -304,6 +307,7 @@ def test_another_lab_gets_404_for_what_is_named_and_finds_nothing_of_it(app: Fas
     assert rows(world) == before
 
 
+@pytest.mark.slow
 def test_the_lab_itself_finds_all_of_it(app: FastAPI, world: World) -> None:
     """Else the 404 above would say nothing."""
     cookies = {COOKIE: world.people.session(world.north["account_id"])}

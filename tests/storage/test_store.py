@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import sqlite3
 import threading
 import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import psycopg
 import pytest
 import sqlalchemy as sa
 
 from exogauge.errors import NotFound
+from exogauge.settings import Settings
 from exogauge.storage import keys
 from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.store import Installation, Storage, Store
+from exogauge.storage.store import Installation, Storage, Store, open_installation
 from exogauge.storage.tables import AuditEntry, IdempotencyKey, Job, RobotFile, WorkerLease
 
 pytestmark = pytest.mark.usefixtures("without_bytes")
@@ -239,6 +242,18 @@ def test_keys_are_forgotten_after_a_day(storage: Storage) -> None:
     with storage.transaction() as store:
         store.session.execute(sa.update(IdempotencyKey).values(expires_at=database_now(store.session)))
     assert isinstance(hold(storage, "k"), keys.Held)
+
+
+def test_a_connection_in_use_is_closed_when_it_is_given_back_to_a_closed_installation(settings: Settings) -> None:
+    opened = open_installation(settings)
+    in_use = opened.engine.connect()
+    held = in_use.connection.dbapi_connection
+    assert held is not None
+    opened.close()
+    assert in_use.execute(sa.text("SELECT 1")).scalar_one() == 1
+    in_use.close()
+    with pytest.raises((sqlite3.ProgrammingError, psycopg.OperationalError)):
+        held.cursor().execute("SELECT 1")
 
 
 def add_study(storage: Storage, k: int) -> str:

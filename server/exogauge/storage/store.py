@@ -146,7 +146,10 @@ class Installation:
             return session.scalar(alive) or 0
 
     def close(self) -> None:
+        """Connections that a thread still uses are closed when it gives them back."""
+        pool = self.engine.pool
         self.engine.dispose()
+        sa.event.listen(pool, "checkin", lambda _, record: record.invalidate())
 
 
 def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
