@@ -228,16 +228,19 @@ def test_nobody_else_and_nobody_later_finds_an_upload(client: TestClient) -> Non
 
 @on_sqlite
 def test_what_nobody_comes_back_for_is_removed(client: TestClient) -> None:
+    from exogauge.storage.sweeping import sweep_machine
     from exogauge.storage.tables import utc_now
 
     place = begin(client, 3)
-    settings, storage = client.app.state.settings, client.app.state.installation.of_lab("local")  # type: ignore[attr-defined]
+    settings, installation = client.app.state.settings, client.app.state.installation  # type: ignore[attr-defined]
+    storage = installation.of_lab("local")
     send(client, place, 0, b"1")
     with storage.transaction() as store:
         store.uploads.wait_longer(place.rsplit("/", 1)[-1], utc_now() - timedelta(seconds=1))
     gone = client.head(place, headers=TUS)
     assert gone.status_code == 404
     fresh = begin(client, 3)
+    sweep_machine(installation, settings, young_s=0.0)
     assert [path.name for path in settings.uploads.iterdir()] == [fresh.rsplit("/", 1)[-1]]
 
 
