@@ -41,7 +41,7 @@ SHARED = re.compile(  # what a share lets another lab read: a study, its jobs, a
 )
 BEARER = "bearer "
 LOOK_EVERY_S = 5.0  # whether who asked for a stream may still have it
-POLICY_VIOLATION = 1008
+POLICY_VIOLATION = 1008  # a close code of RFC 6455, 7.4.1
 TITLES = {401: "Not signed in", 403: "Not allowed"}
 
 

@@ -45,7 +45,7 @@ from exogauge.storage.store import Store
 from exogauge.storage.tables import utc_now
 
 router = APIRouter(tags=["accounts"], dependencies=[AccountsOn])
-LONGEST_DAYS = 3650
+LONGEST_DAYS = 3650  # that a token may hold: ten years, as long as a robot is in use; it can be revoked at any time
 
 
 @final

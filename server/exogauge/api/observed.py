@@ -17,6 +17,7 @@ from exogauge.logbook import request_id
 
 log = logging.getLogger(__name__)
 GIVEN = re.compile(r"[A-Za-z0-9._-]{8,64}")
+# Edges of the histogram: from an answer out of memory to a body that comes slowly.
 SECONDS = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 120.0)
 QUIET = ("/healthz", "/readyz", "/metrics")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from exogauge.cli.endings import Commands
 
-NOT_SOUND = 1
+NOT_SOUND = 1  # what the command ends with
 KINDS = {"study": "studies", "robot": "robots", "device": "devices", "log": "logs", "payload": "payloads"}
 
 

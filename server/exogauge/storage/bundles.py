@@ -160,7 +160,7 @@ def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnEle
     return sa.and_(sa.exists().where(of_robot).correlate(robot), ~lacks)
 
 
-MOST_NAMED = 5
+MOST_NAMED = 5  # of what still needs a thing, in one message
 
 
 def _devices_of(lab: Lab, robot_id: str) -> Needs:

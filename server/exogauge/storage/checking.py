@@ -21,7 +21,7 @@ from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.store import Installation
 from exogauge.storage.sweeping import SHELVES, kept_uploads, left_on_shelf, left_streams, left_workers
 
-MOST_TOLD = 100
+MOST_TOLD = 100  # of each kind; the rest is counted
 
 
 @final

@@ -36,12 +36,12 @@ from exogauge.storage.store import Installation
 from exogauge.storage.tables import Base, Chore
 from exogauge.upkeep.hourly import EVERY, SWEEP
 
-FORMAT = 1
+FORMAT = 1  # of a backup's folder
 MANIFEST, ROWS, BLOBS = "manifest.json", "rows", "blobs"
 OF_THIS_RUN = (  # what processes that run, and browsers that are signed in, have, and no data
     "uploads", "worker_leases", "orphans", "chores", "sessions", "sign_in_tries",
 )  # fmt: skip
-AT_ONCE = 500
+AT_ONCE = 500  # rows in one piece
 Said = Callable[[int, int], None]
 
 

@@ -28,7 +28,7 @@ from exogauge.studies.intake.robot_file import load_robot
 Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
-SMALLER = 0.95  # of a motion that breaks a bound
+SMALLER = 0.95  # times a motion that breaks a bound, until none is: a step costs at most a twentieth of its size
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
 
 
