@@ -21,23 +21,9 @@ from exogauge.motion.plan.export import FORMATS, exported
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.spline import Spline, through
 from exogauge.motion.robot import MotionRobot
-from exogauge.motion.robot_file import load_motion_robot
-from exogauge.synthetic.urdf import robot_file, robot_urdf
+from exogauge.synthetic.urdf import robot_urdf
 
 RATE = 50.0
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("robot")
-    (made / "robot.urdf").write_text(robot_urdf())
-    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
-    return made
-
-
-@pytest.fixture(scope="module")
-def robot(folder: Path) -> MotionRobot:
-    return load_motion_robot(folder / "robot.yaml")
 
 
 def column(robot: MotionRobot, joint: str) -> int:

@@ -34,23 +34,10 @@ from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.written import read_written
 from exogauge.motion.robot import MotionRobot, Sole
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.synthetic.urdf import robot_file, robot_urdf
+from exogauge.synthetic.urdf import robot_urdf
 
 JVRC = Path(__file__).parents[3] / "shared/data/model_jvrc1/jvrc_description/urdf/jvrc1.urdf"
 CAPTURES = Path(__file__).parents[3] / "shared" / "data" / "cmu_mocap_bend_twist"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("robot")
-    (made / "robot.urdf").write_text(robot_urdf())
-    (made / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file())))
-    return made
-
-
-@pytest.fixture(scope="module")
-def robot(folder: Path) -> MotionRobot:
-    return load_motion_robot(folder / "robot.yaml")
 
 
 def bend(robot: MotionRobot, pitch: float, seconds: float) -> Asked:
