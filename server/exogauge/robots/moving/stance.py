@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.plan.asked import standing
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
