@@ -11,13 +11,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.motion_plan import APART_M
 from exogauge.motion.robot import MotionRobot
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 FLOOR = "floor"
-LOOSE = 0.1  # [m] at home: that far apart is far
 BLOCK = 2000  # samples whose ways are held at once
 
 
@@ -79,7 +79,7 @@ class Pairs:
         self._start()
         self.at_home = np.full(len(asked), np.inf)
         if asked and robot.home is not None:
-            at_home = self.near(robot.home[None], LOOSE)
+            at_home = self.near(robot.home[None], APART_M)
             self.at_home[at_home.pair] = at_home.distance
             touching = set(np.flatnonzero(self.at_home < clearance).tolist())
             self.at_home = self.at_home[self.at_home >= clearance]

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.motion.plan.asked import standing
 from exogauge.motion.robot import MotionRobot
 
@@ -18,7 +19,6 @@ Three = tuple[Array, Array, Array]
 
 
 EXACT, ROUNDS = 1e-9, 20  # [m or rad] of a standing foot; of Newton's steps until it counts as out of reach
-WILD = 1e4  # [rad/s²] of a leg that is all but straight
 
 
 class OutOfReachError(ValueError):
@@ -68,7 +68,8 @@ class Standing:
     Their angles by Newton's steps, their rates and accelerations from the feet's being zero.
     """
 
-    def __init__(self, robot: MotionRobot) -> None:
+    def __init__(self, robot: MotionRobot, criteria: MotionExcite = USUAL) -> None:
+        self.criteria = criteria
         self.robot, self.place = robot, standing(robot)
         self.legs = [robot.leg(k) for k in range(len(robot.soles))]
         self.free: IntArray = np.setdiff1d(np.arange(robot.model.nq), np.concatenate(self.legs)).astype(np.intp)
@@ -96,7 +97,7 @@ class Standing:
             for frame, leg, J in zip(self.frames, self.legs, feet, strict=True):
                 left = pin.getFrameAcceleration(model, data, frame, pin.LOCAL).vector
                 a[t, leg] = -np.linalg.solve(J[:, leg], left)
-        if np.abs(a[:, legs]).max() > WILD:
+        if np.abs(a[:, legs]).max() > self.criteria.wild:
             self._last.pop(T, None)
             raise OutOfReachError
         self._last[T] = q[:, legs]
@@ -144,7 +145,3 @@ class Standing:
                 force = inverse @ by_q[t, leg]
                 by_q[t, base] -= J[:, base].T @ force
         return by_q[:, self.free], by_v[:, self.free], by_a[:, self.free]
-
-
-def stance_of(robot: MotionRobot) -> Fixed | Standing:
-    return Standing(robot) if robot.floating else Fixed(robot)
