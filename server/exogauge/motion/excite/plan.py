@@ -28,7 +28,6 @@ from exogauge.studies.intake.robot_file import load_robot
 Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
-SMALLER = 0.95  # times a motion that breaks a bound, until none is: a step costs at most a twentieth of its size
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
 
 
@@ -76,7 +75,7 @@ def plan_excitation(
         nearest, judged = planned.largest(), _judged(planned)
         if nearest[0] <= 1.0 and not judged:
             break
-        x = within(task, task.still + SMALLER * (x - task.still))  # the way there and back has bounds too
+        x = within(task, task.still + criteria.smaller * (x - task.still))  # the way there and back has bounds too
     say("what will be known")
     promise = promised(robot, [planned], known.logs if known else (), known.before if known else None)
     return ExcitationPlan(moving, planned, nearest, judged, promise)

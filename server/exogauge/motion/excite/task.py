@@ -30,7 +30,7 @@ def task_of(
 ) -> Task:
     """known: (P, P) information before, where there is more than the maker's. Raises BadRobot."""
     order = np.array([moving.joints.index(joint.name) for joint in robot.joints], dtype=np.intp)
-    stance = Standing(moving) if robot.floating else Fixed(moving)
+    stance = Standing(moving, criteria) if robot.floating else Fixed(moving)
     if (
         robot.floating
         and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name
