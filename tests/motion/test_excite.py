@@ -20,10 +20,11 @@ from exogauge.identification.solution import first_weights
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import information_of
 from exogauge.motion.excite.promise import AS_STATED, planned_log
-from exogauge.motion.excite.search import Task, point, random_motion, within
+from exogauge.motion.excite.search import Task, point
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.envelope import random_motion, within
 from exogauge.robots.moving.stance import Standing
 from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.intake.robot_file import load_robot

@@ -61,7 +61,7 @@ def task_of(
     top_hz = criteria.standing_hz if robot.floating else criteria.top_hz
     harmonics = max(3, round(top_hz * seconds))
     bounds = Bounds(moving, order, criteria, Pairs(moving, criteria.clearance_m), corners)
-    return Task(stance, Series(seconds, harmonics), information, bounds, criteria)
+    return Task(stance, Series(seconds, harmonics), bounds, criteria, information=information)
 
 
 def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: MotionExcite) -> Array:
