@@ -25,7 +25,9 @@ def line() -> Iterator[Line]:
 
 
 @pytest.fixture
-def apart(line: Line, tmp_path: Path, migrated_postgres_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Workshop]:
+def apart(
+    line: Line, tmp_path: Path, migrated_postgres_url: str, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Workshop]:
     """A workshop whose files are in an object store."""
     monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
     store: dict[str, Any] = {"blob_url": f"s3://{BUCKET}", "s3_endpoint": line.endpoint, **KEYS}
