@@ -17,11 +17,11 @@ from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
 from exogauge.motion.excite.promise import Promise, promised
 from exogauge.motion.excite.search import Report, best_motion, within
-from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
-from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.stance import Standing
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.intake.robot_file import load_robot
 

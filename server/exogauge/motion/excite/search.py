@@ -14,10 +14,10 @@ from scipy.optimize import minimize
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import NotIdentifiable
 from exogauge.experiment.information import Information, Told
-from exogauge.motion.excite.base import BaseTurn
-from exogauge.motion.excite.stance import OutOfReachError, Stance, Three
-from exogauge.motion.excite.strain import Bounds, Pull
 from exogauge.robots.motion import Motion
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.stance import OutOfReachError, Stance, Three
+from exogauge.robots.moving.strain import Bounds, Pull
 from exogauge.robots.series import Series
 
 Array = NDArray[np.float64]

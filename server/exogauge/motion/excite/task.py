@@ -13,11 +13,11 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.prior import Scales, joint_prior, per_parameter
 from exogauge.identification.settings import Settings
 from exogauge.motion.excite.search import Task
-from exogauge.motion.excite.stance import Fixed, Standing
-from exogauge.motion.excite.strain import Bounds
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
 from exogauge.robots.description import Robot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.stance import Fixed, Standing
+from exogauge.robots.moving.strain import Bounds
+from exogauge.robots.moving.touching import Pairs
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.series import Series

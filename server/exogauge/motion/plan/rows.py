@@ -13,8 +13,8 @@ from scipy.sparse import csc_matrix
 from exogauge.criteria.motion_plan import HALF_FOOT_M, MotionPlan
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.spline import Spline
-from exogauge.motion.robot import MotionRobot, Sole
-from exogauge.motion.touching import Near, Pairs
+from exogauge.robots.moving.robot import MotionRobot, Sole
+from exogauge.robots.moving.touching import Near, Pairs
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]

@@ -18,8 +18,8 @@ from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
 from exogauge.motion.plan.rows import bounds, equations, shares, slopes
 from exogauge.motion.plan.spline import Spline, controls_of, through
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
 

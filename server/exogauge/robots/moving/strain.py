@@ -12,9 +12,9 @@ from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.criteria.motion_plan import HALF_FOOT_M
-from exogauge.motion.excite.base import BaseTurn
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
 

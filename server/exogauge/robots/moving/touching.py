@@ -12,13 +12,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_plan import APART_M
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 FLOOR = "floor"
-BLOCK = 2000  # samples whose ways are held at once
 
 
 @final
@@ -132,10 +131,10 @@ class Pairs:
         return Near(column[0].astype(np.intp), column[1].astype(np.intp), column[2].astype(np.float64), *where)
 
     def _walk(self, q: Array, within: float) -> Iterator[tuple[int, int, float, Array, Array, Array]]:
-        P = len(self.levers)
+        P, block = len(self.levers), 2000  # samples whose ways are held at once
         results = self.found.distanceResults
-        for start in range(0, len(q) if P else 0, BLOCK):
-            part = q[start : start + BLOCK]
+        for start in range(0, len(q) if P else 0, block):
+            part = q[start : start + block]
             steps = np.abs(np.diff(part, axis=0, prepend=part[:1]))
             way = np.cumsum(self.levers @ steps.T, axis=1)  # (P, B) [m]
             due = [list[int]() for _ in range(len(part) + 1)]

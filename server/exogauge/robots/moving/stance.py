@@ -10,15 +10,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
-from exogauge.motion.plan.asked import standing
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Three = tuple[Array, Array, Array]
-
-
-EXACT, ROUNDS = 1e-9, 20  # [m or rad] of a standing foot; of Newton's steps until it counts as out of reach
 
 
 class OutOfReachError(ValueError):
@@ -106,8 +103,9 @@ class Standing:
     def _reach(self, q: Array) -> list[Array] | None:
         """The feet's Jacobians once q's legs are turned so that they stand; None where they cannot. Joints' bounds are
         not looked at: an excess is to be seen."""
+        exact, rounds = 1e-9, 20  # [m or rad] of a standing foot; of steps until it counts as out of reach
         model, data = self.robot.model, self.robot.data
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             pin.computeJointJacobians(model, data, q)
             feet, far = list[Array](), 0.0
             for frame, leg, place in zip(self.frames, self.legs, self.place, strict=True):
@@ -115,13 +113,13 @@ class Standing:
                 J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)
                 size = float(np.abs(error).max())
                 far = max(far, size)
-                if size > EXACT:
+                if size > exact:
                     step = J[:, leg].T @ np.linalg.solve(
                         J[:, leg] @ J[:, leg].T + min(1e-3, size**2) * np.eye(6), error
                     )
                     q[leg] -= step
                 feet.append(J)
-            if far <= EXACT:
+            if far <= exact:
                 return feet
         return None
 
