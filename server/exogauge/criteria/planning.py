@@ -71,6 +71,10 @@ class Planning:
         "height between corners of soles, above which the feet stood otherwise than the file says",
         judgement(RULES),
     )
+    handed_hz: float = criterion(50.0, "Hz", "of the motion that is handed out as a table", judgement(RULES))
+    no_limit: float = criterion(
+        1e6, "N·m, rad/s", "of a joint's largest torque or speed, from which on its maker states none", judgement(RULES)
+    )
     looked_hz: float = criterion(20.0, "Hz", "at which motions are looked at before they are weighed", judgement(RULES))
     checked_hz: float = criterion(200.0, "Hz", "at which the one that is told keeps every bound", judgement(RULES))
 

@@ -30,7 +30,6 @@ from exogauge.search.ambiguity import Undecided
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-CSV_HZ = 50.0  # of the motion that is handed out
 OVER_TIME = ("time", "temperature")  # coordinates of effects that need minutes
 
 
@@ -71,7 +70,7 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None
         repeats = int(np.ceil(max(criteria.shortest_s / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
         pairs = {k: known.pair(k, best, repeats) for k in told}
         motion = _motion(doubt, here, best, repeats, [pairs[k] for k in sorted(told)], reach)
-        if reach is not None and not reach.keeps(motion.q, CSV_HZ, criteria.checked_hz):
+        if reach is not None and not reach.keeps(motion.q, criteria.handed_hz, criteria.checked_hz):
             tried.remove(best)
             continue
         apart |= pairs
@@ -252,7 +251,7 @@ def _motion(
     doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart], reach: Reach | None
 ) -> PlannedMotion:
     robot, choice = doubt.model.robot, best.choice
-    log = as_log(doubt.model, here, choice, CSV_HZ)
+    log = as_log(doubt.model, here, choice, doubt.model.criteria.planning.handed_hz)
     names = tuple(joint.name for joint in robot.joints)
     swept = choice.swept if isinstance(choice, Moving) else choice
     whole = isinstance(choice, Moving)

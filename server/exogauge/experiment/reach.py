@@ -115,10 +115,13 @@ def reach_of(moving: MotionRobot, robot: Robot, here: Room, asked: Loads, criter
         out[order] = values
         return out
 
-    fast = np.maximum(here.seen_speed, criteria.unseen * criteria.of_top * robot.tree.velocity_limit)
+    stated = robot.tree.velocity_limit < criteria.no_limit
+    unseen = np.where(stated, criteria.unseen * criteria.of_top * robot.tree.velocity_limit, 0.0)
+    fast = np.maximum(np.maximum(here.seen_speed, unseen), 1e-3)
+    torque = np.where(moving.limits.torque < criteria.no_limit, moving.limits.torque, np.inf)
     limits = JointLimits(
-        of_joints(here.low), of_joints(here.high), of_joints(np.where(np.isfinite(fast), fast, here.seen_speed)),
-        moving.limits.acceleration, criteria.of_top * moving.limits.torque, moving.limits.jerk,
+        of_joints(here.low), of_joints(here.high), of_joints(fast),
+        moving.limits.acceleration, criteria.of_top * torque, moving.limits.jerk,
     )  # fmt: skip
     own = replace(moving, home=home, limits=limits)
     place = standing(own) if stands else ()
@@ -131,7 +134,7 @@ def reach_of(moving: MotionRobot, robot: Robot, here: Room, asked: Loads, criter
         unknown.append("touch")
     if moving.floating and not loaded:
         unknown.append("balance")
-    if not np.isfinite(moving.limits.torque).all():
+    if not np.isfinite(torque).all():
         unknown.append("torque")
     bounds = Bounds(own, order, USUAL, pairs, np.concatenate(corners) if loaded else np.zeros((0, 3)))
     stance = Standing(own) if loaded else Fixed(own)

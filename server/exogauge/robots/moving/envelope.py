@@ -99,7 +99,7 @@ class Envelope:
         try:
             whole = self.stance.whole(*free)
         except OutOfReachError:
-            return {"reach of a standing leg": np.inf}
+            return {"reach of a leg": np.inf}
         found = dict[str, float]()
         for part in self.bounds.parts(*whole, self.loads(self.motion(whole))):
             for share, name in zip(part.share.max(axis=0), part.names, strict=True):
