@@ -13,7 +13,7 @@ from tests.discrepancy.test_sensor_effects import BODY, SEEDS, named, searched, 
 from exogauge.effects.catalogue import sensor_effects, whole_sensor_effects
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import WHOLE, SensorSite
+from exogauge.identification.sites import SensorSite
 from exogauge.logs.model import Log
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.urdf import load_tree
@@ -116,7 +116,7 @@ def test_what_an_effect_takes_off_the_rows_is_what_a_changed_reading_does_to_the
         (SensorSite(0, component, contact=True), sensor_effects()["ft_gain"], 0, step * read * np.eye(6)[component])
     ]
     turn = np.hstack([np.cross([0.0, 1.0, 0.0], read[:, :3]), np.cross([0.0, 1.0, 0.0], read[:, 3:])])
-    cases.append((SensorSite(0, WHOLE, contact=True), whole_sensor_effects()["ft_tilt"], 1, step * turn))
+    cases.append((SensorSite(0, None, contact=True), whole_sensor_effects()["ft_tilt"], 1, step * turn))
     prepared = model.prepare(log)
     before = model.equations.outside(prepared)
     for site, effect, coefficient, more in cases:

@@ -49,7 +49,7 @@ class PairEffect(MissingEffect, Protocol):
 @final
 @dataclass(frozen=True)
 class SensorSignals:
-    """T samples of one component (0..5, forces before moments) of one sensor.
+    """T samples of one component (0..5, forces before moments) of one sensor, or of all of them (-1).
 
     time: (T,) [s] from the log's start. expected: (T, 6) what the model's bodies make it read [N, N·m], in the log's
     sign, without its zero; not the measured reading, whose noise would explain itself. number: of the log in the order

@@ -28,7 +28,6 @@ from exogauge.robots.tree import RigidTree
 
 Array = NDArray[np.float64]
 
-WHOLE = -1  # component of an effect that has all six
 STEP = 1e-3  # of a coefficient, for the slope of the equations with it
 
 
@@ -62,7 +61,7 @@ def seen_of_axis(signals: AxisSignals) -> Seen:
 @final
 @dataclass(frozen=True)
 class SensorSite:
-    """One component (0..5) of a sensor, or all of it (`WHOLE`). sensor: among `Robot.cuts`; where it is a contact,
+    """One component (0..5) of a sensor, or all of it (None). sensor: among `Robot.cuts`; where it is a contact,
     under a foot say, among `Robot.contacts`.
 
     A contact sensor's reading is no row: it stands in those of the base and of the joints between the two. What it
@@ -70,14 +69,14 @@ class SensorSite:
     """
 
     sensor: int
-    component: int
+    component: int | None
     contact: bool = False
 
     def of(self, robot: Robot) -> WrenchSensor:
         return (robot.contacts if self.contact else robot.cuts)[self.sensor]
 
     def label(self, equations: Equations) -> tuple[str, str, str]:
-        part = "" if self.component == WHOLE else COMPONENTS[self.component]
+        part = "" if self.component is None else COMPONENTS[self.component]
         return "sensor", self.of(equations.robot).name, part
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
@@ -97,12 +96,12 @@ class SensorSite:
         number = model.order.get(prepared.log.name, -1)
         contacts = len(model.robot.contacts) if self.contact else 0
         time = prepared.log.time - prepared.log.time[0]
-        signals = SensorSignals(time, expected, self.component, number, contacts)
+        signals = SensorSignals(time, expected, -1 if self.component is None else self.component, number, contacts)
         felt = self._felt(model.equations, prepared) if self.contact else sign * np.eye(6)[None]
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             read = effect.columns(signals, shape)
-            if self.component == WHOLE:
+            if self.component is None:
                 return np.asarray(np.einsum("tcw,twk->tck", read, np.broadcast_to(felt, (len(time), *felt.shape[1:]))))
             return np.asarray(read[:, :, None] * felt[:, None, self.component])
 
@@ -120,7 +119,7 @@ class SensorSite:
         return felt
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
-        own = "N" if self.component < 3 else "N·m"
+        own = "N" if self.component is not None and self.component < 3 else "N·m"
         if unit == "reading/reading":
             other = "N" if round(shape[0]) < 3 else "N·m"
             return 1.0, {("N", "N"): "1", ("N·m", "N·m"): "1", ("N·m", "N"): "m", ("N", "N·m"): "1/m"}[own, other]

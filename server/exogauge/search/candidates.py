@@ -14,7 +14,6 @@ from exogauge.effects.order import bounded, whatever_log
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import (
-    WHOLE,
     AxisSite,
     BaseSite,
     LinkSite,
@@ -55,13 +54,13 @@ def sites(model: RobotModel) -> tuple[Site, ...]:
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     of_cuts = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
     contacts = range(len(model.robot.contacts))
-    of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), WHOLE)]
+    of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), None)]
     return (*axes, *neighbours(model.robot), *of_cuts, *of_contacts, *end_links(model.equations), BaseSite())
 
 
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
-    if isinstance(site, SensorSite) and site.component == WHOLE:
+    if isinstance(site, SensorSite) and site.component is None:
         return "whole_sensor"
     return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
 

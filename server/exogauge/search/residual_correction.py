@@ -22,7 +22,7 @@ from exogauge.effects.shaped import Shape
 from exogauge.findings.result import Finding, What
 from exogauge.identification.model import AddedEffect, Site
 from exogauge.identification.result import Identification
-from exogauge.identification.sites import WHOLE, AxisSite, SensorSite
+from exogauge.identification.sites import AxisSite, SensorSite
 from exogauge.progress import unwatched
 from exogauge.search.baseline import lay_ground
 from exogauge.search.candidates import Candidate
@@ -196,7 +196,7 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
 
 def _has_curves(site: Site) -> bool:
     """An axis, or one component of a sensor."""
-    return isinstance(site, AxisSite) or (isinstance(site, SensorSite) and site.component != WHOLE)
+    return isinstance(site, AxisSite) or (isinstance(site, SensorSite) and site.component is not None)
 
 
 def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
