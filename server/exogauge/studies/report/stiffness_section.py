@@ -145,7 +145,7 @@ def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:
 
 def _doubts(bands: Sequence[BandEstimate | None]) -> tuple[DoubtRow, ...]:
     """Sources in the order of their largest share in any group."""
-    by_group = [{part.source: part.stiffness**2 for part in band.budget} if band else {} for band in bands]
+    by_group = [{source: std**2 for source, std in band.stiffness.parts.items()} if band else {} for band in bands]
     whole = [math.fsum(each.values()) for each in by_group]
     largest: dict[str, float] = {}
     for each, total in zip(by_group, whole, strict=True):
