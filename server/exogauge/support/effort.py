@@ -133,9 +133,9 @@ def _of_inputs(runs: Runs, name: str, windows: Mapping[int, BoolArray]) -> dict[
     shared, own = list[Array](), list[Mapping[str, Array]]()
     for k, window in windows.items():
         evidence = runs.evidences[k]
-        doubted, at = evidence.doubted(name), _sloped_in(evidence, window)
-        shared.append(doubted.slope[at, joint].mean(axis=0, dtype=np.float64))
-        own.append({each: inputs[at, joint].mean(axis=0, dtype=np.float64) for each, inputs in doubted.own.items()})
+        doubted, weights = evidence.doubted(name), _weights(evidence, window)
+        shared.append(weights @ doubted.slope[:, joint])
+        own.append({each: weights @ inputs[:, joint] for each, inputs in doubted.own.items()})
     S = np.mean(shared, axis=0)
     found = {source: max(float(S @ C @ S), 0.0) for source, C in runs.model.doubt_by_source.items()}
     for source in own[0]:
@@ -145,13 +145,15 @@ def _of_inputs(runs: Runs, name: str, windows: Mapping[int, BoolArray]) -> dict[
     return found
 
 
-def _sloped_in(evidence: Evidence, window: BoolArray) -> NDArray[np.intp]:
-    """Places in `Evidence.sloped` within a window; where there is none, the one nearest to its middle."""
-    inside = np.flatnonzero(window[evidence.sloped])
-    if inside.size:
-        return inside
-    middle = float(np.median(np.flatnonzero(window)))
-    return np.array([int(np.argmin(np.abs(evidence.sloped - middle)))])
+def _weights(evidence: Evidence, window: BoolArray) -> Array:
+    """(n,) how much each of `Evidence.sloped` counts in a mean over a window, with straight lines between them."""
+    place = np.interp(np.flatnonzero(window), evidence.sloped, np.arange(len(evidence.sloped)))
+    before = np.floor(place).astype(np.intp)
+    after, share = np.minimum(before + 1, len(evidence.sloped) - 1), place - before
+    weights = np.zeros(len(evidence.sloped))
+    np.add.at(weights, before, (1.0 - share) / len(place))
+    np.add.at(weights, after, share / len(place))
+    return weights
 
 
 def _near(time: Array, top: int, seconds: float) -> BoolArray:

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
@@ -255,8 +256,12 @@ def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:
-    """Both runs err, each for itself."""
-    return {name: np.concatenate([each, partner[name]], axis=2) for name, each in own.items()}
+    """Of a difference of two runs: what the drifts of both have in common, then what each has alone."""
+    both, alone = np.float32(np.sqrt(DECLARED.partner_alike)), np.float32(np.sqrt(1.0 - DECLARED.partner_alike))
+    return {
+        name: np.concatenate([both * (each - partner[name]), alone * each, alone * partner[name]], axis=2)
+        for name, each in own.items()
+    }
 
 
 def _spread(
