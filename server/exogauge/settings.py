@@ -23,6 +23,16 @@ class Settings(BaseSettings):
         default="", repr=False, description="sqlite:///FILE or postgresql://…; a file in data_dir"
     )
     blob_dir: Path | None = Field(default=None, description="content-addressed files; data_dir/blobs")
+    blob_url: str = Field(
+        default="", pattern=r"^(s3://.+)?$", description="s3://BUCKET/FOLDER: an S3 store, in place of blob_dir"
+    )
+    s3_endpoint: str = Field(default="", pattern=r"^(https?://.+)?$", description="of a store that is not Amazon's")
+    s3_region: str = Field(default="", description="of the store; AWS_REGION")
+    s3_access_key_id: str = Field(default="", repr=False, description="or as AWS_ACCESS_KEY_ID")
+    s3_secret_access_key: str = Field(default="", repr=False, description="or as AWS_SECRET_ACCESS_KEY")
+    blob_copies_bytes: int = Field(
+        default=10240 * MIB, ge=MIB, description="most that this machine keeps of an S3 store's files, to read them"
+    )
     host: str = Field(default="127.0.0.1", description="address to listen on")
     accounts: bool = Field(default=False, description="ask who is there; so it is anyway once there are accounts")
     proxy: str = Field(default="", description="addresses of reverse proxies that are believed, with commas between")
@@ -70,6 +80,11 @@ class Settings(BaseSettings):
         """Folder of the blob store, absolute."""
         assert self.blob_dir is not None
         return self.blob_dir
+
+    @property
+    def blob_copies(self) -> Path:
+        """Folder of what this machine has fetched from an S3 store."""
+        return self.data_dir / "blob-copies"
 
     @property
     def scratch(self) -> Path:

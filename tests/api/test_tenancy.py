@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import Any
@@ -21,7 +20,6 @@ from starlette.websockets import WebSocketDisconnect
 from tests.api.people import COOKIE, ORIGIN, PAGE, People
 
 from exogauge.api import live
-from exogauge.api.app import create_app
 from exogauge.api.rights import right_of
 from exogauge.settings import Settings
 from exogauge.storage.account_tables import SessionRow
@@ -65,16 +63,14 @@ class World:
 
 
 @pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
+def app(people: People) -> FastAPI:
+    return people.app
 
 
 @pytest.fixture
-def world(app: FastAPI, settings: Settings) -> World:
+def world(people: People, settings: Settings) -> World:
     """North has one of everything."""
-    made = World(People(app))
+    made = World(people)
     account = made.people.person("ada@example.org", "north", "admin")
     made.people.person("eve@example.org", "south", "admin")
     made.people.person("wes@example.org", "west", "admin")
