@@ -31,6 +31,12 @@ class Settings(BaseSettings):
     open_to_all: bool = Field(default=False, description="serve on another host than this one although all may do all")
     port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
     root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
+    public_url: str = Field(
+        default="",
+        pattern=r"^(https?://[^/?#\s]+[^?#\s]*[^/?#\s])?$",
+        description="address by which others find the page, https://exo.example; unset: that by which "
+        "each request came",
+    )
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")

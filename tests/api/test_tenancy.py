@@ -28,6 +28,7 @@ from exogauge.storage.account_tables import SessionRow
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.live_streams import Counts
 from exogauge.storage.partial_files import PartialFiles
+from exogauge.storage.records import PublishedFile
 from exogauge.storage.store import Store
 from exogauge.storage.tables import Artifact, Base, Job, Result, new_id, utc_now
 
@@ -36,6 +37,8 @@ JSON, FORM, TUS = "json", "files", "tus"
 OPEN = {  # what needs nobody to say who they are, and proves itself otherwise or holds no data
     ("GET", "/api/v1/session"), ("POST", "/api/v1/session"), ("DELETE", "/api/v1/session"), ("POST", "/api/v1/set-up"),
     ("POST", "/api/v1/invitations/look"), ("POST", "/api/v1/invitations/accept"), ("GET", "/api/v1/scenes/player"),
+    ("GET", "/api/v1/published/{key}"), ("GET", "/api/v1/published/{key}/datacite"),
+    ("GET", "/api/v1/published/{key}/SHA256SUMS"), ("GET", "/api/v1/published/{key}/files/{path}"),
     ("GET", "/healthz"), ("GET", "/readyz"), ("GET", "/metrics"),
 }  # fmt: skip
 SESSION = {  # of one's own account, in whichever lab or none
@@ -51,6 +54,7 @@ SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to ano
     "results": "getJobResults", "artifacts": "listArtifacts", "uploads": "getUploadOffset",
     "robot_mappings": "getRobotMapping", "audit": "listAudit", "memberships": "listMembers",
     "api_tokens": "listTokens", "invitations": "listInvitations", "shares": "listShares",
+    "publications": "listPublications", "publication_files": "getPublication",
     "idempotency_keys": None,  # test_one_key_of_two_labs_is_two_requests
 }  # fmt: skip
 
@@ -111,13 +115,17 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
     store.session.add(Artifact(job_id=job.id, name="Northern.html", sha256=sha, size=18, media_type="text/html"))
     stream = store.live_streams.begin(payload.id, summary={"rate_hz": 250.0})
     store.live_streams.end(stream.id, Counts(), "ended", (sha, 18))
+    publication = store.publications.add(
+        study.id, job.id, [PublishedFile("results/north.txt", sha, 18, "text/plain")],
+        {"title": "Northern bend", "creators": [{"name": "Ada"}], "licence": "CC0-1.0"},
+    )  # fmt: skip
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
     store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
     return {
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",
-        "format": "csv",
+        "format": "csv", "publication_id": publication.id,
     }  # fmt: skip
 
 
@@ -158,6 +166,8 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "invite": {JSON: {"email": "new@example.org", "role": "viewer"}},
         "createToken": {JSON: {"name": "t"}},
         "shareStudy": {JSON: {"lab": None}},
+        "publish": {JSON: {"title": "t", "creators": [{"name": "Eve"}], "job_id": north["job_id"]}},
+        "revokePublication": {JSON: {"reason": "r"}},
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},

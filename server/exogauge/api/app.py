@@ -27,6 +27,8 @@ from exogauge.api import (
     payload_drafts,
     payloads,
     problems,
+    publications,
+    published,
     raw_series,
     results,
     robots,
@@ -123,6 +125,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         session.router,
         lab.router,
         shares.router,
+        publications.router,
+        published.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)
