@@ -171,6 +171,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},
+        "compareDevice": {"params": {"model": "Northern"}},
         "compareStudies": {"params": {"jobs": [north["job_id"]]}},
         "listDevices": {"params": {"robot_id": north["robot_id"]}},
         "listStudies": {"params": {"search": "Northern"}},
@@ -185,7 +186,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
 NAMED_ELSEWHERE = {  # what names a thing of a lab not in its path: the other lab gets 404 for it
     "createDevice", "previewLog", "submitJob", "createLog", "createLogFromUpload", "checkPayload",
     "createPayloadFromDraft", "lookAtPayload", "createPayloadFromUpload", "createStudyFromUpload", "createStudy",
-    "compareStudies", "showLab",
+    "compareStudies", "compareDevice", "showLab",
 }  # fmt: skip
 
 
@@ -325,6 +326,7 @@ def test_the_lab_itself_finds_all_of_it(app: FastAPI, world: World) -> None:
     by_content = {  # 404 for what is in the files, which are none of a robot here
         "getScene", "getPayloadScene", "getSeriesTiles", "exportSeries", "getRawSeries", "getRawSeriesTiles",
         "exportRawSeries", "getArtifact", "getPayloadResults", "exportPayload", "whatIf", "getStudyResults",
+        "compareDevice",
     }  # fmt: skip
     found = set[str]()
     for method, path, name in of_labs(app):

@@ -11,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 
 from exogauge import __version__
 from exogauge.api import (
+    between_labs,
     compare,
     devices,
     events,
@@ -92,6 +93,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.installation = installation
     app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
+    app.state.extracts = between_labs.Extracts()
     app.state.watch = events.Watch(installation)
     app.state.measures = measures = Measures()
     measures.registry.register(OfInstallation(installation, settings))
@@ -121,6 +123,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         from_uploads.router,
         imports.router,
         compare.router,
+        between_labs.router,
         models.router,
         session.router,
         lab.router,

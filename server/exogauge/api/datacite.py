@@ -78,8 +78,12 @@ def related(found: PublicationRecord, versions: Sequence[PublicationRecord], add
 
 
 def link(found: PublicationRecord, address: str) -> str:
-    """The permalink."""
-    return f"{address}/published/{found.key}"
+    return permalink(found.key, address)
+
+
+def permalink(key: str, address: str) -> str:
+    """It stays, whatever becomes of the study."""
+    return f"{address}/published/{key}"
 
 
 def citation(found: PublicationRecord, address: str) -> str:

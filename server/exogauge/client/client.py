@@ -272,6 +272,18 @@ class Client:
         answer: dict[str, Any] = self._http.get("compare", {"jobs": [id_of(job) for job in jobs]})
         return answer
 
+    def compared_devices(self) -> list[dict[str, Any]]:
+        """Devices worn in studies that one may see, of most labs first: [{model, size, labs, studies}]."""
+        answer: list[dict[str, Any]] = self._http.get("compare/devices")["items"]
+        return answer
+
+    def compare_device(self, model: str, size: str | None = None) -> dict[str, Any]:
+        """One device over labs: {model, size, studies: who wore it on what and what each found, quantities: [{quantity,
+        of, unit, rows, values, found: {labs, verdict, mean, std, q, i_squared, birge_ratio, tau, …}}]}."""
+        asked = {"model": model} | ({} if size is None else {"size": size})
+        answer: dict[str, Any] = self._http.get("compare/device", asked)
+        return answer
+
     def models(self, study: Study | str) -> list[dict[str, Any]]:
         """Versions of the study's model, with the effects that were added to each."""
         answer: list[dict[str, Any]] = self._http.get(f"studies/{id_of(study)}/models")["items"]
