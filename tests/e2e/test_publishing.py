@@ -94,7 +94,6 @@ def test_what_is_shared_published_and_revoked_is_read_by_those_who_may_and_is_go
     dialog.get_by_label("Title").fill("An arm on a bench")
     dialog.get_by_label("Creators, one a line").fill("Lovelace, Ada; 0000-0001-5109-3700; North\nBabbage, Charles")
     dialog.get_by_label("Abstract").fill("What an arm weighs.")
-    screenshot("publish")
     dialog.get_by_role("button", name="Publish for everybody").click()
     to = dialog.get_by_role("link", name="An arm on a bench, version 1").get_attribute("href")
 
