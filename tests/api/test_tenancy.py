@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import Any
@@ -21,11 +20,11 @@ from starlette.websockets import WebSocketDisconnect
 from tests.api.people import COOKIE, ORIGIN, PAGE, People
 
 from exogauge.api import live
-from exogauge.api.app import create_app
 from exogauge.api.rights import right_of
 from exogauge.settings import Settings
 from exogauge.storage.account_tables import SessionRow
 from exogauge.storage.files import PinnedFile
+from exogauge.storage.identities import Identities
 from exogauge.storage.live_streams import Counts
 from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.records import PublishedFile
@@ -39,14 +38,16 @@ OPEN = {  # what needs nobody to say who they are, and proves itself otherwise o
     ("POST", "/api/v1/invitations/look"), ("POST", "/api/v1/invitations/accept"), ("GET", "/api/v1/scenes/player"),
     ("GET", "/api/v1/published/{key}"), ("GET", "/api/v1/published/{key}/datacite"),
     ("GET", "/api/v1/published/{key}/SHA256SUMS"), ("GET", "/api/v1/published/{key}/files/{path}"),
+    ("POST", "/api/v1/oidc/begin"), ("GET", "/api/v1/oidc/callback"),
     ("GET", "/healthz"), ("GET", "/readyz"), ("GET", "/metrics"),
 }  # fmt: skip
 SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
+    "listIdentities", "unlinkIdentity",
 }  # fmt: skip
 ADMIN = {"renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit"}
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
-NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
+NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "identities", "sign_in_tries"}
 SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to another lab; see `filled`
     "robots": "listRobots", "robot_files": "getRobotFile", "devices": "listDevices", "device_files": "getDeviceFile",
     "logs": "listLogs", "studies": "listStudies", "study_files": "getStudyFile", "payloads": "listPayloads",
@@ -69,22 +70,24 @@ class World:
 
 
 @pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
+def app(people: People) -> FastAPI:
+    return people.app
 
 
 @pytest.fixture
-def world(app: FastAPI, settings: Settings) -> World:
+def world(people: People, settings: Settings) -> World:
     """North has one of everything."""
-    made = World(People(app))
+    made = World(people)
     account = made.people.person("ada@example.org", "north", "admin")
+    with made.people.installation.session() as session:
+        Identities(session).link(account, "https://login.example", "Northern subject")
+        identity = Identities(session).of(account)[0].id
     made.people.person("eve@example.org", "south", "admin")
     made.people.person("wes@example.org", "west", "admin")
     with made.people.installation.of_lab("north", "test").transaction() as store:
         made.north = filled(store, settings)
         made.north["account_id"] = account
+        made.north["identity_id"] = identity
         made.north["share_id"] = store.shares.add(made.north["study_id"], "west").id
         made.north["invitation_id"] = store.invitations.add("guest@example.org", "viewer", account)[0].id
         made.north["token_id"] = store.tokens.add(

@@ -23,6 +23,7 @@ from exogauge.api import (
     logs,
     metrics,
     models,
+    oidc,
     openapi,
     page,
     payload_drafts,
@@ -47,6 +48,7 @@ from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
 from exogauge.api.metrics import OfInstallation
 from exogauge.api.observed import Measures, Observed
+from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
 from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.sandbox.asking import at_once
@@ -93,6 +95,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.installation = installation
     app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
+    app.state.oidc = Provider(settings) if settings.oidc_issuer else None
     app.state.extracts = between_labs.Extracts()
     app.state.watch = events.Watch(installation)
     app.state.measures = measures = Measures()
@@ -126,6 +129,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         between_labs.router,
         models.router,
         session.router,
+        oidc.router,
         lab.router,
         shares.router,
         publications.router,

@@ -14,7 +14,7 @@ from exogauge.cli.endings import Commands
 if TYPE_CHECKING:
     from exogauge.motion.plan.judge import Judged
     from exogauge.motion.plan.spline import Trajectory
-    from exogauge.motion.robot import MotionRobot
+    from exogauge.robots.moving.robot import MotionRobot
 
 
 def add_commands(commands: Commands) -> None:
@@ -114,11 +114,11 @@ def fit_motion(args: argparse.Namespace) -> int:
 
 def check_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken."""
-    from exogauge.motion.plan.asked import standing
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
     from exogauge.motion.plan.written import read_written
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.standing import standing
 
     robot = load_motion_robot(args.robot)
     written = read_written(robot, args.file)
@@ -201,11 +201,11 @@ def retarget_motion(args: argparse.Namespace) -> int:
 
 def export_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
-    from exogauge.motion.plan.asked import standing
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
     from exogauge.motion.plan.written import read_written
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.standing import standing
 
     robot = load_motion_robot(args.robot)
     motion = read_written(robot, args.file)

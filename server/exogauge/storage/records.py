@@ -210,6 +210,15 @@ class AccountRecord:
 
 @final
 @dataclass(frozen=True)
+class IdentityRecord:
+    id: str
+    created_at: datetime
+    issuer: str
+    subject: str
+
+
+@final
+@dataclass(frozen=True)
 class MemberRecord:
     """role: viewer, member or admin. since: when it became one."""
 

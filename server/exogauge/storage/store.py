@@ -27,6 +27,7 @@ from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
 from exogauge.storage.bundles import DEVICES, PAYLOADS, ROBOTS, STUDIES, Bundles
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
+from exogauge.storage.held_files import own_folder
 from exogauge.storage.jobs import Jobs, Results
 from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
@@ -157,4 +158,14 @@ class Installation:
 def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
     """migrating: as the tables' owner, at whatever revision, and with the rows of all labs: for backups."""
     engine = make_engine(settings.database_url, migrating=migrating)
-    return Installation(engine, FolderBlobs(settings.blobs), Quotas.of(settings))
+    return Installation(engine, blobs_of(settings), Quotas.of(settings))
+
+
+def blobs_of(settings: Settings) -> BlobStore:
+    """Where `settings` say that bytes are kept."""
+    if not settings.blob_url:
+        return FolderBlobs(settings.blobs)
+    from exogauge.storage.objects import ObjectBlobs, store_of
+
+    sending = own_folder(settings.scratch)
+    return ObjectBlobs(store_of(settings), settings.blob_copies, settings.blob_copies_bytes, sending)

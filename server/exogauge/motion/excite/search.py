@@ -14,17 +14,14 @@ from scipy.optimize import minimize
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import NotIdentifiable
 from exogauge.experiment.information import Information, Told
-from exogauge.motion.excite.base import BaseTurn
-from exogauge.motion.excite.stance import OutOfReachError, Stance, Three
-from exogauge.motion.excite.strain import Bounds, Pull
 from exogauge.robots.motion import Motion
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.stance import OutOfReachError, Stance, Three
+from exogauge.robots.moving.strain import Bounds, Pull
 from exogauge.robots.series import Series
 
 Array = NDArray[np.float64]
 Report = Callable[[int, int, float, float], None]
-
-TIGHT = 0.999  # of a bound that has been exceeded
-OUT = 1e6  # cost of what cannot be had at all
 
 
 @final
@@ -124,7 +121,7 @@ def point(task: Task, x: Array, dear: float) -> tuple[float, Array, float]:
     try:
         whole = task.stance.whole(*np.einsum("ktp,np->ktn", columns, x))
     except OutOfReachError:
-        return OUT, np.zeros_like(x), np.inf
+        return task.criteria.out, np.zeros_like(x), np.inf
     told = task.information.of(task.motion(whole), task.series.duration)
     T, n = whole[0].shape
     pull = Pull.none(T, n, told.loads.shape[1])
@@ -213,11 +210,11 @@ def _room(task: Task, x: Array, time: Array) -> tuple[Array, Array]:
 def within(task: Task, x: Array) -> Array:
     """As it is, or each joint shrunk and moved into its own bounds, and then all towards home and rest until every
     other bound holds at `check_hz`."""
-    rate = task.criteria.check_hz
+    rate, tight = task.criteria.check_hz, task.criteria.tight
     time = np.arange(round(rate * task.series.duration) + 1) / rate
     joints, x = task.stance.free >= task.stance.robot.base, x.copy()
     filled = _shares_of(task, x, time)
-    x[joints, :-1] *= (TIGHT / np.maximum(filled[joints], TIGHT))[:, None]
+    x[joints, :-1] *= (tight / np.maximum(filled[joints], tight))[:, None]
     low, high = _room(task, x, time)
     x[joints, -1] += np.clip(0.0, low, high)
     at_rest = task.shares(task.series.motion(task.still, time[:1]))
@@ -226,8 +223,8 @@ def within(task: Task, x: Array) -> Array:
         if share <= 1.0:
             return x
         rest = at_rest.get(name, 0.0)
-        kept = TIGHT * (1.0 - rest) / (share - rest) if np.isfinite(share) else 0.0
-        x = task.still + min(TIGHT, max(kept, 0.7)) * (x - task.still)
+        kept = tight * (1.0 - rest) / (share - rest) if np.isfinite(share) else 0.0
+        x = task.still + min(tight, max(kept, 0.7)) * (x - task.still)
     return x if task.largest(x)[0] <= 1.0 else task.still
 
 
