@@ -7,12 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from tests.api.people import People
 
-from exogauge.api.app import create_app
-from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import PublishedFile
 from exogauge.storage.tables import Artifact, Job, Result, utc_now
@@ -54,23 +51,9 @@ def results(
 
 
 @pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
-
-
-@pytest.fixture
-def people(app: FastAPI) -> People:
-    """A person of each of four labs."""
-    made = People(app)
-    for lab in ("north", "south", "west", "east"):
-        made.person(f"{lab}@example.org", lab)
-    return made
-
-
-@pytest.fixture
 def ada(people: People) -> Iterator[TestClient]:
+    for lab in ("south", "west", "east"):
+        people.person(f"{lab}@example.org", lab)
     with people.browser(people.session(people.person("ada@example.org", "north", "viewer"))) as opened:
         yield opened
 

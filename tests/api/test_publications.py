@@ -11,12 +11,10 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 from datacite import schema45
-from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from sqlalchemy.exc import DatabaseError
 from tests.api.people import ORIGIN, People
 
-from exogauge.api.app import create_app
 from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.sweeping import sweep_installation
@@ -32,18 +30,6 @@ ABOUT = {
     "keywords": ["exoskeleton"],
     "licence": "CC0-1.0",
 }
-
-
-@pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
-
-
-@pytest.fixture
-def people(app: FastAPI) -> People:
-    return People(app)
 
 
 @pytest.fixture
@@ -199,8 +185,8 @@ def test_only_what_an_evaluation_of_this_study_found_is_published(
         assert ada.post(ask.format(study), json=ABOUT | wrong).status_code == 422, wrong
 
 
-def test_the_public_address_is_the_one_that_is_set(publish: Publish, app: FastAPI) -> None:
-    settings: Settings = app.state.settings
-    app.state.settings = settings.model_copy(update={"public_url": "https://data.example/exo"})
+def test_the_public_address_is_the_one_that_is_set(publish: Publish, people: People) -> None:
+    settings: Settings = people.app.state.settings
+    people.app.state.settings = settings.model_copy(update={"public_url": "https://data.example/exo"})
     made = publish()
     assert made["url"] == f"https://data.example/exo/published/{made['key']}"
