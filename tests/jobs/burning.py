@@ -82,7 +82,8 @@ def main() -> None:
         claims.code_version = lambda: other
     recipes.RECIPES["burn"] = recipes.Recipe("burn", "burning:burn", timeout_s=float(os.environ.get("BURN_LIMIT", 60)))
     if sys.argv[1] == "work":
-        worker.work(Settings(), with_parent="--with-parent" in sys.argv, lease_s=LEASE_S)
+        idle_s = float(os.environ.get("BURN_UNTIL_IDLE", "inf"))
+        worker.work(Settings(), with_parent="--with-parent" in sys.argv, idle_s=idle_s, lease_s=LEASE_S)
     else:
         from exogauge.serving import serve
 

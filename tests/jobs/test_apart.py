@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.jobs.conftest import BURN, Workshop
+from tests.jobs.conftest import BURN, PROGRAM, Workshop
 from tests.object_store import BUCKET, KEYS, Line, s3_server
+from tests.slurm import slurm
 
 from exogauge.jobs import recipes
 from exogauge.settings import Settings
@@ -80,3 +83,27 @@ def test_a_job_that_begins_while_the_store_is_cut_off_ends_once(apart: Workshop,
     done = apart.ended(job)
     assert (done.state, done.reason) == ("succeeded", None)
     assert apart.words("early") == ["start", "end"]
+
+
+@pytest.mark.slow  # starts a worker
+def test_a_worker_leaves_when_there_is_nothing_to_do(apart: Workshop, line: Line, tmp_path: Path) -> None:
+    job = apart.submit("alone", seconds=2.0)
+    worker = apart.start_worker(**elsewhere(tmp_path / "worker", line), BURN_UNTIL_IDLE="6")
+    assert worker.wait(60.0) == 0
+    assert apart.job(job).state == "succeeded"
+    assert not any((tmp_path / "worker" / "work").iterdir())
+
+
+@pytest.mark.slow  # starts servers and workers
+def test_workers_are_slurm_jobs(apart: Workshop, line: Line, tmp_path: Path) -> None:
+    jobs = [apart.submit(f"batch-{k}", seconds=0.5) for k in range(4)]
+    (tmp_path / "slurm").mkdir()
+    with slurm(tmp_path / "slurm") as ours:
+        place = elsewhere(tmp_path / "node", line)
+        environment = apart.environment(**place, **ours, BURN_UNTIL_IDLE="6")
+        asked = ["sbatch", "--array=1-2", "--wait", f"--output={tmp_path}/slurm-%a.out", f"--chdir={tmp_path}"]
+        work = f'--wrap="{sys.executable}" "{PROGRAM}" work'
+        subprocess.run([*asked, work], env=environment, check=True, capture_output=True, timeout=120.0)
+    assert [apart.job(job).state for job in jobs] == ["succeeded"] * 4
+    assert [apart.words(f"batch-{k}") for k in range(4)] == [["start", "end"]] * 4
+    assert all("takes jobs" in (tmp_path / f"slurm-{k}.out").read_text() for k in (1, 2))
