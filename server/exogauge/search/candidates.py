@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from exogauge.effects.order import present, whatever_log
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
-from exogauge.identification.sites import AxisSite, BaseSite, LinkSite, PairSite, SensorSite, end_links, neighbours
+from exogauge.identification.sites import (
+    AxisSite,
+    BaseSite,
+    LinkSite,
+    PairSite,
+    SensorSite,
+    end_links,
+    neighbours,
+)  # fmt: skip
 from exogauge.logs.filtering import low_passed_at
 
 Array = NDArray[np.float64]
@@ -40,16 +48,20 @@ class Candidate:
 
 
 def sites(model: RobotModel) -> tuple[Site, ...]:
-    """Where effects can sit: axes whose drive is logged, neighbouring ones of them, components of sensors that carry
-    bodies, links that carry nothing, the base."""
+    """Where effects can sit: axes whose drive is logged, neighbouring ones of them, components of sensors, contact
+    sensors as a whole, links that carry nothing, the base."""
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
-    components = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
-    return (*axes, *neighbours(model.robot), *components, *end_links(model.equations), BaseSite())
+    of_cuts = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
+    contacts = range(len(model.robot.contacts))
+    of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), None)]
+    return (*axes, *neighbours(model.robot), *of_cuts, *of_contacts, *end_links(model.equations), BaseSite())
 
 
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
+    if isinstance(site, SensorSite) and site.component is None:
+        return "whole_sensor"
     return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
 
 
