@@ -14,6 +14,7 @@ from tests.motion.robots import ARMS, arm_folder, sample_folder
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.estimation.statistics import Statistics
+from exogauge.experiment.envelope import random_motion, within
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording
 from exogauge.identification.solution import first_weights
@@ -24,7 +25,6 @@ from exogauge.motion.excite.search import Task, point
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.base import BaseTurn
-from exogauge.robots.moving.envelope import random_motion, within
 from exogauge.robots.moving.stance import Standing
 from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.intake.robot_file import load_robot

@@ -14,13 +14,13 @@ from scipy.interpolate import CubicSpline
 from exogauge.criteria.motion_excite import USUAL
 from exogauge.criteria.planning import Planning
 from exogauge.errors import NotIdentifiable
+from exogauge.experiment.envelope import Envelope, random_motion
 from exogauge.experiment.workspace_limits import Room
 from exogauge.findings.planned_motion import Bound
 from exogauge.identification.model import RobotModel
 from exogauge.robots.description import Robot
 from exogauge.robots.joint_limits import JointLimits
 from exogauge.robots.motion import Motion
-from exogauge.robots.moving.envelope import Envelope, random_motion
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.stance import Fixed, Standing, Three
 from exogauge.robots.moving.standing import base_on, standing

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import BadMotion, Fault
+from exogauge.experiment.envelope import within
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
 from exogauge.motion.excite.promise import Promise, promised
@@ -20,7 +21,6 @@ from exogauge.motion.excite.search import Report, best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.robots.moving.envelope import within
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.stance import Standing
 from exogauge.studies.csv_table import csv_table

@@ -9,12 +9,12 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
+from exogauge.experiment.envelope import Envelope, random_motion, within
 from exogauge.experiment.information import Information, Told
+from exogauge.experiment.series_search import descend
 from exogauge.robots.motion import Motion
 from exogauge.robots.moving.base import BaseTurn
-from exogauge.robots.moving.envelope import Envelope, random_motion, within
 from exogauge.robots.moving.stance import OutOfReachError
 from exogauge.robots.moving.strain import Pull
 
@@ -85,17 +85,13 @@ def improve(task: Task, x: Array, report: Callable[[int, float, float], None] | 
     """
     scale = np.tile(task.sizes, (1, task.series.size))
     evaluations = 0
-    for dear in task.criteria.costs:
 
-        def at(y: Array, dear: float = dear) -> tuple[float, Array]:
-            nonlocal evaluations
-            evaluations += 1
-            cost, gradient, largest = point(task, y.reshape(scale.shape) * scale, dear)
-            if report is not None:
-                report(evaluations, cost, largest)
-            return cost, (gradient * scale).ravel()
+    def at(x: Array, dear: float) -> tuple[float, Array]:
+        nonlocal evaluations
+        evaluations += 1
+        cost, gradient, largest = point(task, x, dear)
+        if report is not None:
+            report(evaluations, cost, largest)
+        return cost, gradient
 
-        found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",
-                         options={"maxfun": task.criteria.steps, "maxcor": 20})  # fmt: skip
-        x = np.asarray(found.x).reshape(scale.shape) * scale
-    return within(task, x)
+    return within(task, descend(at, x, scale, task.criteria.costs, task.criteria.steps))

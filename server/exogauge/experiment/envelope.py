@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import NotIdentifiable
+from exogauge.experiment.series_search import largest_within
 from exogauge.robots.motion import Motion
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.stance import OutOfReachError, Stance, Three
@@ -117,14 +118,11 @@ def random_motion(envelope: Envelope, rng: np.random.Generator, share: float = 1
     if rest > 1.0:
         raise NotIdentifiable(f"home is outside a bound while nothing moves ({name}): choose another posture", ())
     rate = len(envelope.time) / envelope.series.duration
-    low, high = 0.0, 1.0
-    while envelope.largest(envelope.still + high * (x - envelope.still), rate)[0] <= 1.0:
-        low, high = high, 2.0 * high
-    for _ in range(envelope.criteria.halvings):
-        middle = (low + high) / 2
-        inner = envelope.largest(envelope.still + middle * (x - envelope.still), rate)[0] <= 1.0
-        low, high = (middle, high) if inner else (low, middle)
-    return envelope.still + share * low * (x - envelope.still)
+    most = largest_within(
+        lambda part: envelope.largest(envelope.still + part * (x - envelope.still), rate)[0] <= 1.0,
+        envelope.criteria.halvings,
+    )
+    return envelope.still + share * most * (x - envelope.still)
 
 
 def _alone(envelope: Envelope, x: Array, rng: np.random.Generator) -> Array:
