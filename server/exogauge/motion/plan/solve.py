@@ -108,7 +108,9 @@ def _stretch(
 ) -> Planned:
     """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all."""
     rough = asked.every(criteria.coarse)
-    q = np.stack([on_its_feet(robot, rough.q[t], rough.place[t], rough.stands[t]) for t in range(len(rough.q))])
+    begin = rough.q.copy()
+    begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
+    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, rough.place, rough.stands, strict=True)])
     spline = through(q, rough.step)
     starts = ends
     if ends.before is not None:
