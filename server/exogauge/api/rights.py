@@ -37,7 +37,11 @@ def rule(methods: tuple[str, ...] | str, path: str, right: Right) -> Rule:
 
 RULES = (
     rule(SAFE, r"/(icon\.svg|healthz|readyz|metrics|assets/[^/]*)?", "open"),
-    rule(SAFE, r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|compare)(/.*)?", "open"),
+    rule(
+        SAFE,
+        r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|motions|plans|compare)(/.*)?",
+        "open",
+    ),
     rule(SAFE, r"/api/v1/scenes/player", "open"),  # the page of a frame, which holds no data
     rule(("GET", "HEAD", "POST", "DELETE"), r"/api/v1/session", "open"),  # who asks; sign in; sign out
     rule("POST", r"/api/v1/set-up", "open"),  # proves itself by its code, as the next two do
