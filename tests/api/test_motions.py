@@ -38,6 +38,7 @@ def work(client: TestClient, tmp_path: Path) -> Iterator[Work]:
     runner = Runner(installation, "worker", tmp_path / "worker")
     yield runner.run
     runner.leave()
+    runner._child.kill()  # a worker process just ends
     lease.give_back()
 
 

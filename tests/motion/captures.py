@@ -45,7 +45,7 @@ def bvh(flexion: np.ndarray, upwards: np.ndarray | None = None) -> bytes:
         lines.append(f"{pad}}}")
 
     add("Hips", 0)
-    lines += ["MOTION", f"Frames: {len(flexion)}", f"Frame Time: {1.0 / RATE:.8f}"]
+    lines += ["MOTION", f"Frames: {len(flexion)}", f"Frame Time: {1.0 / RATE:.12f}"]
     order = written_order()
     for angle, up in zip(flexion, lift, strict=True):
         row = [0.0, 95.0 + up, 0.0, *[0.0] * 3 * len(order)]

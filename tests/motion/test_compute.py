@@ -87,8 +87,9 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(tmp_path: Path)
     document = json.loads((out / compute.PLAN).read_text())
     assert document["broken"] == []
     assert document["margins"]["pressure_inside_m"] is None
-    assert all(0.0 <= each["std"] <= 1.0001 * each["before"] for each in document["parameters"] if each["before"] > 0.0)
-    assert sum(each["decided"] for each in document["parameters"]) > 10
+    decided = [each for each in document["parameters"] if each["decided"]]
+    assert len(decided) > 10
+    assert all(0.0 < each["std"] < each["before"] for each in decided)
     largest = {each["kind"]: each["share"] for each in document["margins"]["bounds"]}
     assert 0.2 < max(largest.values()) <= 1.0001
     with pytest.raises(BadMotion):

@@ -62,9 +62,9 @@ def create_plan(
     """Ask for a motion of a robot. An equal request is the same plan; one that failed is tried again."""
     kind = wanted.kind
     robot = store.robots.get(wanted.robot_id)
-    refuse_unready(robot, kind)
     motion = None if wanted.motion_id is None else store.motions.get(wanted.motion_id)
     study = None if wanted.study_id is None else store.studies.get(wanted.study_id)
+    refuse_unready(robot, kind)
     if motion is not None and motion.summary.get("holds") == "angles":
         advice = "Hand in the markers or the skeleton."
         raise BadMotion(

@@ -19,7 +19,8 @@ import pinocchio as pin
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion, Fault
-from exogauge.motion.channels import add_judged, lead_of, of_fit, of_retargeted
+from exogauge.motion import played
+from exogauge.motion.channels import add_judged, of_fit, of_retargeted
 from exogauge.motion.contract import PlanFile
 from exogauge.motion.excite.plan import ExcitationPlan, motion_table, plan_excitation
 from exogauge.motion.excite.stance import Standing
@@ -39,8 +40,8 @@ from exogauge.studies.intake.yaml_file import load_yaml
 from exogauge.studies.series.write import Columns, write_table
 
 Progress = Callable[[float, str], None]
-FIT, PLAN, PLAN_YAML, MOTION, FIGURE, POSTURES = (
-    "fit.json", "plan.json", "plan.yaml", "motion.csv", "human.npz", "postures.npz",
+FIT, PLAN, PLAN_YAML, MOTION, FIGURE, PLAYED = (
+    "fit.json", "plan.json", "plan.yaml", "motion.csv", "human.npz", "played.npz",
 )  # fmt: skip
 SERIES = "series/motion.parquet"
 EXCITED_HZ = 200.0  # at which a motion that excites is written
@@ -94,7 +95,7 @@ def retarget(folder: Path, out: Path, progress: Progress, settings: Mapping[str,
     _write(out / "motion.json", sheet(robot, found.judged, "csv", files, _sources(folder)))
     write_series(of_retargeted(found), out)
     write_figure(figure_of(capture.motion, fitted), out / FIGURE)
-    _write_postures(out, found.judged, lead_of(found))
+    played.of_retargeted(found, file.retarget).write(out / PLAYED)
 
 
 def excite(folder: Path, out: Path, progress: Progress, settings: Mapping[str, Any]) -> None:
@@ -118,7 +119,7 @@ def excite(folder: Path, out: Path, progress: Progress, settings: Mapping[str, A
     (out / MOTION).write_bytes(motion_table(found, EXCITED_HZ))
     columns = add_judged(Columns(judged.time), found.robot, judged, acceleration)
     write_series(columns.table({"log": "motion", "version": "1"}), out)
-    _write_postures(out, judged, 0.0)
+    played.of_judged(found.robot, judged, acceleration).write(out / PLAYED)
 
 
 def judged_excitation(found: ExcitationPlan) -> tuple[Judged, Any]:
@@ -162,12 +163,6 @@ def _sources(folder: Path) -> dict[str, bytes]:
     """What the motion was made from, by path."""
     paths = [path for part in ("robot", "motion") for path in sorted((folder / part).rglob("*")) if path.is_file()]
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in [folder / PLAN_YAML, *paths]}
-
-
-def _write_postures(out: Path, judged: Judged, lead: float) -> None:
-    """What is drawn of the robot: q (T, n) with the flat base, centre of pressure, distances."""
-    np.savez_compressed(out / POSTURES, time=judged.time, q=judged.q, pressure=judged.pressure, inside=judged.inside,
-                        apart=judged.apart, lead=lead)  # fmt: skip
 
 
 def _write(path: Path, document: Mapping[str, Any]) -> None:

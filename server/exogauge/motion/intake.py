@@ -19,6 +19,7 @@ from exogauge.studies.intake.yaml_file import load_yaml
 
 Array = NDArray[np.float64]
 CAPTURE = "motion.yaml"
+MICRO = 6  # decimals of a second
 
 
 @final
@@ -55,7 +56,8 @@ def open_capture(folder: Path) -> Capture:
 def spans_of(time: Array, stands: NDArray[np.bool_]) -> list[list[float]]:
     """Stretches [begin, end] [s] of (T,) times in which a foot stands."""
     starts, lengths = runs(stands)
-    return [[float(time[k]), float(time[k + n - 1])] for k, n in zip(starts, lengths, strict=True)]
+    ends = [(float(time[k]), float(time[k + n - 1])) for k, n in zip(starts, lengths, strict=True)]
+    return [[round(begin, MICRO), round(end, MICRO)] for begin, end in ends]
 
 
 def contacts_from(time: Array, said: ContactsEntry) -> Contacts:
@@ -64,7 +66,7 @@ def contacts_from(time: Array, said: ContactsEntry) -> Contacts:
     def stands(spans: list[list[float]]) -> NDArray[np.bool_]:
         out = np.zeros(len(time), dtype=bool)
         for begin, end in spans:
-            out |= (time >= begin - 1e-9) & (time <= end + 1e-9)
+            out |= (time >= begin - 1e-6) & (time <= end + 1e-6)
         return out
 
     return Contacts(stands(said.left), stands(said.right))
