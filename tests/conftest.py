@@ -123,12 +123,22 @@ def empty_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 @pytest.fixture(params=KINDS)
 def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
-    """The address of a new database with every table and no row, on each kind in turn: a copy of one that was migrated
-    once."""
+    """The address of a database with every table and no row, on each kind in turn."""
+    return _migrated(request, tmp_path, "used_postgres_url")
+
+
+@pytest.fixture(params=KINDS)
+def own_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The same, of a test that changes tables."""
+    return _migrated(request, tmp_path, "own_postgres_url")
+
+
+def _migrated(request: pytest.FixtureRequest, folder: Path, on_postgres: str) -> str:
+    """A copy of what was migrated once."""
     if request.param == "sqlite":
-        shutil.copy(request.getfixturevalue("migrated_sqlite"), tmp_path / "test.sqlite")
-        return f"sqlite:///{tmp_path / 'test.sqlite'}"
-    url: str = request.getfixturevalue("migrated_postgres_url")
+        shutil.copy(request.getfixturevalue("migrated_sqlite"), folder / "test.sqlite")
+        return f"sqlite:///{folder / 'test.sqlite'}"
+    url: str = request.getfixturevalue(on_postgres)
     return url
 
 
@@ -148,12 +158,47 @@ def migrated_postgres(throw_away_database: Callable[..., AbstractContextManager[
         yield url.rsplit("/", 1)[1]
 
 
+@pytest.fixture(scope="session")
+def used_postgres(
+    throw_away_database: Callable[..., AbstractContextManager[str]], migrated_postgres: str
+) -> Iterator[str]:
+    """The address of the copy that tests use one after the other: to make and drop one for each takes seconds."""
+    with throw_away_database(migrated_postgres) as url:
+        yield url
+
+
 @pytest.fixture
-def migrated_postgres_url(
+def own_postgres_url(
     throw_away_database: Callable[..., AbstractContextManager[str]], migrated_postgres: str
 ) -> Iterator[str]:
     with throw_away_database(migrated_postgres) as url:
         yield url
+
+
+@pytest.fixture
+def used_postgres_url(request: pytest.FixtureRequest, used_postgres: str) -> str:
+    own: str = used_postgres if emptied(used_postgres) else request.getfixturevalue("own_postgres_url")
+    return own
+
+
+def emptied(url: str) -> bool:
+    """Take every row out of a migrated database and end whoever is still connected to it; only a superuser may, past
+    the triggers that keep rows."""
+    with psycopg.connect(url) as connection:
+        try:
+            connection.execute("SET session_replication_role = replica")
+        except psycopg.errors.InsufficientPrivilege:
+            return False
+        connection.execute(
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+            " WHERE datname = current_database() AND pid <> pg_backend_pid()"
+        )
+        tables = connection.execute(
+            "SELECT format('%I.%I', schemaname, tablename) FROM pg_tables WHERE schemaname IN ('public', 'dbos')"
+            " AND tablename NOT IN ('alembic_version', 'dbos_migrations')"
+        ).fetchall()
+        connection.execute(";".join(f"DELETE FROM {table}" for (table,) in tables))
+    return True
 
 
 def migrate_all(url: str) -> None:

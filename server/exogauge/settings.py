@@ -5,6 +5,7 @@ from __future__ import annotations
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Literal, Self, final
+from urllib.parse import urlsplit
 
 from pydantic import Field, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -23,6 +24,16 @@ class Settings(BaseSettings):
         default="", repr=False, description="sqlite:///FILE or postgresql://…; a file in data_dir"
     )
     blob_dir: Path | None = Field(default=None, description="content-addressed files; data_dir/blobs")
+    blob_url: str = Field(
+        default="", pattern=r"^(s3://.+)?$", description="s3://BUCKET/FOLDER: an S3 store, in place of blob_dir"
+    )
+    s3_endpoint: str = Field(default="", pattern=r"^(https?://.+)?$", description="of a store that is not Amazon's")
+    s3_region: str = Field(default="", description="of the store; AWS_REGION")
+    s3_access_key_id: str = Field(default="", repr=False, description="or as AWS_ACCESS_KEY_ID")
+    s3_secret_access_key: str = Field(default="", repr=False, description="or as AWS_SECRET_ACCESS_KEY")
+    blob_copies_bytes: int = Field(
+        default=10240 * MIB, ge=MIB, description="most that this machine keeps of an S3 store's files, to read them"
+    )
     host: str = Field(default="127.0.0.1", description="address to listen on")
     accounts: bool = Field(default=False, description="ask who is there; so it is anyway once there are accounts")
     proxy: str = Field(default="", description="addresses of reverse proxies that are believed, with commas between")
@@ -31,6 +42,16 @@ class Settings(BaseSettings):
     open_to_all: bool = Field(default=False, description="serve on another host than this one although all may do all")
     port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
     root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
+    public_url: str = Field(
+        default="",
+        pattern=r"^(https?://[^/?#\s]+[^?#\s]*[^/?#\s])?$",
+        description="address by which others find the page, https://exo.example; unset: that by which "
+        "each request came",
+    )
+    oidc_issuer: str = Field(default="", max_length=300, description="OpenID provider at which accounts sign in, https")
+    oidc_client_id: str = Field(default="", max_length=300, description="of this service, as registered there")
+    oidc_client_secret: str = Field(default="", repr=False, description="the provider's, for this service")
+    oidc_name: str = Field(default="", max_length=60, description="of the provider, on the page; its host")
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")
@@ -65,11 +86,28 @@ class Settings(BaseSettings):
             object.__setattr__(self, "database_url", f"sqlite:///{data / 'exogauge.sqlite'}")
         return self
 
+    @model_validator(mode="after")
+    def _check_provider(self) -> Self:
+        if not self.oidc_issuer:
+            return self
+        parts = urlsplit(self.oidc_issuer)
+        if parts.scheme != "https" and not (parts.scheme == "http" and is_loopback(parts.hostname or "")):
+            raise ValueError("EXOGAUGE_OIDC_ISSUER is an https address")
+        if not self.oidc_client_id:
+            raise ValueError("EXOGAUGE_OIDC_CLIENT_ID belongs to EXOGAUGE_OIDC_ISSUER")
+        object.__setattr__(self, "oidc_name", self.oidc_name or parts.hostname or "")
+        return self
+
     @property
     def blobs(self) -> Path:
         """Folder of the blob store, absolute."""
         assert self.blob_dir is not None
         return self.blob_dir
+
+    @property
+    def blob_copies(self) -> Path:
+        """Folder of what this machine has fetched from an S3 store."""
+        return self.data_dir / "blob-copies"
 
     @property
     def scratch(self) -> Path:
@@ -105,10 +143,15 @@ class Settings(BaseSettings):
         """Whether nobody but this machine reaches the server: it listens on the loopback interface, for no proxy."""
         if self.proxy:
             return False
-        try:
-            return ip_address(self.host).is_loopback
-        except ValueError:
-            return self.host == "localhost"
+        return is_loopback(self.host)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether it is this machine, seen from itself."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 IN_CHECKOUT = {"web": "web/dist"}

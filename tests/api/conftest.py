@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +14,9 @@ import pytest
 
 if TYPE_CHECKING:
     from fastapi.testclient import TestClient
+    from tests.api.people import People
 
+    from exogauge.settings import Settings
     from exogauge.storage.store import Storage
 
 LINK = (
@@ -49,6 +51,18 @@ def table(phase: float, samples: int = 400) -> str:
         t = k / 100
         rows.append(f"{t:.3f},{math.sin(2 * t + phase):.6f},{1.5 * math.sin(2 * t + phase) + 0.2 * math.cos(t):.6f}")
     return "\n".join(rows) + "\n"
+
+
+@pytest.fixture
+def people(settings: Settings) -> Iterator[People]:
+    """Of a service with accounts that other machines reach."""
+    from tests.api.people import People
+
+    from exogauge.api.app import create_app
+
+    app = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
+    yield People(app)
+    app.state.installation.close()
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
-from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from tests.api.people import COOKIE, ORIGIN, PASSWORD, People
 
@@ -29,18 +28,6 @@ on_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
 
 @pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
-
-
-@pytest.fixture
-def people(app: FastAPI) -> People:
-    return People(app)
-
-
-@pytest.fixture
 def ada(people: People) -> Iterator[TestClient]:
     """An admin of north, in a browser."""
     with people.browser(people.session(people.person("ada@example.org", "north", "admin"))) as opened:
@@ -55,7 +42,7 @@ def audit_of(browser: TestClient) -> list[str]:
 
 @on_sqlite
 def test_the_first_account_takes_the_server_s_code_and_the_data_that_are_there(
-    settings: Settings, app: FastAPI, people: People, capsys: pytest.CaptureFixture[str]
+    settings: Settings, people: People, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with people.installation.of_lab(settings.lab).transaction() as store:
         store.studies.add("from before", [], {})

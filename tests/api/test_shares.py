@@ -5,29 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from tests.api.people import People
 
 from exogauge.api import access
-from exogauge.api.app import create_app
-from exogauge.settings import Settings
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.tables import Artifact, Job, Result, utc_now
 
 V1 = "/api/v1"
-
-
-@pytest.fixture
-def app(settings: Settings) -> Iterator[FastAPI]:
-    made = create_app(settings.model_copy(update={"accounts": True, "host": "0.0.0.0"}))
-    yield made
-    made.state.installation.close()
-
-
-@pytest.fixture
-def people(app: FastAPI) -> People:
-    return People(app)
 
 
 @pytest.fixture

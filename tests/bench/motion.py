@@ -20,12 +20,12 @@ import numpy as np
 import pinocchio as pin
 import yaml
 
-from exogauge.motion.human import Segment
 from exogauge.motion.person import Person
 from exogauge.motion.plan.judge import judge
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.segments import Segment
 from exogauge.synthetic.urdf import robot_file, robot_urdf
 
 ROOT = Path(__file__).parents[2]

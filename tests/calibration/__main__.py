@@ -5,10 +5,15 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 from tests.calibration.kinds import LEVELS, Told, told
+from tests.calibration.picture import calibration
+from tests.calibration.torque import APPROACHES, true_torque
 
 from exogauge.studies.evaluate import evaluate
 from exogauge.synthetic.disturbances import chosen
@@ -27,15 +32,20 @@ def main() -> None:
     parser.add_argument(
         "--search", action="store_true", help="with the search for missing effects, which takes minutes"
     )
+    parser.add_argument("--picture", type=Path, help="an SVG: share inside, by the share that is claimed")
     asked = parser.parse_args()
-    numbers: list[Told] = []
+    numbers, torques = list[Told](), list[dict[str, Any]]()
     for seed in range(asked.first, asked.first + asked.seeds):
-        numbers += told(*_answer(asked, seed))
+        results, truth = _answer(asked, seed)
+        numbers += told(results, truth)
+        torques.append(truth["torque"]["rmse"])
         print(f"seed {seed} done", flush=True)
-    print(table(numbers))
+    print(f"{table(numbers)}\n\n{torque_table(torques)}")
+    if asked.picture:
+        asked.picture.write_text(calibration(numbers, f"{asked.seeds} samples, {asked.realism}"), encoding="utf-8")
 
 
-def _answer(asked: argparse.Namespace, seed: int) -> tuple[dict[str, object], dict[str, object]]:
+def _answer(asked: argparse.Namespace, seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
     """Results and truth of one seed, made where they do not stand."""
     name = "_".join([asked.realism, *asked.added, *(["search"] if asked.search else []), str(seed)])
     out = asked.kept / name
@@ -47,16 +57,26 @@ def _answer(asked: argparse.Namespace, seed: int) -> tuple[dict[str, object], di
             with (study / "study.yaml").open("a", encoding="utf-8") as file:
                 file.write("steps: [identify, support, stiffness]\n")
         evaluate(study / "study.yaml", out, lambda *_: None)
-        shutil.copy(study / "truth.json", out / "truth.json")
+        truth = json.loads((study / "truth.json").read_text())
+        worn = {Path(each["file"]).stem: each["motion"] for each in _logs(study) if each["role"] == "with_device"}
+        truth["torque"] = true_torque(study, out / "series", worn)
+        (out / "truth.json").write_text(json.dumps(truth))
         shutil.rmtree(study)
         shutil.rmtree(out / "series", ignore_errors=True)
     return json.loads((out / "results.json").read_text()), json.loads((out / "truth.json").read_text())
 
 
+def _logs(study: Path) -> list[dict[str, str]]:
+    listed: list[dict[str, str]] = yaml.safe_load((study / "study.yaml").read_text())["logs"]
+    return listed
+
+
 def table(numbers: list[Told]) -> str:
-    """By kind: how many, share inside, median of the std over the rms error, share that is called identifiable."""
-    lines = ["| kind | numbers | " + " | ".join(f"in {100 * level:.0f} %" for level in LEVELS) + " | std / rms error |"]
-    lines.append("|---|---|" + "---|" * (len(LEVELS) + 1))
+    """By kind: how many that are called identifiable, share inside, median std over the rms error, and the median error
+    over the median of the truths' sizes."""
+    shares_of = " | ".join(f"in {100 * level:.0f} %" for level in LEVELS)
+    lines = [f"| kind | numbers | {shares_of} | std / rms error | median error / size |"]
+    lines.append("|---|---|" + "---|" * (len(LEVELS) + 2))
     for kind in sorted({each.kind for each in numbers}):
         own = [each for each in numbers if each.kind == kind and each.told]
         if not own:
@@ -64,7 +84,23 @@ def table(numbers: list[Told]) -> str:
         shares = " | ".join(f"{100 * np.mean([each.inside(level) for each in own]):.0f} %" for level in LEVELS)
         errors = np.array([each.value - each.truth for each in own])
         width = float(np.median([each.std for each in own]) / max(np.sqrt(np.mean(errors**2)), 1e-300))
-        lines.append(f"| {kind} | {len(own)} | {shares} | {width:.2f} |")
+        size = max(float(np.median([abs(each.truth) for each in own])), 1e-300)
+        off = 100.0 * float(np.median(np.abs(errors))) / size
+        lines.append(f"| {kind} | {len(own)} | {shares} | {width:.2f} | {off:.2g} % |")
+    return "\n".join(lines)
+
+
+def torque_table(found: Sequence[Mapping[str, Any]]) -> str:
+    """RMSE [N·m] of the torque at the trunk against the truth, over all samples: median over the seeds, and largest."""
+    lines = ["| motion, joint | " + " | ".join(APPROACHES) + " |", "|---|" + "---|" * len(APPROACHES)]
+    places = {(motion, joint) for each in found for motion, joints in each.items() for joint in joints}
+    for motion, joint in sorted(place for place in places if "torso" in place[1]):
+        cells = []
+        for approach in APPROACHES:
+            values = [each[motion][joint].get(approach) for each in found]
+            known = [value for value in values if value is not None]
+            cells.append(f"{np.median(known):.2f}, at most {max(known):.2f}" if known else "–")
+        lines.append(f"| {motion}, {joint} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
 

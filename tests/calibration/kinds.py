@@ -29,11 +29,15 @@ class Told:
     def inside(self, level: float) -> bool:
         if level == LEVELS[-1] and self.interval is not None:
             return self.interval[0] <= self.truth <= self.interval[1]
+        return self.inside_of_normal(level)
+
+    def inside_of_normal(self, level: float) -> bool:
         return abs(self.value - self.truth) <= float(norm.ppf(0.5 + 0.5 * level)) * self.std
 
 
 def told(results: dict[str, Any], truth: dict[str, Any]) -> Iterator[Told]:
-    """Parameters that the data decide, and bands by every approach that looks at the logs."""
+    """Parameters that the data decide; bands, and peak and mean of the supporting torque, by every approach that looks
+    at the logs and by the one that the headline is of. truth: `truth.json`, with `torque` of `true_torque`."""
     joints = {f"{name}[{joint}]": value for joint, own in truth["joints"].items() for name, value in own.items()}
     for each in results["identification"]["parameters"]:
         name = each["name"]
@@ -53,6 +57,22 @@ def told(results: dict[str, Any], truth: dict[str, Any]) -> Iterator[Told]:
         for what, key, decided in pairs:
             number, interval = each[key], each["interval_95"][key]
             if number["value"] is not None and number["std"] and None not in interval:
-                kind, name = f"{what}, {each['approach']}", f"{what}[{each['band']}]"
-                low, high = interval
-                yield Told(kind, name, number["value"], number["std"], own[key], each[decided], (low, high))
+                name, (low, high) = f"{what}[{each['band']}]", interval
+                for by in (each["approach"], *(["headline"] if each["headline"] else [])):
+                    yield Told(
+                        f"{what}, {by}", name, number["value"], number["std"], own[key], each[decided], (low, high)
+                    )
+    yield from _torques(results, truth["torque"]["true"])
+
+
+def _torques(results: dict[str, Any], truth: dict[str, Any]) -> Iterator[Told]:
+    for each in results["support"]:
+        true = truth.get(each["motion"], {}).get(each["joint"])
+        if true is None:
+            continue
+        for quantity in ("peak", "mean"):
+            numbers = {by: each["approaches"][by][quantity] for by in ("A", "B", "paired") if by in each["approaches"]}
+            for by, number in {**numbers, "headline": each[quantity]}.items():
+                if number and number["value"] is not None and number["std"]:
+                    name = f"{quantity}[{each['motion']}, {each['joint']}]"
+                    yield Told(f"{quantity}, {by}", name, number["value"], number["std"], true[quantity], True)

@@ -73,15 +73,17 @@ def starts(ledger: Path) -> int:
 def main() -> None:
     import logging
 
-    from exogauge.jobs import claims, recipes, worker
+    from exogauge.jobs import claims, engine, recipes, worker
     from exogauge.settings import Settings
 
     logging.basicConfig(level=logging.INFO)
+    engine.POLL_S = 0.1  # a second in service: half of what these jobs take
     if (other := os.environ.get("BURN_VERSION")) is not None:  # a worker of another release
         claims.code_version = lambda: other
     recipes.RECIPES["burn"] = recipes.Recipe("burn", "burning:burn", timeout_s=float(os.environ.get("BURN_LIMIT", 60)))
     if sys.argv[1] == "work":
-        worker.work(Settings(), with_parent="--with-parent" in sys.argv, lease_s=LEASE_S)
+        idle_s = float(os.environ.get("BURN_UNTIL_IDLE", "inf"))
+        worker.work(Settings(), with_parent="--with-parent" in sys.argv, idle_s=idle_s, lease_s=LEASE_S)
     else:
         from exogauge.serving import serve
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.synthetic.urdf import robot_file, robot_urdf
 
 

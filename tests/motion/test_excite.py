@@ -17,15 +17,15 @@ from exogauge.estimation.statistics import Statistics
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording
 from exogauge.identification.solution import first_weights
-from exogauge.motion.excite.base import BaseTurn
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import information_of
 from exogauge.motion.excite.promise import AS_STATED, planned_log
 from exogauge.motion.excite.search import Task, point, random_motion, within
-from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.stance import Standing
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.intake.robot_file import load_robot
 
 QUICK = MotionExcite(top_hz=0.6, standing_hz=0.6, per_period=8, drawn=1, steps=25)

@@ -16,11 +16,12 @@ from rosbags.typesys import Stores, get_typestore
 
 from exogauge.cli import main
 from exogauge.motion.files import open_motion
-from exogauge.motion.plan.asked import on_its_feet, standing
+from exogauge.motion.plan.asked import on_its_feet
 from exogauge.motion.plan.export import FORMATS, exported
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.spline import Spline, through
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 from exogauge.synthetic.urdf import robot_urdf
 
 RATE = 50.0

@@ -24,7 +24,7 @@ from exogauge.errors import BadInput, BadMotion, BadRobot
 from exogauge.motion.files import open_motion
 from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
-from exogauge.motion.plan.asked import Asked, standing
+from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.outcome import motion_table
 from exogauge.motion.plan.retarget import ask
@@ -32,8 +32,9 @@ from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.written import read_written
-from exogauge.motion.robot import MotionRobot, Sole
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.robot import MotionRobot, Sole
+from exogauge.robots.moving.standing import standing
 from exogauge.synthetic.urdf import robot_urdf
 
 JVRC = Path(__file__).parents[3] / "shared/data/model_jvrc1/jvrc_description/urdf/jvrc1.urdf"

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from exogauge.motion.robot import BASE, MotionRobot, flat_model
 from exogauge.robots.joint_limits import JointLimits
+from exogauge.robots.moving.robot import BASE, MotionRobot, flat_model
 from exogauge.synthetic.robot_facts import JOINTS
 from exogauge.synthetic.urdf import robot_urdf
 

@@ -16,14 +16,15 @@ import yaml
 
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadRobot
-from exogauge.motion.plan.asked import Asked, standing
+from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import judge
 from exogauge.motion.plan.rows import shares, slopes
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import through
-from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.motion.touching import FLOOR, Pairs
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
+from exogauge.robots.moving.touching import FLOOR, Pairs
 from exogauge.synthetic.urdf import robot_urdf
 
 

@@ -158,7 +158,7 @@ def test_nothing_is_left_behind(logs: list[LogRequest], tmp_path: Path, monkeypa
     assert list(place.iterdir()) == []
 
 
-def test_neighbours_share_a_batch_up_to_its_bytes(tmp_path: Path) -> None:
+def test_neighbours_share_a_batch_up_to_its_number_and_its_bytes(tmp_path: Path) -> None:
     def sizes(*megabytes: int) -> list[int]:
         paths = [tmp_path / f"{k}.csv" for k in range(len(megabytes))]
         for path, size in zip(paths, megabytes, strict=True):
@@ -166,7 +166,7 @@ def test_neighbours_share_a_batch_up_to_its_bytes(tmp_path: Path) -> None:
             os.truncate(path, size << 20)
         return [len(batch) for batch in batches.batches_of([request(path) for path in paths])]
 
-    assert sizes(*[1] * 20) == [8, 8, 4]
+    assert sizes(*[0] * 70) == [32, 32, 6]
     assert sizes(20, 12, 1, 500, 1, 1) == [2, 1, 1, 2]
     assert sizes(500) == [1]
 

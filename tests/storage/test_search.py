@@ -113,6 +113,7 @@ def test_studies_are_chosen_by_the_state_of_their_latest_evaluation(storage: Sto
         assert [study.id for study in page(None, 9, state="none", search="FRESH").items] == [fresh]
 
 
+@pytest.mark.slow
 def test_what_was_there_before_words_were_kept_is_found_after_the_migration(empty_database_url: str) -> None:
     migrate.upgrade(empty_database_url, "0003")
     values = {"id": "s", "lab": "local", "at": "2026-01-01", "name": "Old Lift", "sum": '{"robot": {"name": "HRP-4"}}'}

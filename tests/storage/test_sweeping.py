@@ -132,7 +132,7 @@ def test_sweeping_all_the_time_loses_nothing_that_was_acknowledged(
     stop, failures = threading.Event(), list[BaseException]()
 
     def write(seed: int) -> None:
-        from exogauge.errors import Conflict, NotFound
+        from exogauge.errors import Conflict, NotFound, Unavailable
 
         for k in range(25):
             content = str((k * seed) % 7).encode()
@@ -145,7 +145,7 @@ def test_sweeping_all_the_time_loses_nothing_that_was_acknowledged(
                     with storage.transaction() as store:
                         store.session.execute(sa.delete(StudyFile).where(StudyFile.study_id == key))
                         store.session.execute(sa.delete(Base.metadata.tables["studies"]))
-            except (orphans.BlobGone, NotFound, Conflict, IndexError):
+            except (Unavailable, NotFound, Conflict, IndexError):  # not acknowledged
                 continue
             except BaseException as error:
                 failures.append(error)

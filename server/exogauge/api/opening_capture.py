@@ -73,11 +73,11 @@ def export(folder: str, motion: str, name: str, form: str, rate_hz: float | None
     from dataclasses import replace
 
     from exogauge.errors import BadMotion, Fault
-    from exogauge.motion.plan.asked import standing
     from exogauge.motion.plan.export import FORMATS, exported, sheet
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.written import read_written
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.standing import standing
 
     if form not in FORMATS:
         known = f"One of {', '.join(FORMATS)}"

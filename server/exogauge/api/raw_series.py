@@ -36,9 +36,9 @@ from exogauge.api.what_if import lay_out
 from exogauge.errors import BadStudy, NotFound
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
-from exogauge.scene.drawing import Shelf
 from exogauge.settings import Settings
 from exogauge.storage.records import StudyRecord
+from exogauge.storage.shelf import Shelf
 from exogauge.storage.store import Storage
 
 if TYPE_CHECKING:

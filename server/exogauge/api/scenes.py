@@ -20,12 +20,13 @@ from exogauge.api.shapes import Role
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
-from exogauge.scene.drawing import Shelf, draw_at_rest, draw_captured, draw_log, draw_payload, draw_played
+from exogauge.scene.drawing import draw_at_rest, draw_captured, draw_log, draw_payload, draw_played
 from exogauge.scene.frames import Frames
 from exogauge.scene.player import POLICY, made_for, player_page
 from exogauge.settings import Settings
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.records import StudyRecord
+from exogauge.storage.shelf import Shelf
 from exogauge.storage.store import Storage, Store
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 router = APIRouter(tags=["scenes"])
 CREATING = threading.Lock()
+KEPT_BYTES = 512 << 20
 MEDIA_TYPE = "application/gzip"
 MOTION_VIEW = "1"  # of what is drawn of motions and plans
 MOST_PLANS = 50  # looked through for the newest postures
@@ -252,7 +254,7 @@ def kept(key: str, draw: Callable[[], bytes], name: str, request: Request, setti
 def shelf_of(request: Request, settings: Settings) -> Shelf:
     with CREATING:
         if not hasattr(request.app.state, "scene_shelf"):
-            request.app.state.scene_shelf = Shelf(settings.data_dir / "scenes")
+            request.app.state.scene_shelf = Shelf(settings.data_dir / "scenes", KEPT_BYTES, ".scene")
     shelf: Shelf = request.app.state.scene_shelf
     return shelf
 

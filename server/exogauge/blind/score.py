@@ -46,6 +46,9 @@ def summary(verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
+    outside = [each for each in verdicts if each.outside]
+    undecidable = [each for each in verdicts if each.undecidable]
+    every, verdicts = verdicts, [each for each in verdicts if not (each.outside or each.undecidable)]
     single = [each for each in verdicts if len(each.truth) == 1]
     pairs = [each for each in verdicts if len(each.truth) > 1]
     clean = [each for each in verdicts if not each.truth]
@@ -54,8 +57,8 @@ def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     right = [each for each in hidden if each.right]
     return {
         "synthetic": True,
-        "cases": len(verdicts),
-        "failed": [each.case for each in verdicts if each.error],
+        "cases": len(every),
+        "failed": [each.case for each in every if each.error],
         "visible": _named_right([each for each in single if each.visible]),
         "visible_without_clutter": _named_right([each for each in single if each.visible and not each.clutter]),
         "visible_with_clutter": _named_right([each for each in single if each.visible and each.clutter]),
@@ -84,6 +87,9 @@ def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
             "within_1_1": _count(right, lambda each: each.restored),
             "named": {"n": len(named), "within_1_1": _count(named, lambda each: each.restored)},
         },
+        "outside": _unnamed(outside),
+        "outside_visible": _unnamed([each for each in outside if each.visible]),
+        "undecidable": _unnamed(undecidable),
         "by_robot": {
             robot: _named_right([each for each in single if each.robot == robot])
             for robot in sorted({each.robot for each in verdicts})
@@ -92,8 +98,8 @@ def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
             effect: _named_right([each for each in single if each.truth[0][0] == effect])
             for effect in sorted({each.truth[0][0] for each in single})
         },
-        "confusion": _confusion([*single, *clean]),
-        "seconds": _spread([each.seconds for each in verdicts if not each.error]),
+        "confusion": _confusion([*single, *clean, *outside, *undecidable]),
+        "seconds": _spread([each.seconds for each in every if not each.error]),
     }
 
 
@@ -105,6 +111,20 @@ def _named_right(cases: Sequence[Verdict]) -> dict[str, int]:
         "top1_or_also_possible": _count(cases, lambda each: each.first_or_also),
         "exact": _count(cases, lambda each: each.exact),
         "silent": _count(cases, lambda each: not each.named),
+    }
+
+
+def _unnamed(cases: Sequence[Verdict]) -> dict[str, int]:
+    """Of cases in which any name is wrong: what was said. unexplained_there: and at the right place. named_and_left: a
+    name, and beside it that something is left at the right place."""
+    return {
+        "n": len(cases),
+        "unexplained": _count(cases, lambda each: each.said == "unexplained"),
+        "unexplained_there": _count(cases, lambda each: each.said == "unexplained" and each.where_it_is),
+        "undecided": _count(cases, lambda each: each.said == "undecided"),
+        "silent": _count(cases, lambda each: each.said in ("", "none")),
+        "named": _count(cases, lambda each: bool(each.named)),
+        "named_and_left": _count(cases, lambda each: bool(each.named) and each.where_it_is),
     }
 
 
@@ -145,10 +165,11 @@ def score_text(found: Mapping[str, Any]) -> str:
         _head(found),
         _right(found),
         _others(found),
+        _without_name(found),
         _effects(found["by_effect"]),
         _confusion_table(found["confusion"]),
     ]
-    return "\n\n".join(parts)
+    return "\n\n".join(part for part in parts if part)
 
 
 def _head(found: Mapping[str, Any]) -> str:
@@ -211,6 +232,18 @@ def _others(found: Mapping[str, Any]) -> str:
 def _effects(by_effect: Mapping[str, Mapping[str, int]]) -> str:
     columns = ("hidden", "cases", "name and place first", "among three", "or also possible", "nothing else", "silent")
     return text_table(columns, [[effect, *_shares(row)] for effect, row in by_effect.items()])
+
+
+def _without_name(found: Mapping[str, Any]) -> str:
+    rows = {
+        "outside the catalogue": found["outside"],
+        "outside, visible": found["outside_visible"],
+        "not to be decided": found["undecidable"],
+    }
+    keys = ("unexplained", "unexplained_there", "undecided", "silent", "named", "named_and_left")
+    columns = ("no name is right", "cases", "unexplained", "and where", "undecided", "silent", "named", "and left told")
+    told = [[name, row["n"], *(_share(row[key], row["n"]) for key in keys)] for name, row in rows.items() if row["n"]]
+    return text_table(columns, told) if told else ""
 
 
 def _confusion_table(entries: list[Mapping[str, Any]]) -> str:

@@ -22,7 +22,10 @@ class Verdict:
     ranking: the findings, then what else was considered beside the first. also: what the first cannot be told from, by
     its own account. over_floor: the largest held-out RMSE over noise floor that is left on a channel that a finding
     names, by that finding or, if that is less, at the end of the chain with all that was named; None where there is
-    none. visible: everything hidden is at least three noise floors large.
+    none. visible: everything hidden is at least three noise floors large. outside: what is hidden has no name in any
+    catalogue; undecidable: it has one that these data cannot tell from another. said: effects, unexplained, undecided,
+    none, or "" where nothing was. where_it_is: a channel that is told to stand above its noise, with all that was
+    named, is the one that shows what is hidden best, or its neighbour in the same wrench or joint.
     """
 
     case: str
@@ -36,6 +39,10 @@ class Verdict:
     over_floor: float | None
     seconds: float
     error: str | None
+    outside: bool = False
+    undecidable: bool = False
+    said: str = ""
+    where_it_is: bool = False
 
     @property
     def first(self) -> bool:
@@ -98,7 +105,22 @@ def verdict(answer: Mapping[str, Any], result: Mapping[str, Any]) -> Verdict:
         over_floor=max(left.values()) if left else None,
         seconds=float(result["seconds"]),
         error=result["error"],
+        outside=any(each.get("outside") for each in answer["effects"]),
+        undecidable=any(each.get("undecidable") for each in answer["effects"]),
+        said=str(found.get("verdict", "")),
+        where_it_is=_where_it_is(answer, found),
     )
+
+
+def _where_it_is(answer: Mapping[str, Any], found: Mapping[str, Any]) -> bool:
+    """A base's wrench is one place, as a moment is a force's."""
+    shown = {_spot(each["channel"]) for each in answer["effects"] if each.get("channel")}
+    return bool(shown & {_spot(each["channel"]) for each in found.get("unexplained", [])})
+
+
+def _spot(channel: str) -> str:
+    kind, _, name = channel.partition(".")
+    return kind if kind == "base" else name.rpartition(".")[2] if kind == "support" else name
 
 
 def _left(found: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> Mapping[str, float]:

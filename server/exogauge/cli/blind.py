@@ -16,7 +16,7 @@ def add_commands(commands: Commands) -> None:
     make.add_argument("out", type=Path, metavar="OUT", help="a new folder")
     make.add_argument("--seed", type=int, required=True, metavar="N")
     make.add_argument("--cases", type=int, required=True, metavar="K")
-    make.add_argument("--robot", choices=("arm6", "torso8", "both"), default="both", help="(default: both)")
+    make.add_argument("--robot", choices=("arm6", "torso8", "both", "humanoid"), default="both", help="(default: both)")
     make.add_argument("--effects", metavar="A,B,…", help="hide one of these in every case")
     make.set_defaults(command=make_blind)
     trial = steps.add_parser("run", help="evaluate every case that has no result of this code yet")

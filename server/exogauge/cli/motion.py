@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from exogauge.motion.contract import RetargetEntry
     from exogauge.motion.plan.judge import Judged
     from exogauge.motion.plan.spline import Trajectory
-    from exogauge.motion.robot import MotionRobot
+    from exogauge.robots.moving.robot import MotionRobot
 
 
 def add_commands(commands: Commands) -> None:
@@ -123,11 +123,11 @@ def fit_motion(args: argparse.Namespace) -> int:
 
 def check_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken."""
-    from exogauge.motion.plan.asked import standing
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
     from exogauge.motion.plan.written import read_written
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.standing import standing
 
     robot = load_motion_robot(args.robot)
     written = read_written(robot, args.file)
@@ -219,11 +219,11 @@ def wanted_of(args: argparse.Namespace) -> RetargetEntry:
 
 def export_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken; then nothing is written, unless `--despite`."""
-    from exogauge.motion.plan.asked import standing
     from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import margins
     from exogauge.motion.plan.written import read_written
     from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.robots.moving.standing import standing
 
     robot = load_motion_robot(args.robot)
     motion = read_written(robot, args.file)

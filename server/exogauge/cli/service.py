@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 from pathlib import Path
 
@@ -22,6 +23,9 @@ def add_commands(commands: Commands) -> None:
 
     work = commands.add_parser("work", help="one more worker for the same database and blobs")
     work.add_argument("--with-parent", action="store_true", help="stop when stdin ends")
+    work.add_argument(
+        "--until-idle", type=float, default=math.inf, metavar="S", help="leave when there was nothing to do for so long"
+    )
     work.set_defaults(command=start_worker)
 
     migrate = commands.add_parser("migrate", help="bring the database to this version; back it up before")
@@ -48,7 +52,7 @@ def start_worker(options: argparse.Namespace) -> int:
     from exogauge.jobs.worker import work
     from exogauge.settings import Settings
 
-    work(Settings(), with_parent=options.with_parent)
+    work(Settings(), with_parent=options.with_parent, idle_s=options.until_idle)
     return 0
 
 

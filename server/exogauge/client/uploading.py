@@ -19,14 +19,14 @@ import yaml
 from exogauge.client.transport import BUSY, ClientProblem, Transport, problem_of
 from exogauge.errors import BadStudy, Fault
 
-STAYS_BEHIND = {"truth.json"}  # of synthetic studies: what no evaluating code may see
+STAYS_BEHIND = {"truth.json", "truth"}  # of synthetic studies: what no evaluating code may see
 STORED = {".parquet", ".gz", ".zip", ".png"}
 NAMES_A_FILE = {"urdf", "file"}
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def zipped(folder: Path, main: str, target: Path) -> Path:
-    """Pack the files below `folder`, which must hold `main`; hidden files and truth.json are left out."""
+    """Pack the files below `folder`, which must hold `main`; hidden files and the truth are left out."""
     if not (folder / main).is_file():
         raise BadStudy(Fault(f"the folder holds no {main}", "missing_file", "Name the folder that does.", str(folder)))
     found = sorted(path for path in folder.rglob("*") if path.is_file())
@@ -58,7 +58,7 @@ def packed(files: Mapping[Path, Path], target: Path) -> Path:
     """A zip of `files`: path in it -> path on disk."""
     with zipfile.ZipFile(target, "w") as bundle:
         for name, path in files.items():
-            if path.name in STAYS_BEHIND or any(part.startswith(".") for part in name.parts):
+            if any(part in STAYS_BEHIND or part.startswith(".") for part in name.parts):
                 continue
             entry = zipfile.ZipInfo(name.as_posix(), EPOCH)
             entry.compress_type = zipfile.ZIP_STORED if path.suffix in STORED else zipfile.ZIP_DEFLATED

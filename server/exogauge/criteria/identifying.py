@@ -159,6 +159,13 @@ class Declaring:
         "what walks at random until then is .8 to 1 alike in them",
         judgement(USUAL),
     )
+    partner_alike: float = criterion(
+        0.7,
+        "1",
+        "correlation of a drift or a zero in a log with the device and in its partner without: what walks at random, "
+        "halfway through a session and at its end",
+        derived("square root of 1/2"),
+    )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
     torque_zero: float = criterion(
         0.2,

@@ -20,7 +20,11 @@ class MotionExcite:
     slow_share: of the top speed, at which an axis counts half. starts: searches; each begins from the best of
     drawn random motions.
     costs: weights of excess, one after the other; steps: of the search at each. check_hz: at which every bound holds.
+    out: cost of what cannot be had at all: beyond what any excess comes to. wild: [rad/s²] of a leg that is all but
+    straight.
     halvings: of the amplitude of a random motion. shrinks: at most, of what is found, until it is within all bounds.
+    tight: of a bound that has been exceeded, that is used after. smaller: times a motion that breaks one from rest to
+    rest, until none is: a step costs at most a twentieth of its size.
     approach_s: from home to the motion's begin, and back. rest_s: at home before and after: what a joint's friction
     holds there is a number too.
     unknown_noise: of a joint's largest torque, where no noise of it is stated; known only so far as ratios go.
@@ -43,8 +47,12 @@ class MotionExcite:
     costs: tuple[float, ...] = (1e2, 1e3)
     steps: int = 70
     check_hz: float = 1000.0
+    out: float = 1e6
+    wild: float = 1e4
     halvings: int = 8
     shrinks: int = 6
+    tight: float = 0.999
+    smaller: float = 0.95
     approach_s: float = 2.0
     rest_s: float = 1.0
     unknown_noise: float = 0.002

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+HALF_FOOT_M = 0.1  # what distances and moments are counted in, so that excesses are shares
+APART_M = 0.1  # at home: shapes that far apart are not near each other
+
 
 @final
 @dataclass(frozen=True)
@@ -26,6 +29,9 @@ class MotionPlan:
     done_rad: largest step of the last round, and held [m or rad], floats [share of the weight]: what feet and dynamics
     may be off then; half of what is promised. over: share of a bound by which it may then be exceeded more than was
     planned; half of what is kept. loosely: times as much where a plan is begun.
+    far_off: times as far off as the round before, from which on that one is taken up again, nearer to what was: slopes
+    promised what is not there. stillest: times the pelvis' own weight; steps are then a hundredth of what the equations
+    say.
     rounds: at most. approach_s: from home to the motion's begin, and back.
     feet_m, feet_rad: by which a standing foot may move. inside_m: margin of the centre of pressure below which a plan
     breaks its promise. beyond: share by which velocity, acceleration or torque may exceed a bound, round-off.
@@ -58,6 +64,8 @@ class MotionPlan:
     held: float = 5e-5
     floats: float = 1e-3
     over: float = 0.01
+    far_off: float = 4.0
+    stillest: float = 64.0
     rounds: int = 30
     approach_s: float = 2.0
     feet_m: float = 1e-4

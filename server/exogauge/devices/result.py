@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 import numpy as np
@@ -20,22 +20,17 @@ Approach = Literal["A", "B", "paired", "prior"]
 @dataclass(frozen=True)
 class Estimate:
     """A number with its standard deviation and unit. Where the data say nothing std is inf, and value NaN if any value
-    would do."""
+    would do.
+
+    parts: source -> standard deviation that it alone makes; their squares add up to that of std. Sources: `scatter` of
+    the logs, what the logs leave open of the `robot`, `null_test`, friction `at_rest`, or a declared uncertainty. Empty
+    where nothing is told of it.
+    """
 
     value: float
     std: float
     unit: str
-
-
-@final
-@dataclass(frozen=True)
-class Share:
-    """What one source does to a band alone, as standard deviations. source: `scatter` of the logs, what the logs leave
-    open of the `robot`, `null_test`, or a declared uncertainty."""
-
-    source: str
-    stiffness: float
-    natural_length: float
+    parts: Mapping[str, float] = field(default_factory=dict)
 
 
 @final
@@ -46,7 +41,6 @@ class BandEstimate:
     stiffness_interval, natural_length_interval: (low, high), 95 %. true_stiffness, error_percent: None where no truth
     is known. identifiable, length_identifiable: the data decide it; note: why not, or None. with_effects: with
     what was named of the bands in the model, not as device.yaml states them alone. longest: [m] in these motions.
-    budget: what the doubt is made of, largest share of the stiffness first.
     """
 
     band: str
@@ -62,7 +56,6 @@ class BandEstimate:
     note: Remark | None
     with_effects: bool = False
     longest: float = math.nan
-    budget: tuple[Share, ...] = ()
 
 
 @final

@@ -90,10 +90,18 @@ class Prior:
 
     def lift_covariance(self, covariance: Array) -> Array:
         """(S, S) covariance of `lift(x)` about the truth, given that of x about its truth."""
-        W_inverse_Dt = (self.seen[self.free] * self.std**2).T
-        K = W_inverse_Dt @ self._precision
+        K = self._lifting
         inner = covariance[np.ix_(self.free, self.free)] - self.seen_covariance[np.ix_(self.free, self.free)]
         return np.asarray(np.diag(self.std**2) + K @ inner @ K.T)
+
+    def lifted(self, moved: Array) -> Array:
+        """(S, I) by how much `lift(x)` moves where x moves by each column of moved: (X, I)."""
+        return np.asarray(self._lifting @ moved[self.free])
+
+    @property
+    def _lifting(self) -> Array:
+        """(S, free) slope of `lift`."""
+        return np.asarray((self.seen[self.free] * self.std**2).T @ self._precision)
 
     @cached_property
     def _precision(self) -> Array:

@@ -26,7 +26,7 @@ from exogauge.identification.disturbances import type_b
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import AxisSizes, Extension, RobotModel
 from exogauge.identification.noise_bias import NoiseFloor, known_noise, noise_bias
-from exogauge.identification.parameters import describe, given_the_scale
+from exogauge.identification.parameters import describe, given_the_scale, with_parts
 from exogauge.identification.per_log import PerLog
 from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
@@ -39,7 +39,7 @@ from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, steady_shares
 from exogauge.identification.turns import RestDetection, rest_detection
-from exogauge.identification.type_b import TypeB
+from exogauge.identification.type_b import TypeB, lifted_by_source
 from exogauge.identification.uncertainty import score_covariance
 from exogauge.identification.validate import fits, noise_floors, predict_log
 from exogauge.logs.model import Log
@@ -104,6 +104,7 @@ def identify(
     condition, rank = solution.solved.condition_and_rank()
     sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
     parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
+    parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
     model = RobotModel(
         equations=equations,
         identified=identified,

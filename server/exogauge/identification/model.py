@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol, final
 
 import numpy as np
@@ -76,7 +77,7 @@ class RobotModel:
         """(P + I, P + I) of x, as it would be without the declared uncertainties that all logs share, and of these."""
         return of_covariance(self.covariance, self.inputs)
 
-    @property
+    @cached_property
     def doubt_by_source(self) -> dict[str, Array]:
         """Source -> its part of `doubt`."""
         return by_source(self.covariance, self.inputs)

@@ -25,7 +25,7 @@ from exogauge.identification.preparation import Prepared, needed_channels, prepa
 from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
 from exogauge.logs.model import Log
-from exogauge.logs.noise import noise_before_stored, white_noise_std
+from exogauge.logs.noise import noise_before_stored, noise_of
 from exogauge.robots.description import Robot
 from exogauge.side_by_side import each as side_by_side
 
@@ -117,9 +117,10 @@ def known_noise(robot: Robot, logs: Sequence[Log], cutoff_hz: float) -> Mapping[
 def _seen_noise(robot: Robot, log: Log, cutoff_hz: float) -> Mapping[str, float]:
     """Channel -> std."""
     above = min(NOISE_ABOVE * cutoff_hz, 0.4 * log.rate_hz)
+    names = needed_channels(robot)
+    found = noise_of([log.channels[name] for name in names], log.rate_hz, above)
     return {
-        name: max(white_noise_std(log.channels[name], log.rate_hz, above), robot.noise.get(noise_kind(name), 0.0))
-        for name in needed_channels(robot)
+        name: max(each.std, robot.noise.get(noise_kind(name), 0.0)) for name, each in zip(names, found, strict=True)
     }
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +12,7 @@ from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.result import Parameter
 from exogauge.identification.static_friction import Sticking
+from exogauge.identification.type_b import ROBOT
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import of_slide, parameter_names, parameter_units
 
@@ -57,6 +61,22 @@ def describe(
         for i, name in enumerate(names)
     ]
     return (*single, *_base_parameters(equations, prior, standard, covariance, names, units, known_scale))
+
+
+def with_parts(parameters: Sequence[Parameter], declared: Mapping[str, Array]) -> tuple[Parameter, ...]:
+    """With what their doubt is made of: what is declared, and what the logs leave open beside it. declared: source ->
+    (S,) variance of each of the first S of them, the standard ones; none of what is known otherwise (static friction).
+    """
+
+    def parts(place: int, std: float) -> dict[str, float]:
+        of_this = {source: float(variance[place]) for source, variance in declared.items()}
+        left = {ROBOT: std**2 - sum(of_this.values()), **of_this}
+        known_otherwise = left[ROBOT] < -1e-9 * std**2
+        return {} if known_otherwise else {source: float(np.sqrt(each)) for source, each in left.items() if each > 0.0}
+
+    standard = len(next(iter(declared.values()), np.zeros(0)))
+    found = [replace(each, parts=parts(place, each.std)) for place, each in enumerate(parameters[:standard])]
+    return (*found, *parameters[standard:])
 
 
 def given_the_scale(covariance: Array, gains: NDArray[np.intp], standard: Array) -> Array:

@@ -19,7 +19,7 @@ from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
 from exogauge.logs.model import Log
-from exogauge.logs.noise import white_noise_std
+from exogauge.logs.noise import noise_of
 from exogauge.logs.segments import widened
 from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.motion import Motion
@@ -165,7 +165,7 @@ def suggested_cutoff(robot: Robot, logs: Sequence[Log]) -> float:
     for log in logs:
         bearable = [suggest_cutoff(log.stack(names), log.rate_hz)]
         gyro = log.stack(["gyro.x", "gyro.y", "gyro.z"]) if robot.floating else np.zeros((log.samples, 0))
-        noise = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in gyro.T])
+        noise = np.array([each.std for each in noise_of(list(gyro.T), log.rate_hz, 0.25 * log.rate_hz)])
         if np.any(
             gyro.std(axis=0) > TURNING * noise
         ):  # a base that stands still says nothing of the motion's bandwidth

@@ -24,6 +24,7 @@ class Parameter:
     name: `m[link]`, `mx[link]`, `Ixx[link]` … for links, `k_T[joint]` … for joints, `base[<leading name>]` for a base
     parameter, whose `combination` gives the coefficient of every standard parameter in it.
     std: standard deviation from noise, coloured residuals and prior. identifiable: the data, not the prior, decide it.
+    parts: source -> standard deviation that it alone makes, `robot` and what is declared; none of a base parameter.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Parameter:
     prior_std: float
     identifiable: bool
     combination: Mapping[str, float] = field(default_factory=dict)
+    parts: Mapping[str, float] = field(default_factory=dict)
 
 
 @final

@@ -15,7 +15,7 @@ from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import derivative_noise_gain, differentiate
 from exogauge.logs.filtering import LowPass, StoredPass
 from exogauge.logs.model import Log
-from exogauge.logs.noise import white_noise_std
+from exogauge.logs.noise import noise_of
 from exogauge.logs.undoing import StoredPositions
 from exogauge.robots.description import Robot
 
@@ -58,7 +58,7 @@ def rest_detection(
     noise, top = np.zeros(len(joints)), np.zeros(len(joints))
     for log in logs:
         q, low_pass = log.stack(joints), LowPass(finest, log.rate_hz)
-        std = np.array([white_noise_std(column, log.rate_hz, 0.25 * log.rate_hz) for column in q.T])
+        std = np.array([each.std for each in noise_of(list(q.T), log.rate_hz, 0.25 * log.rate_hz)])
         noise = np.maximum(noise, derivative_noise_gain(low_pass, 1) * np.maximum(std, robot.noise.get("q", 0.0)))
         top = np.maximum(top, np.abs(differentiate(low_pass.apply(q), log.rate_hz)).max(axis=0))
     mixing = np.abs(robot.axes_from_joints)

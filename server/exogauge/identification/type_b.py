@@ -7,7 +7,7 @@ spoils as well: consider parameters, of GUM 5.2's correlated inputs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import final
 
@@ -56,6 +56,15 @@ def by_source(covariance: Array, inputs: TypeB) -> dict[str, Array]:
         alike[kind] = np.diag(np.concatenate([np.zeros(P), of_kind]))
     rest = both - sum([*of_logs.values(), *alike.values()], np.zeros_like(both))
     return {ROBOT: rest, **of_logs, **alike}
+
+
+def lifted_by_source(inputs: TypeB, lifted: Callable[[Array], Array]) -> dict[str, Array]:
+    """Declared uncertainty -> (S,) variance that it makes of each standard parameter. lifted: `Prior.lifted`."""
+    kinds, moved = np.array([name.partition(".")[0] for name in inputs.names]), lifted(inputs.moved * inputs.std)
+    found = {kind: np.sum(moved[:, kinds == kind] ** 2, axis=1) for kind in dict.fromkeys(kinds.tolist())}
+    for name, C in inputs.by_log.items():
+        found[name] = np.einsum("ii->i", lifted(lifted(C).T))
+    return found
 
 
 def of_covariance(covariance: Array, inputs: TypeB) -> Array:

@@ -83,10 +83,14 @@ class Runner:
         self._child = ComputeChild()
         self._one_at_a_time = threading.Lock()
         self._leaving = threading.Event()
-        self._looked = 0.0
+        self._looked, self._ended = 0.0, time.monotonic()
         self._progress = 0.0
         self._charged = 0.0
         self._unsaid: tuple[float, str, str | None] | None = None
+
+    def idle_s(self) -> float:
+        """For how long nothing was computed; 0 while something is."""
+        return 0.0 if self._one_at_a_time.locked() else time.monotonic() - self._ended
 
     def run(self) -> None:
         """Bring the job whose turn it is to an end, if there is one."""
@@ -149,6 +153,7 @@ class Runner:
             failure = {"class": type(error).__name__, "faults": [], "defect": True}
             self._fail(job, f"unexpected error ({type(error).__name__}): {error}", failure=failure)
         finally:
+            self._ended = time.monotonic()
             for left in (folder, *(self.temporary.iterdir() if self.temporary.is_dir() else ())):
                 held_files.remove(left)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import signal
 import tempfile
@@ -20,10 +21,12 @@ from exogauge.storage.store import open_installation
 log = logging.getLogger(__name__)
 
 LEASE_S = 10.0
+LOOKED_EVERY_S = 0.5  # for a worker that leaves when there is nothing to do
 
 
-def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEASE_S) -> None:
-    """Run jobs until SIGTERM or SIGINT, or until the parent is gone (`with_parent`: its end of stdin closes).
+def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.inf, lease_s: float = LEASE_S) -> None:
+    """Run jobs until SIGTERM or SIGINT, until the parent is gone (`with_parent`: its end of stdin closes), or until
+    there was nothing to do for `idle_s`.
 
     The process then ends at once: what it was computing goes back into the queue, without counting as an attempt.
     """
@@ -53,7 +56,10 @@ def work(settings: Settings, *, with_parent: bool = False, lease_s: float = LEAS
     lease.keep(lost, reaper.reap)
     take_jobs(settings.database_url, worker_id, runner.run)
     log.info("worker %s takes jobs", worker_id)
-    leaving.wait()
+    while not leaving.wait(None if idle_s == math.inf else LOOKED_EVERY_S):
+        if runner.idle_s() >= idle_s:
+            log.info("worker %s had nothing to do for %.0f s", worker_id, idle_s)
+            break
     try:
         runner.leave()
         lease.give_back()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import welch
-from scipy.stats import chi2
+from scipy.special import gammainccinv, gammaincinv
 
 from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response, differentiate
@@ -63,7 +63,8 @@ def _spectra(values: Array, rate_hz: float) -> tuple[Array, Array, Array]:
     frequency, spectrum = frequency[kept], power[kept] / response[kept, None] ** 2
     freedom = 2.0 * max(1, 2 * velocity.shape[0] // length - 1)  # neighbours overlap by half and are nearly independent
     in_floor = frequency > LOGS.floor_band[0] * rate_hz
-    noise = np.median(spectrum[in_floor], axis=0) / (chi2.median(freedom) / freedom)
-    stands_out = chi2.isf(LOGS.false_alarm / frequency.size, freedom) / freedom
+    half = 0.5 * freedom  # chi square of so many degrees: its median, and what noise exceeds so seldom
+    noise = np.median(spectrum[in_floor], axis=0) / (gammaincinv(half, 0.5) / half)
+    stands_out = gammainccinv(half, LOGS.false_alarm / frequency.size) / half
     motion = np.where(varies(values) & (spectrum > stands_out * noise), spectrum - noise, 0.0)
     return frequency, motion, noise

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +26,32 @@ def white_noise_std(values: Array, rate_hz: float, above_hz: float) -> float:
     and the median of those, so that impacts and half a log of standing still do no harm; then scales up by the part
     of a white spectrum that lies there. Never less than step / sqrt(12), what rounding alone costs a moving channel.
     """
+    return noise_of([values], rate_hz, above_hz)[0].std
+
+
+@final
+@dataclass(frozen=True)
+class ChannelNoise:
+    """std: as `white_noise_std`. step: as `quantisation_step`."""
+
+    std: float
+    step: float | None
+
+
+def noise_of(channels: Sequence[Array], rate_hz: float, above_hz: float) -> list[ChannelNoise]:
+    """Of each of many channels (T,)."""
     segment = 200  # samples per robust estimate
-    low_pass = LowPass(above_hz, rate_hz)
-    rest = values - low_pass.apply(values)
-    step = quantisation_step(values)
-    spread = float(np.median(_spreads(rest, max(1, rest.size // segment))))
-    return max(spread / _seen_share(low_pass), step / math.sqrt(12.0) if step else 0.0)
+    at_once = 16  # channels
+    low_pass, found = LowPass(above_hz, rate_hz), list[ChannelNoise]()
+    for first in range(0, len(channels), at_once):
+        some = channels[first : first + at_once]
+        values = np.column_stack(some)
+        rest = np.ascontiguousarray((values - low_pass.apply(values)).T)
+        spreads = _medians(_spreads(rest, max(1, rest.shape[1] // segment))) / _seen_share(low_pass)
+        for spread, each in zip(spreads.tolist(), some, strict=True):
+            step = quantisation_step(each)
+            found.append(ChannelNoise(max(spread, step / math.sqrt(12.0) if step else 0.0), step))
+    return found
 
 
 def noise_before_stored(
@@ -76,21 +99,22 @@ def quantisation_step(values: Array) -> float | None:
 
 
 def _spreads(values: Array, segments: int) -> Array:
-    """(segments,) robust std of consecutive stretches of (almost) equal length: the first may be one sample longer."""
-    length, longer = divmod(values.size, segments)
+    """(K, segments) robust std of consecutive stretches of (almost) equal length of values (K, T): the first may be one
+    sample longer."""
+    K, (length, longer) = len(values), divmod(values.shape[1], segments)
     cut = longer * (length + 1)
-    parts = (values[:cut].reshape(longer, length + 1), values[cut:].reshape(segments - longer, length))
-    centred = (np.abs(part - _medians(part)[:, None]) for part in parts if part.size)
-    return MAD_TO_STD * np.concatenate([_medians(part) for part in centred])
+    parts = (values[:, :cut].reshape(K, longer, length + 1), values[:, cut:].reshape(K, segments - longer, length))
+    centred = (np.abs(part - _medians(part)[..., None]) for part in parts if part.size)
+    return MAD_TO_STD * np.concatenate([_medians(part) for part in centred], axis=1)
 
 
 def _medians(rows: Array) -> Array:
-    """(n,) of each row of numbers: `numpy.median`, which also looks for NaN."""
-    middle = rows.shape[1] // 2
-    if rows.shape[1] % 2:
-        return np.asarray(np.partition(rows, middle, axis=1)[:, middle])
-    near = np.partition(rows, (middle - 1, middle), axis=1)
-    return np.asarray(0.5 * (near[:, middle - 1] + near[:, middle]))
+    """(...,) of each row (..., n) of numbers: `numpy.median`, which also looks for NaN."""
+    middle = rows.shape[-1] // 2
+    if rows.shape[-1] % 2:
+        return np.asarray(np.partition(rows, middle, axis=-1)[..., middle])
+    near = np.partition(rows, (middle - 1, middle), axis=-1)
+    return np.asarray(0.5 * (near[..., middle - 1] + near[..., middle]))
 
 
 @lru_cache(maxsize=64)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exogauge.criteria.examining import Examining
 from exogauge.logs.findings import Expectation, Finding, first_row, joint_channels, kind_of, longest_run, runs, varies
 from exogauge.logs.model import Log
-from exogauge.logs.noise import quantisation_step, white_noise_std
+from exogauge.logs.noise import ChannelNoise, noise_of, quantisation_step
 from exogauge.logs.stored_band import stored_edge
 
 Array = NDArray[np.float64]
@@ -80,49 +80,46 @@ def saturated(log: Log, expected: Expectation) -> Iterator[Finding]:
                 yield Finding("warning", channel, "saturated", detail, advice, first_row(at), float(extreme))
 
 
-def coarse(log: Log, expected: Expectation) -> Iterator[Finding]:
-    for channel, values in log.channels.items():
-        step = quantisation_step(values[np.isfinite(values)]) if varies(values) else None
-        if step is None:
-            continue
-        steps = float(np.nanmax(values) - np.nanmin(values)) / step
-        bits = math.log2(max(1.0, steps))
-        if (kind_of(channel) in ("q", "dq") and steps < expected.criteria.still_steps) or _dithered(
-            log, values, step, expected.criteria
-        ):
-            continue
-        if bits < expected.criteria.noted_bits:
-            detail = f"changes in steps of {step:.3g}: {bits:.1f} effective bits over its range"
-            severe = bits < expected.criteria.coarse_bits and kind_of(channel) in (*SENSED, "q")
-            advice = "was the column rounded on export? Its rounding is part of the noise" if severe else ""
-            yield Finding("warning" if severe else "note", channel, "coarse", detail, advice, value=step)
+def coarse_or_noisy(log: Log, expected: Expectation) -> Iterator[Finding]:
+    """Steps, and noise beyond what is declared: both from one look at every channel that varies."""
+    varying = {channel: values for channel, values in log.channels.items() if varies(values)}
+    judged = {channel: values for channel, values in varying.items()
+              if values.size >= expected.criteria.noise_samples and np.isfinite(values).all()}  # fmt: skip
+    found = noise_of(list(judged.values()), log.rate_hz, expected.criteria.noise_above * log.rate_hz)
+    noise = dict(zip(judged, found, strict=True))
+    for channel, values in varying.items():
+        own = noise.get(channel)
+        step = quantisation_step(values[np.isfinite(values)]) if own is None else own.step
+        if step is not None:
+            yield from _coarse(channel, values, step, own, expected.criteria)
+    for channel, own in noise.items():
+        yield from _noisier_than_declared(channel, own, expected)
 
 
-def noisier_than_declared(log: Log, expected: Expectation) -> Iterator[Finding]:
-    for channel, values in log.channels.items():
-        kind = kind_of(channel)
-        if kind == "ft":
-            kind = "force" if channel.rpartition(".")[2].startswith("f") else "moment"
-        declared = expected.noise.get(kind)
-        if (
-            not declared
-            or values.size < expected.criteria.noise_samples
-            or not np.isfinite(values).all()
-            or not varies(values)
-        ):
-            continue
-        seen = white_noise_std(values, log.rate_hz, expected.criteria.noise_above * log.rate_hz)
-        if seen > expected.criteria.noisy * declared:
-            detail = f"its noise is {seen:.3g}, {seen / declared:.1f} times the declared {declared:.3g}"
-            advice = "correct `noise` in robot.yaml, or leave it out to have it estimated; look for interference"
-            yield Finding("warning", channel, "noisier_than_declared", detail, advice, value=seen)
+def _coarse(
+    channel: str, values: Array, step: float, noise: ChannelNoise | None, criteria: Examining
+) -> Iterator[Finding]:
+    """noise: None where it is not judged; larger than the steps, rounding loses nothing."""
+    steps = float(np.nanmax(values) - np.nanmin(values)) / step
+    bits = math.log2(max(1.0, steps))
+    still = kind_of(channel) in ("q", "dq") and steps < criteria.still_steps
+    if still or (noise is not None and noise.std > step) or bits >= criteria.noted_bits:
+        return
+    detail = f"changes in steps of {step:.3g}: {bits:.1f} effective bits over its range"
+    severe = bits < criteria.coarse_bits and kind_of(channel) in (*SENSED, "q")
+    advice = "was the column rounded on export? Its rounding is part of the noise" if severe else ""
+    yield Finding("warning" if severe else "note", channel, "coarse", detail, advice, value=step)
 
 
-def _dithered(log: Log, values: Array, step: float, criteria: Examining) -> bool:
-    """Whether the channel's own noise is larger than its steps, so that rounding loses nothing."""
-    if values.size < criteria.noise_samples or not np.isfinite(values).all():
-        return False
-    return bool(white_noise_std(values, log.rate_hz, criteria.noise_above * log.rate_hz) > step)
+def _noisier_than_declared(channel: str, noise: ChannelNoise, expected: Expectation) -> Iterator[Finding]:
+    kind = kind_of(channel)
+    if kind == "ft":
+        kind = "force" if channel.rpartition(".")[2].startswith("f") else "moment"
+    declared = expected.noise.get(kind)
+    if declared and noise.std > expected.criteria.noisy * declared:
+        detail = f"its noise is {noise.std:.3g}, {noise.std / declared:.1f} times the declared {declared:.3g}"
+        advice = "correct `noise` in robot.yaml, or leave it out to have it estimated; look for interference"
+        yield Finding("warning", channel, "noisier_than_declared", detail, advice, value=noise.std)
 
 
 def _clipped(values: Array, distance: Array, criteria: Examining) -> bool:

@@ -107,8 +107,9 @@ def _fading(positions: Array, efforts: Array, rate_hz: float) -> Edge | None:
     """
     if not len(positions) or not len(efforts):
         return None
-    motion, effort = (float(np.median(_noise_fall(x, rate_hz))) for x in (positions, efforts))
-    return Edge(LOGS.noise_low[0] * rate_hz, motion, steep=False) if LOGS.noise_fall_db < motion < effort else None
+    motion = float(np.median(_noise_fall(positions, rate_hz)))
+    fading = motion > LOGS.noise_fall_db and motion < float(np.median(_noise_fall(efforts, rate_hz)))
+    return Edge(LOGS.noise_low[0] * rate_hz, motion, steep=False) if fading else None
 
 
 def _noise_fall(values: Array, rate_hz: float) -> Array:

@@ -16,7 +16,7 @@ from exogauge.criteria.logs import LOGS
 from exogauge.logs.derivatives import difference_response
 from exogauge.logs.filtering import LowPass, StoredPass
 from exogauge.logs.model import Log
-from exogauge.logs.noise import white_noise_std
+from exogauge.logs.noise import noise_of
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,8 @@ class StoredPositions:
     @cached_property
     def _rounding(self) -> list[float]:
         rate_hz = self._finest.rate_hz
-        return [white_noise_std(values, rate_hz, LOGS.rounding_above * rate_hz) for values in self._values.T]
+        above_hz = LOGS.rounding_above * rate_hz
+        return [each.std for each in noise_of(list(self._values.T), rate_hz, above_hz)]
 
     @cached_property
     def _top(self) -> Array:

@@ -14,7 +14,7 @@ from exogauge.motion.human import HumanMotion
 from exogauge.motion.person import Person
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.retargeting import Retargeted
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.studies.series.write import Columns
 
 Array = NDArray[np.float64]

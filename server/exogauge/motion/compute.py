@@ -23,7 +23,6 @@ from exogauge.motion import played
 from exogauge.motion.channels import add_judged, of_fit, of_retargeted
 from exogauge.motion.contract import PlanFile
 from exogauge.motion.excite.plan import ExcitationPlan, motion_table, plan_excitation
-from exogauge.motion.excite.stance import Standing
 from exogauge.motion.figure import figure_of, write_figure
 from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.fit.told import angle_table, summarise
@@ -35,7 +34,8 @@ from exogauge.motion.plan.solve import Round
 from exogauge.motion.plan_document import excite_document, retarget_document
 from exogauge.motion.retargeting import retargeted
 from exogauge.motion.robot_file import load_motion_robot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.stance import Standing
+from exogauge.robots.moving.touching import Pairs
 from exogauge.studies.intake.yaml_file import load_yaml
 from exogauge.studies.series.write import Columns, write_table
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.motion.fit.result import HumanFit
-from exogauge.motion.human import HumanMotion, Segment
+from exogauge.motion.human import HumanMotion
+from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 DRAWN_HZ = 60.0  # twice what is drawn, so that a motion made slower stays smooth

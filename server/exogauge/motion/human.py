@@ -5,24 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.robots.moving.segments import Segment
+
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-Segment = Literal[
-    "pelvis", "thorax", "head",
-    "l_upper_arm", "l_forearm", "l_hand", "r_upper_arm", "r_forearm", "r_hand",
-    "l_thigh", "l_shank", "l_foot", "r_thigh", "r_shank", "r_foot",
-]  # fmt: skip
-SEGMENTS: tuple[Segment, ...] = (
-    "pelvis", "thorax", "head",
-    "l_upper_arm", "l_forearm", "l_hand", "r_upper_arm", "r_forearm", "r_hand",
-    "l_thigh", "l_shank", "l_foot", "r_thigh", "r_shank", "r_foot",
-)  # fmt: skip
 
 
 @final

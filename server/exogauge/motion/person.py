@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.fit.result import HumanFit
-from exogauge.motion.human import Contacts, HumanMotion, JointTree, Segment
+from exogauge.motion.human import Contacts, HumanMotion, JointTree
+from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 LIMBS: tuple[tuple[Segment, Segment], ...] = (

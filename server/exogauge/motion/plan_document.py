@@ -15,7 +15,7 @@ from exogauge.motion.excite.plan import summarise as tell_excitation
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.outcome import summarise
 from exogauge.motion.retargeting import Retargeted
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 VERSION = 1

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.channels import bound_shares, lead_of
 from exogauge.motion.contract import RetargetEntry
-from exogauge.motion.plan.asked import standing
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.retargeting import Retargeted
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
 DRAWN_HZ = 50.0  # of what is kept: more than is drawn

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from exogauge.motion.human import Segment
+from exogauge.robots.moving.segments import Segment
 
 _BOTH: dict[str, dict[str, str]] = {  # {s} is the side's letter
     "Plug-in Gait, CMU and Vicon": {

@@ -18,7 +18,7 @@ from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.possible import Possible, Tried, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import Planned, Report, plan
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 

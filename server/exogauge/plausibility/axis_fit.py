@@ -91,17 +91,19 @@ class AxisFit:
         rms = float(np.sqrt(np.mean(y**2))) + 1e-9
         y, Z = self._U.T @ y, self._Z * np.where(backwards, [-1.0, -1.0, -1.0, 1.0], 1.0)
         products = (Z[:, :, None] * Z[:, None, :]).reshape(len(Z), -1)
+        shares = [share * rms for share in self._criteria.unmodelled]
+        every = [1.0 / (gains[:, None] ** 2 * self._lambda + share**2) for share in shares]  # (G, N) each
+        r = y - gains[:, None] * self._L
+        M = np.concatenate([w @ products for w in every]).reshape(-1, 4, 4)
+        M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
+        explained, coefficients = _explained(M, np.concatenate([(w * r) @ Z for w in every]))
         logs, lefts = np.full(len(gains), -np.inf), np.zeros((len(gains), len(y)))
-        for share in self._criteria.unmodelled:
-            w = 1.0 / (gains[:, None] ** 2 * self._lambda + (share * rms) ** 2)  # (G, N)
-            r = y - gains[:, None] * self._L
-            M = (w @ products).reshape(-1, 4, 4)
-            M[:, 3, 3] += 1.0 / (self._criteria.offset * rms) ** 2
-            explained, coefficients = _explained(M, (w * r) @ Z)
-            found = 0.5 * (explained - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
+        for k, (share, w) in enumerate(zip(shares, every, strict=True)):
+            own = slice(k * len(gains), (k + 1) * len(gains))
+            found = 0.5 * (explained[own] - np.sum(w * r**2, axis=1) + np.sum(np.log(w), axis=1))
             better = found > logs
             logs[better] = found[better]
-            left = (r - coefficients @ Z.T) * np.sqrt(w) * share * rms  # what a change of the load leaves too
+            left = (r - coefficients[own] @ Z.T) * np.sqrt(w) * share  # what a change of the load leaves too
             lefts[better] = left[better]
         described = AS_DESCRIBED[among]
         near = int(np.flatnonzero(described)[np.argmax(logs[described])])

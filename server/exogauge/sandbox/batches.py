@@ -25,7 +25,7 @@ from exogauge.sandbox.limits import Limits
 from exogauge.sandbox.parent import CHILD, LogRequest, parse_log, read_answer
 from exogauge.sandbox.protocol import LOGS
 
-MAX_LOGS = 8
+MAX_LOGS = 32
 MAX_BYTES = 32 << 20  # of the files of one batch; beyond, a child's start no longer counts
 MAX_THREADS = 4
 SHARED = Limits(cpu_s=20, wall_s=60.0)  # ten times what a batch takes; a log that needs more gets it alone

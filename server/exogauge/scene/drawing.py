@@ -1,14 +1,10 @@
-"""Scenes drawn when they are first asked for, in a child process, and kept on a shelf of limited size."""
+"""Scenes drawn when they are first asked for, in a child process."""
 
 from __future__ import annotations
 
-import os
-import threading
-from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, final
+from typing import Any
 
 from exogauge.errors import BadStudy
 from exogauge.sandbox.asking import ask
@@ -16,8 +12,6 @@ from exogauge.sandbox.limits import Limits
 from exogauge.scene.opening import SCENE
 
 CHILD = "exogauge.scene.opening"
-KEPT_BYTES = 512 << 20
-AT_ONCE = 2  # children that draw at the same time
 
 
 def draw_log(folder: Path, log: str, series: Path | None, results: Path) -> bytes:
@@ -56,58 +50,3 @@ def _drawn(task: str, options: dict[str, Any], folder: Path, what: str) -> bytes
     with TemporaryDirectory(prefix="exogauge-") as own:
         ask(CHILD, task, options, Path(own), limits, BadStudy, what=what)
         return (Path(own) / SCENE).read_bytes()
-
-
-@final
-class Shelf:
-    """Files by key in a folder; the ones looked at longest ago go when it is full. Threads and processes share it."""
-
-    def __init__(self, folder: Path, kept_bytes: int = KEPT_BYTES, suffix: str = ".scene") -> None:
-        self._folder, self._kept_bytes, self._suffix = folder, kept_bytes, suffix
-        self._making: dict[str, threading.Lock] = {}
-        self._lock, self._at_once = threading.Lock(), threading.Semaphore(AT_ONCE)
-
-    def get(self, key: str, make: Callable[[], bytes]) -> Path:
-        """The file of this key (letters and digits); `make` is called where there is none, and may raise."""
-        return self.filled(key, lambda path: path.write_bytes(make()))
-
-    def filled(self, key: str, write: Callable[[Path], object]) -> Path:
-        """As `get`, where `write` puts the content at a path on the same file system."""
-        path = self._folder / f"{key}{self._suffix}"
-        with self._lock:
-            making = self._making.setdefault(key, threading.Lock())
-        with making:
-            try:
-                if not self._touched(path):
-                    with self._at_once:
-                        self._put(path, write)
-            finally:
-                with self._lock:
-                    self._making.pop(key, None)
-        return path
-
-    def _touched(self, path: Path) -> bool:
-        try:
-            os.utime(path)
-        except FileNotFoundError:
-            return False
-        return True
-
-    def _put(self, path: Path, write: Callable[[Path], object]) -> None:
-        self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        temporary = path.with_suffix(f".{os.getpid()}-{threading.get_ident()}")
-        try:
-            write(temporary)
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
-        self._make_room(path)
-
-    def _make_room(self, kept: Path) -> None:
-        with suppress(FileNotFoundError):  # another process made room as well
-            files = sorted(self._folder.glob(f"*{self._suffix}"), key=lambda path: path.stat().st_mtime, reverse=True)
-            total = 0
-            for path in files:
-                total += path.stat().st_size
-                if total > self._kept_bytes and path != kept:
-                    path.unlink(missing_ok=True)

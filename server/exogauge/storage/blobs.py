@@ -7,7 +7,7 @@ import hashlib
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -28,8 +28,18 @@ class BlobStore(Protocol):
         ...
 
     def open(self, sha256: str) -> BinaryIO: ...
+
+    def stored(self, sha256: str) -> BinaryIO:
+        """What the place itself holds: no copy that is nearer."""
+        ...
+
     def size(self, sha256: str) -> int: ...
     def exists(self, sha256: str) -> bool: ...
+
+    def lacking(self, names: Collection[str]) -> set[str]:
+        """Which of them do not exist."""
+        ...
+
     def delete(self, sha256: str) -> None: ...
 
     def refuse_if_full(self) -> None:
@@ -92,6 +102,9 @@ class FolderBlobs:
         except FileNotFoundError as error:
             raise NotFound(f"no blob {sha256}") from error
 
+    def stored(self, sha256: str) -> BinaryIO:
+        return self.open(sha256)
+
     def size(self, sha256: str) -> int:
         try:
             return self._path(sha256).stat().st_size
@@ -101,16 +114,14 @@ class FolderBlobs:
     def exists(self, sha256: str) -> bool:
         return self._path(sha256).is_file()
 
+    def lacking(self, names: Collection[str]) -> set[str]:
+        return {name for name in names if not self.exists(name)}
+
     def delete(self, sha256: str) -> None:
         self._path(sha256).unlink(missing_ok=True)
 
     def refuse_if_full(self) -> None:
-        with disk("store files"):
-            if not os.access(self.incoming, os.W_OK):
-                self.incoming.stat()  # says it better, where it is gone
-                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
-            if shutil.disk_usage(self.incoming).free == 0:
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        refuse_full(self.incoming)
 
     def iterate(self, prefix: str = "") -> Iterator[str]:
         for folder in sorted(self.folder.glob(prefix + "[0-9a-f]" * (2 - len(prefix)))):
@@ -132,6 +143,16 @@ class FolderBlobs:
         if not SHA256_HEX.fullmatch(sha256):
             raise NotFound("not the name of a blob")
         return self.folder / sha256[:2] / sha256[2:]
+
+
+def refuse_full(folder: Path) -> None:
+    """Unavailable where nothing could be written into it."""
+    with disk("store files"):
+        if not os.access(folder, os.W_OK):
+            folder.stat()  # says it better, where it is gone
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+        if shutil.disk_usage(folder).free == 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def copy_hashed(source: bytes | Path | BinaryIO, target: IO[bytes], limit: int | None = None) -> str:

@@ -98,7 +98,7 @@ def _check_blobs(installation: Installation, digits: str, found: Findings) -> No
 
 def _read(blobs: BlobStore, name: str) -> tuple[bool, int]:
     digest, size = hashlib.sha256(), 0
-    with blobs.open(name) as stream:
+    with blobs.stored(name) as stream:
         for chunk in chunks(stream):
             digest.update(chunk)
             size += len(chunk)

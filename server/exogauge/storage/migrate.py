@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import final
 
 import sqlalchemy as sa
@@ -116,7 +117,9 @@ def revision_of(connection: Connection) -> str | None:
     return MigrationContext.configure(connection).get_current_revision()
 
 
+@cache
 def scripts() -> ScriptDirectory:
+    """Read once in a process."""
     return ScriptDirectory.from_config(configuration())
 
 

@@ -65,7 +65,7 @@ def spare(session: Session, blobs: BlobStore, names: Collection[str]) -> None:
         session.execute(sa.delete(Orphan).where(waits), execution_options={"synchronize_session": False})
         if session.scalar(sa.select(sa.func.count()).where(Orphan.sha256.in_(some))):
             raise BlobGone("an equal file, which nothing needed, is just being removed; send it again")
-        if not all(blobs.exists(name) for name in some):
+        if blobs.lacking(some):
             raise BlobGone("an equal file, which nothing needed, was just removed; send it again")
 
 

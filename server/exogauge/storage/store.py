@@ -27,12 +27,14 @@ from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
 from exogauge.storage.bundles import DEVICES, MOTIONS, PAYLOADS, PLANS, ROBOTS, STUDIES, Bundles
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
+from exogauge.storage.held_files import own_folder
 from exogauge.storage.jobs import Jobs, Results
 from exogauge.storage.keys import Keys
 from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
+from exogauge.storage.publications import Publications
 from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.remembered import contacts_of, maps_of
@@ -74,6 +76,7 @@ class Store:
         self.tokens = Tokens(lab)
         self.audit = Audit(lab)
         self.shares = Shares(lab)
+        self.publications = Publications(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
         """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
@@ -166,4 +169,14 @@ class Installation:
 def open_installation(settings: Settings, *, migrating: bool = False) -> Installation:
     """migrating: as the tables' owner, at whatever revision, and with the rows of all labs: for backups."""
     engine = make_engine(settings.database_url, migrating=migrating)
-    return Installation(engine, FolderBlobs(settings.blobs), Quotas.of(settings))
+    return Installation(engine, blobs_of(settings), Quotas.of(settings))
+
+
+def blobs_of(settings: Settings) -> BlobStore:
+    """Where `settings` say that bytes are kept."""
+    if not settings.blob_url:
+        return FolderBlobs(settings.blobs)
+    from exogauge.storage.objects import ObjectBlobs, store_of
+
+    sending = own_folder(settings.scratch)
+    return ObjectBlobs(store_of(settings), settings.blob_copies, settings.blob_copies_bytes, sending)

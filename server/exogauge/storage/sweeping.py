@@ -21,9 +21,13 @@ from exogauge.storage.store import Installation
 from exogauge.storage.tables import LiveStream, Orphan, Upload, WorkerLease
 from exogauge.storage.uploads import take_expired
 
-SHELVES = ("scenes", "raw-series")  # of what can be made again; how much is kept while it is used, `scene.drawing` says
+SHELVES = (
+    "scenes",
+    "raw-series",
+    "blob-copies",
+)  # of what can be made again; how much is kept while it is used, `scene.drawing` says
 SHELF_DAYS = 30.0  # after which what nobody looked at goes
-FINISHED = (".scene", ".parquet")  # on a shelf; other names are being written
+FINISHED = (".scene", ".parquet", ".blob")  # on a shelf; other names are being written
 UNFINISHED_S = 3600.0  # for which nobody writes at one picture: twenty times what the child that makes it may take
 
 

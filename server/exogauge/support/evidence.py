@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.routing import Routing
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
@@ -20,7 +21,7 @@ from exogauge.support.balance import balance, of_this_log, prepare_worn, slopes
 from exogauge.support.difference import difference
 from exogauge.support.paired import paired
 from exogauge.support.phases import find_phases, main_joint
-from exogauge.support.repeatability import Null, Plain, Repeatability
+from exogauge.support.repeatability import Plain, Repeatability
 from exogauge.support.same_motion import Match, Posture, match
 from exogauge.support.settings import SupportSettings, WornLog
 
@@ -28,6 +29,17 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 OwnInputs = Mapping[str, NDArray[np.float32]]
+
+
+@final
+@dataclass(frozen=True)
+class Doubted:
+    """What one approach's torque of one log hangs on. slope: (n, D, P + I), own: as `slope_…` and `own_…` of
+    `Evidence`. at_rest: (T, D) [N·m] standard deviation of what friction hides at rest."""
+
+    slope: NDArray[np.float32]
+    own: OwnInputs
+    at_rest: Array
 
 
 @final
@@ -41,7 +53,8 @@ class Evidence:
     half of the interval that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
     kept: samples for a fit. sloped: (n,) samples of slope_…: (n, D, P + I) ∂torque/∂x and with the common inputs
     (`RobotModel.doubt`). own_…: declared uncertainty -> (n, D, K) [N·m] one standard deviation each of what is this
-    log's own, and its partner's.
+    log's own, and its partner's. rest_a, rest_b: (T, D) [N·m] of std_a, and of std_b and std_paired, what friction at
+    rest makes.
     """
 
     worn: WornLog
@@ -77,6 +90,18 @@ class Evidence:
     half_paired: Array | None = None
     slope_paired: NDArray[np.float32] | None = None
     own_paired: OwnInputs = field(default_factory=dict)
+    rest_a: Array | None = None
+    rest_b: Array | None = None
+
+    def doubted(self, approach: str) -> Doubted:
+        """Of `a`, `b` or `paired`."""
+        slope, own, at_rest = {
+            "a": (self.slope_a, self.own_a, self.rest_a),
+            "b": (self.slope_b, self.own_b, self.rest_b),
+            "paired": (self.slope_paired, self.own_paired, self.rest_b),
+        }[approach]
+        assert slope is not None
+        return Doubted(slope, own, np.zeros_like(self.b) if at_rest is None else at_rest)
 
 
 @final
@@ -122,12 +147,12 @@ def gather(
     sloped = _sloped(prepared)
     slope_b = _slopes(model, prepared, sloped, joints)
     own_b = _own_inputs(model, prepared, sloped, joints)
-    std_b = _spread(model.doubt, slope_b, own_b, sloped, own.steady, repeats.b.steady, repeats.b.other)
+    std_b = _spread(model.doubt, slope_b, own_b, sloped, own.steady, *repeats.spread("b"))
     half_b = own.rest * background.held
     jacobian = on_joints(geometry.jacobian, routing, joints)
     at_rest = doubt_at_rest(own.torque, own.steady, half_b, geometry.length, np.any(jacobian, axis=0))
     std_b = np.hypot(std_b, at_rest)
-    a = std_a = slope_a = found = reference = pair = std_pair = slope_pair = None
+    a = std_a = rest_a = slope_a = found = reference = pair = std_pair = slope_pair = None
     own_a: OwnInputs = {}
     own_pair: OwnInputs = {}
     half_a, compared = np.zeros_like(half_b), np.zeros_like(own.steady)
@@ -139,15 +164,16 @@ def gather(
         slope_a = slope_b - _slopes(model, plain.balance.prepared, apart.nearest[sloped], joints)
         partner = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints)
         own_a = _with_partner(own_b, partner)
-        std_a = _spread(model.doubt, slope_a, own_a, sloped, own.steady, *_between_runs(repeats.a, repeats))
-        std_a = _with_rest(std_a, a, compared, half_a)
+        std_a = _spread(model.doubt, slope_a, own_a, sloped, own.steady, *repeats.spread("a"))
+        rest_a = _rest_of_a(a, compared, half_a)
+        std_a = np.hypot(std_a, rest_a)
         pair = paired(own, plain.balance, apart, background.held)
         theirs = pair.from_partner[None, :, None]
         slope_pair = np.where(theirs, slope_a, slope_b)
         taken_off = {name: np.where(theirs, each, np.float32(0.0)) for name, each in partner.items()}
         own_pair = _with_partner(own_b, taken_off)
-        steady, other = _between_runs(repeats.paired, repeats)
-        std_pair = np.hypot(_spread(model.doubt, slope_pair, own_pair, sloped, own.steady, steady, other), at_rest)
+        std_pair = _spread(model.doubt, slope_pair, own_pair, sloped, own.steady, *repeats.spread("paired"))
+        std_pair = np.hypot(std_pair, at_rest)
     main = main_joint(q)
     return Evidence(
         worn=worn,
@@ -185,6 +211,8 @@ def gather(
         half_paired=None if pair is None else pair.half,
         slope_paired=slope_pair,
         own_paired=own_pair,
+        rest_a=rest_a,
+        rest_b=at_rest,
     )
 
 
@@ -196,21 +224,13 @@ def on_joints(values: Array, routing: Routing, joints: IntArray) -> Array:
     return out
 
 
-def _between_runs(found: Null | None, repeats: Repeatability) -> tuple[Array, Array]:
-    """Spread of what compares runs. From one log without the device only, the model's error stands in, once for each
-    run."""
-    if found is None:
-        return np.sqrt(2.0) * repeats.b.steady, np.sqrt(2.0) * repeats.b.other
-    return found.steady, found.moves
-
-
-def _with_rest(std: Array, torque: Array, steady: BoolArray, half: Array) -> Array:
-    """(T, D) std of approach A with what friction at rest may add: for a joint that also moves, how far the torque at
-    rest stands off the line between its motions; for one that never moves, an interval's standard deviation."""
+def _rest_of_a(torque: Array, steady: BoolArray, half: Array) -> Array:
+    """(T, D) [N·m] standard deviation of what friction at rest adds to approach A: for a joint that also moves, how far
+    the torque at rest stands off the line between its motions; for one that never moves, an interval's."""
     scatter = scatter_at_rest(torque, steady, half)
     most = np.max(half, axis=0, initial=1e-300)
     moved = (half / most) * np.nan_to_num(scatter)
-    return np.asarray(np.hypot(std, np.where(np.isnan(scatter), half / np.sqrt(3.0), moved)))
+    return np.asarray(np.where(np.isnan(scatter), half / np.sqrt(3.0), moved))
 
 
 def _sloped(prepared: Prepared) -> IntArray:
@@ -236,8 +256,12 @@ def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:
-    """Both runs err, each for itself."""
-    return {name: np.concatenate([each, partner[name]], axis=2) for name, each in own.items()}
+    """Of a difference of two runs: what the drifts of both have in common, then what each has alone."""
+    both, alone = np.float32(np.sqrt(DECLARED.partner_alike)), np.float32(np.sqrt(1.0 - DECLARED.partner_alike))
+    return {
+        name: np.concatenate([both * (each - partner[name]), alone * each, alone * partner[name]], axis=2)
+        for name, each in own.items()
+    }
 
 
 def _spread(

@@ -56,8 +56,9 @@ def require_same_motions(
         if pair.reference is None:
             continue
         other = plain[pair.reference].log
-        reference = postures.setdefault(pair.reference, Posture(other, names))
-        found = match(Posture(pair.worn.log, names), reference, settings)
+        if pair.reference not in postures:
+            postures[pair.reference] = Posture(other, names)
+        found = match(Posture(pair.worn.log, names), postures[pair.reference], settings)
         faults += [
             _fault(pair.worn, other.name, each, settings) for each in found.equality if each.verdict == "different"
         ]

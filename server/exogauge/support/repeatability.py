@@ -65,6 +65,19 @@ class Repeatability:
     paired: Null | None
 
     @property
+    def by_approach(self) -> Mapping[str, Null]:
+        found = {"a": self.a, "b": self.b, "paired": self.paired}
+        return {name: each for name, each in found.items() if each is not None}
+
+    def spread(self, approach: str) -> tuple[Array, Array]:
+        """(D,) each [N·m] of approach `a`, `b` or `paired`, in steady motion and elsewhere. From one log without the
+        device only, the model's error stands in for what compares runs, once for each run."""
+        found = self.by_approach.get(approach)
+        if found is None:
+            return np.sqrt(2.0) * self.b.steady, np.sqrt(2.0) * self.b.other
+        return found.steady, found.other if approach == "b" else found.moves
+
+    @property
     def between_runs_steady(self) -> Array:
         """(D,) [N·m] of approach A; from one log only the model's error stands in, once for each run."""
         return np.asarray(np.sqrt(2.0) * self.b.steady if self.a is None else self.a.steady)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from exogauge.criteria.criterion import Z95
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
-from exogauge.devices.result import Approach, BandEstimate, Estimate, Share, StiffnessResult
+from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
 from exogauge.devices.routing import Routing
 from exogauge.effects.band_laws import LINEAR
 from exogauge.identification.model import RobotModel
@@ -66,10 +66,16 @@ class Springs:
                 np.nan if wear.layout.names[place] in self.blind else float(wear.springs[place]),
                 float(np.sqrt(self.doubt[place, place])),
                 unit,
+                self._parts(place),
             )
             for place, unit in zip(places, ("N/m", "m"), strict=True)
         )
         return stiffness, length
+
+    def _parts(self, place: int) -> dict[str, float]:
+        if not np.isfinite(self.doubt[place, place]):
+            return {}
+        return {source: float(np.sqrt(max(float(C[place, place]), 0.0))) for source, C in self.shares.items()}
 
     def filled(self, device: Device) -> Device:
         """With these values where it states none."""
@@ -240,7 +246,7 @@ def _estimate(
     seen, blind = springs.seen, springs.blind
     wear, wire = seen.fitted.wear, seen.setting.wires[k]
     plan, (value, rest) = wear.layout, wear.spring(k)
-    own = k_at, l_at = int(plan.stiffness[k]), int(plan.natural_length[k])
+    own = int(plan.stiffness[k]), int(plan.natural_length[k])
     stiffness, length = springs.of(k)
     stretch, pulls = max(wire.longest - rest, 0.0), bool(_pulling(seen)[k])
     truth, names = true_stiffness(band), [plan.names[place] for place in own]
@@ -263,16 +269,7 @@ def _estimate(
         note=_note(band, pulls, names, blind, edge, k_known, l_known),
         with_effects=with_effects,
         longest=wire.longest,
-        budget=_budget(springs.shares, k_at, l_at) if np.isfinite(stiffness.std) else (),
     )
-
-
-def _budget(shares: Mapping[str, Array], k_at: int, l_at: int) -> tuple[Share, ...]:
-    def std(C: Array, place: int) -> float:
-        return float(np.sqrt(max(float(C[place, place]), 0.0)))
-
-    found = [Share(source, std(C, k_at), std(C, l_at)) for source, C in shares.items()]
-    return tuple(sorted(found, key=lambda each: -each.stiffness))
 
 
 def _note(

@@ -16,6 +16,8 @@ from exogauge.synthetic.simulation import Recording
 
 Array = NDArray[np.float64]
 
+LABEL = {"exogauge": "SYNTHETIC: simulated with MuJoCo, measured on no robot"}
+
 
 def write_log(
     path: Path, recording: Recording, rng: np.random.Generator, seed: int, sensing: Sensing | None = None
@@ -40,5 +42,14 @@ def write_log(
     for foot, wrench in zip(FEET, np.moveaxis(wrenches, 1, 0), strict=True):
         add([f"ft.{foot}.f{axis}" for axis in "xyz"], wrench[:, :3], "force")
         add([f"ft.{foot}.m{axis}" for axis in "xyz"], wrench[:, 3:], "moment")
-    label = {"exogauge": "SYNTHETIC: simulated with MuJoCo, measured on no robot", "seed": str(seed)}
+    label = {**LABEL, "seed": str(seed)}
     pq.write_table(pa.table(columns).replace_schema_metadata(label), path, compression="zstd")
+
+
+def write_torque(path: Path, recording: Recording) -> None:
+    """The true supporting torque [N·m] at the log's samples, of the joints that the bands act on; for scoring only."""
+    columns = {"t": pa.array(recording.time)}
+    for name, torque in zip(JOINT_NAMES, recording.band_torque.T, strict=True):
+        if torque.any():
+            columns[name] = pa.array(torque.astype(np.float32))
+    pq.write_table(pa.table(columns).replace_schema_metadata(LABEL), path, compression="zstd")

@@ -15,7 +15,7 @@ import numpy as np
 from exogauge.blas_threads import limit_children
 from exogauge.synthetic import motion
 from exogauge.synthetic.lab import Lab
-from exogauge.synthetic.log_file import write_log
+from exogauge.synthetic.log_file import write_log, write_torque
 from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.mjcf import TIME_STEP, mujoco_model
 from exogauge.synthetic.random_streams import stream
@@ -43,7 +43,11 @@ class Bench:
 
 
 def write_logs(folder: Path, bench: Bench, plans: Sequence[LogPlan], progress: Progress, processes: int) -> None:
-    """`folder/<name>.parquet` of every plan; progress(share done, what is being done) comes from this process."""
+    """`folder/logs/<name>.parquet` of every plan, and what a suit did in it in `folder/truth/<name>.parquet`;
+    progress(share done, what is being done) comes from this process."""
+    (folder / "logs").mkdir(parents=True, exist_ok=True)
+    if any(plan.suit for plan in plans):
+        (folder / "truth").mkdir(exist_ok=True)
     whole, simulated = sum(plan.duration_s for plan in plans), dict.fromkeys((plan.name for plan in plans), 0.0)
 
     def tell(name: str, seconds: float) -> None:
@@ -81,7 +85,9 @@ def run_log(
 def _make(folder: Path, bench: Bench, plan: LogPlan, tell: Tell) -> None:
     rng = stream(bench.seed, plan.name)
     recording = run_log(bench, plan, rng, lambda seconds: tell(plan.name, seconds))
-    write_log(folder / f"{plan.name}.parquet", recording, rng, bench.seed, bench.lab.sensing(plan))
+    write_log(folder / "logs" / f"{plan.name}.parquet", recording, rng, bench.seed, bench.lab.sensing(plan))
+    if plan.suit:
+        write_torque(folder / "truth" / f"{plan.name}.parquet", recording)
     tell(plan.name, plan.duration_s)
 
 

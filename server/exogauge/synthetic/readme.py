@@ -39,6 +39,7 @@ def readme(seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str], dist
             "robot.urdf and robot.yaml hold the a-priori robot. The robot that made the logs differs from it by",
             "what the standard deviations in robot.yaml say, and may do what the a-priori model has no term for; it",
             "is written in truth.json, for scoring only.",
+            *(["The torque that the suit really gave in each log is in truth/."] if devices else []),
             "",
         ]
     )  # fmt: skip

@@ -53,8 +53,7 @@ def write_study(
     lab = drawn_lab(seed, disturbed, plans)
     bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab)
     files = {kind: f"device{'' if n == 0 else f'_{kind}'}.yaml" for n, kind in enumerate(suits)}
-    (out / "logs").mkdir(parents=True, exist_ok=True)
-    write_logs(out / "logs", bench, plans, progress or (lambda share, what: None), processes)
+    write_logs(out, bench, plans, progress or (lambda share, what: None), processes)
     (out / "robot.urdf").write_text(robot_urdf(), encoding="utf-8")
     _write_yaml(out / "robot.yaml", robot_file(lab.encoder_step, uncertainty("robot", disturbed)))
     for kind, file in files.items():

@@ -188,7 +188,7 @@ def unplain(value: Any, dialect: str) -> Any:
 
 
 def copy(source: BlobStore, target: BlobStore, name: str) -> None:
-    with source.open(name) as stream:
+    with source.stored(name) as stream:
         if (made := target.put(stream)) != name:
             target.delete(made)
             fault = Fault("its bytes are not what its name says", "corrupt_blob", "`exogauge check` tells more.", name)

@@ -13,12 +13,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from exogauge.devices.result import StiffnessResult
+from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.identification.result import Identification
+from exogauge.robots.declared import Declared
 from exogauge.studies.evaluate import write
 from exogauge.studies.intake.open import open_study
 from exogauge.studies.results.document import Evaluation, finite, to_json
 from exogauge.studies.results.support_results import (
+    doubted,
     main_joints,
     stiffness_details,
     stiffness_entries,
@@ -27,6 +29,7 @@ from exogauge.studies.results.support_results import (
     support_table,
 )
 from exogauge.studies.series.write import write_series
+from exogauge.studies.words.doubt_words import doubt_sources
 from exogauge.support.result import SupportResult
 
 
@@ -51,10 +54,13 @@ def test_there_is_one_entry_per_device_motion_and_joint_the_own_device_first(sup
 def test_every_number_stands_with_its_std_and_unit(support: SupportResult) -> None:
     found = entry(support)
     joint = next(each for each in support.joints if (each.motion, each.joint) == ("bend", "torso_pitch"))
+    low, high = found["peak"].pop("interval_95")
     assert found["peak"] == {
         "value": joint.by["a"].peak.value, "std": joint.by["a"].peak.std, "unit": "N·m", "approach": "A",
-        "as_good": ["A", "B"],
+        "as_good": ["A", "B"], "budget": [],
     }  # fmt: skip
+    assert 0.5 * (low + high) == pytest.approx(joint.by["a"].peak.value)
+    assert 0.5 * (high - low) == pytest.approx(1.96 * joint.by["a"].peak.std, rel=1e-3)
     assert found["integral"]["unit"] == "N·m·s"
     assert set(found["approaches"]) == {"A", "B", "paired", "prior", "band_model"}
     assert found["approaches"]["B"]["spread"] == joint.spread["b"]
@@ -63,6 +69,18 @@ def test_every_number_stands_with_its_std_and_unit(support: SupportResult) -> No
     assert found["phases"][2]["approaches"]["A"]["mean"]["value"] == joint.phases[2].by["a"].mean.value
     assert (found["rmse_a"], found["rmse_b"], found["rmse_prior"]) == tuple(joint.rmse[k] for k in ("a", "b", "prior"))
     assert found["null"] == {"a": 0.123, "b": 0.321, "paired": 0.213}
+
+
+def test_a_number_stands_with_what_its_doubt_is_made_of_the_largest_part_first() -> None:
+    number = Estimate(5.0, 0.5, "N·m", {"scatter": 0.3, "kt_drift": 0.4})
+    assert doubted(number)["budget"] == [{"source": "kt_drift", "std": 0.4}, {"source": "scatter", "std": 0.3}]
+
+
+def test_every_source_of_doubt_is_told_in_words_with_what_would_make_it_smaller() -> None:
+    declared = {each.name for each in dataclasses.fields(Declared)} - {"torque_zero_of", "defaulted"}
+    declared = {name.removesuffix("_force").removesuffix("_moment") for name in declared}
+    assert set(doubt_sources()) >= declared | {"via_points", "donning", "scatter", "robot", "null_test", "at_rest"}
+    assert all(said["advice"].endswith(".") for said in doubt_sources().values())
 
 
 def test_what_acts_on_a_joint_that_slides_is_a_force(support: SupportResult) -> None:

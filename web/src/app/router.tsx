@@ -38,6 +38,8 @@ export function newRouter() {
               { path: "plans/new", lazy: () => import("../pages/motion/NewExcitationPage") },
               { path: "plans/:planId/*", lazy: () => import("../pages/motion/PlanPage") },
               { path: "compare", lazy: () => import("../pages/compare/ComparePage") },
+              { path: "compare/labs", lazy: () => import("../pages/compare/LabsPage") },
+              { path: "published/:key", lazy: () => import("../pages/published/PublishedPage") },
               { path: "sign-in", lazy: () => import("../pages/account/SignInPage") },
               { path: "set-up", lazy: () => import("../pages/account/SetUpPage") },
               { path: "invited", lazy: () => import("../pages/account/InvitedPage") },

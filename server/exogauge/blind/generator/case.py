@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from exogauge.blind.generator import sensors
 from exogauge.blind.generator.axis_run import AxisRun, axis_runs
 from exogauge.blind.generator.dynamics import carrier
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
+from exogauge.blind.generator.hidden.outside import EncoderEccentricity
 from exogauge.blind.generator.log_columns import joint_columns, sensor_columns, table
 from exogauge.blind.generator.motion import DURATION_S, Motion, excitations
 from exogauge.blind.generator.placed import Placed, clutter, hide, motor_torque, pull, sensed
@@ -89,16 +91,25 @@ def _write_logs(folder: Path, plan: CasePlan, maker: Built, here: Scene, effects
     torques = [motor_torque(run, effects, joint) for joint, run in enumerate(runs)]
     wrench = sensed(here, effects)
     (folder / "logs").mkdir(parents=True, exist_ok=True)
-    rng = stream(seed, f"sensors {plan.number}")
+    rng, motion = stream(seed, f"sensors {plan.number}"), as_read(here.motion, effects)
     zero = sensors.ZERO * here.cut_baseline.std * rng.standard_normal(6)
     for n, log in enumerate(plan.logs):
-        columns = joint_columns(rng, plan, maker.joints, here.motion, runs, torques, n)
+        columns = joint_columns(rng, plan, maker.joints, motion, runs, torques, n)
         columns |= sensor_columns(rng, plan.robot.sensor, wrench, zero, n)
         for each in effects:
             if isinstance(each.effect, BandLimitedLog) and each.effect.hits(n):
                 columns = {name: each.effect.filtered(values, each.size) for name, values in columns.items()}
         labelled = table(here.motion.time, columns).replace_schema_metadata({"exogauge": _LABEL})
         pq.write_table(labelled, folder / "logs" / f"{log.name}.parquet", compression="zstd")
+
+
+def as_read(motion: Motion, effects: Sequence[Placed]) -> Motion:
+    """With what encoders say of the angles, steps and noise left out."""
+    q = motion.q.copy()
+    for each in effects:
+        if isinstance(each.effect, EncoderEccentricity):
+            q[:, :, each.joint] = each.effect.read(q[:, :, each.joint], each.size)
+    return replace(motion, q=q)
 
 
 def _study_file(plan: CasePlan) -> Mapping[str, Any]:

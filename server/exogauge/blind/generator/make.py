@@ -14,7 +14,7 @@ from typing import Any
 from exogauge.blas_threads import limit_children
 from exogauge.blind.answers import write_answers
 from exogauge.blind.generator.case import write_case
-from exogauge.blind.generator.plan import ROBOTS, can_be_asked_for, plan_case
+from exogauge.blind.generator.plan import ROBOTS, STANDING, can_be_asked_for, case_name
 from exogauge.errors import BadInput, Fault
 
 What = tuple[int, str, tuple[str, ...]]  # seed, robots, effects
@@ -41,15 +41,15 @@ def make(
     """Write `cases` studies, the answers and their seal into `out`, which must be new or empty.
 
     The same seed gives the same bytes, whatever `processes`; case n is the same however many there are. robots: which
-    ones the cases are made of, a key of `plan.ROBOTS`. effects: hide one of these in every case; none: all sorts,
-    two or nothing now and then.
+    ones the cases are made of, a key of `plan.ROBOTS`, or `plan.STANDING`. effects: hide one of these in
+    every case; none: all sorts, two or nothing now and then.
     """
     if seed < 0 or cases < 1:
         column, value = ("seed", seed) if seed < 0 else ("cases", cases)
         detail = "the seed must be 0 or more, and the number of cases 1 or more"
         raise BadInput(Fault(detail, "blind_numbers", column=column, value=str(value)))
-    if robots not in ROBOTS:
-        raise _unknown("no cases are made of this robot", "robot", robots, ROBOTS)
+    if robots not in (*ROBOTS, STANDING):
+        raise _unknown("no cases are made of this robot", "robot", robots, (*ROBOTS, STANDING))
     for each in effects:
         if each not in can_be_asked_for(robots):
             raise _unknown("this is not hidden in cases of these robots", "effects", each, can_be_asked_for(robots))
@@ -98,4 +98,9 @@ def _make_all(
 
 def _make(out: Path, what: What, number: int) -> dict[str, Any]:
     seed, robots, effects = what
-    return write_case(out / plan_case(seed, number, robots, effects).name, seed, number, robots, effects)
+    name = case_name(number)
+    if robots == STANDING:
+        from exogauge.blind.generator.standing import write_standing_case  # needs MuJoCo
+
+        return write_standing_case(out / name, name, seed, number, effects)
+    return write_case(out / name, seed, number, robots, effects)

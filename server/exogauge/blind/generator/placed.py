@@ -16,12 +16,15 @@ from exogauge.blind.generator.axis_run import AxisRun
 from exogauge.blind.generator.cut import AXES
 from exogauge.blind.generator.hidden.band import OnASpring, together
 from exogauge.blind.generator.hidden.effect import Change, HiddenEffect, WholeEffect
-from exogauge.blind.generator.hidden.kinds import CLUTTER, ELSEWHERE, IN_LOGS, ON_JOINTS, SMALLEST
+from exogauge.blind.generator.hidden.kinds import CLUTTER, ELSEWHERE, IN_LOGS, ON_ENCODERS, ON_JOINTS, OUTSIDE, SMALLEST
 from exogauge.blind.generator.hidden.log_filter import BandLimitedLog
+from exogauge.blind.generator.hidden.outside import EncoderEccentricity
 from exogauge.blind.generator.plan import FAINT, VISIBLE, CasePlan
 from exogauge.blind.generator.scene import Scene
 
 Array = NDArray[np.float64]
+
+Anything = HiddenEffect | WholeEffect | BandLimitedLog | EncoderEccentricity
 
 ALL = "all"
 _ALL_JOINTS = 0.25  # share of delays that every joint has
@@ -37,7 +40,7 @@ _MOST_PLACES = 6
 class Placed:
     """joint: index where the effect is a joint's, None for every joint. where: as results.json says it."""
 
-    effect: HiddenEffect | WholeEffect | BandLimitedLog
+    effect: Anything
     joint: int | None
     where: Mapping[str, str | bool]
     size: float
@@ -55,7 +58,7 @@ class Placed:
             "noise_floor": self.found.floor,
             "channel": self.found.channel,
             "visible": self.found.ratio >= VISIBLE,
-        }
+        } | ({"outside": True} if self.effect.name in OUTSIDE else {})
 
 
 @final
@@ -63,7 +66,7 @@ class Placed:
 class _Candidate:
     """An effect at a place, of whatever size. trace: how large a size shows."""
 
-    effect: HiddenEffect | WholeEffect | BandLimitedLog
+    effect: Anything
     joint: int | None
     where: Mapping[str, str | bool]
     limits: tuple[float, float]
@@ -148,6 +151,9 @@ def _candidates(rng: np.random.Generator, kind: str, scene: Scene) -> Iterator[_
             yield _on_all_joints(effect, scene) if everywhere else _on_joint(effect, int(joint), scene)
             if everywhere:
                 return
+    elif kind == ON_ENCODERS:
+        for joint in rng.permutation(len(scene.runs)):
+            yield _on_encoder(EncoderEccentricity.draw(rng), int(joint), scene)
     elif kind == IN_LOGS:
         yield _in_log(BandLimitedLog.draw(rng, scene), scene)
     else:
@@ -182,6 +188,15 @@ def _elsewhere(effect: WholeEffect, where: Mapping[str, str | bool], scene: Scen
         return largest_trace(scene, effect, size) if unit is None else unit.times(size)
 
     return _Candidate(effect, None, where, effect.limits(scene), effect.linear, trace)
+
+
+def _on_encoder(effect: EncoderEccentricity, joint: int, scene: Scene) -> _Candidate:
+    def trace(size: float) -> HowLarge:
+        excess, ratio = effect.excess(scene, joint, size)
+        seen = int(np.argmax(ratio))
+        return HowLarge(float(ratio[seen]), float(excess[seen]), scene.floors[seen], f"tau.{scene.joints[seen]}")
+
+    return _Candidate(effect, joint, {"joint": scene.joints[joint]}, effect.limits(), False, trace)
 
 
 def _in_log(effect: BandLimitedLog, scene: Scene) -> _Candidate:

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from exogauge.blind.generator.foot_faults import kinds_known
 from exogauge.blind.generator.hidden.kinds import IN_BANDS, IN_LOGS, KINDS, ON_REQUEST
 from exogauge.blind.generator.motion import PLAIN, WITH_DEVICE, LogPlan
 from exogauge.blind.generator.robot_kind import ARM, TORSO, RobotKind
@@ -18,6 +19,7 @@ CLUTTERED = 1 / 3
 CURRENT = 0.7  # share of arms that log currents, the others torques
 WITH_TEMPERATURE = 0.7
 ROBOTS = {"arm6": (ARM,), "torso8": (TORSO,), "both": (ARM, TORSO)}
+STANDING = "humanoid"  # a robot on two feet: `standing`
 TORSOS = 0.35  # share of cases with the upper body where there are both, beside those that need bands
 CALIBRATED = 0.5  # share of robots whose maker has measured k_T
 FAINT, VISIBLE, STRONG = 1.0, 3.0, 8.0  # times the noise floor: of the unabsorbed part of a hidden effect
@@ -46,7 +48,11 @@ class CasePlan:
 
     @property
     def name(self) -> str:
-        return f"case_{self.number:04d}"
+        return case_name(self.number)
+
+
+def case_name(number: int) -> str:
+    return f"case_{number:04d}"
 
 
 def plan_case(seed: int, number: int, robots: str = "both", effects: tuple[str, ...] = ()) -> CasePlan:
@@ -73,7 +79,9 @@ def possible(robots: str, effects: tuple[str, ...] = ()) -> tuple[str, ...]:
 
 def can_be_asked_for(robots: str) -> tuple[str, ...]:
     """What `effects` may name."""
-    return (*possible(robots), *ON_REQUEST)
+    if robots == STANDING:
+        return kinds_known()
+    return (*possible(robots), *possible(robots, ON_REQUEST))
 
 
 def _block(seed: int, block: int, names: tuple[str, ...], clean: bool) -> list[tuple[str, ...]]:

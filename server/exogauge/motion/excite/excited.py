@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.motion.excite.search import Task
-from exogauge.motion.excite.stance import Three
+from exogauge.robots.moving.stance import Three
 
 Array = NDArray[np.float64]
 

@@ -17,18 +17,17 @@ from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
 from exogauge.motion.excite.promise import Promise, promised
 from exogauge.motion.excite.search import Report, best_motion, within
-from exogauge.motion.excite.stance import Standing
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
-from exogauge.motion.robot import MotionRobot
 from exogauge.motion.robot_file import load_motion_robot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.stance import Standing
 from exogauge.studies.csv_table import csv_table
 from exogauge.studies.intake.robot_file import load_robot
 
 Array = NDArray[np.float64]
 
 PLACES = 8  # decimals of what is written
-SMALLER = 0.95  # times a motion that breaks a bound, until none is: a step costs at most a twentieth of its size
 SHORTEST_S, LONGEST_S = 3.0, 120.0  # of a motion that is planned
 
 
@@ -76,7 +75,7 @@ def plan_excitation(
         nearest, judged = planned.largest(), _judged(planned)
         if nearest[0] <= 1.0 and not judged:
             break
-        x = within(task, task.still + SMALLER * (x - task.still))  # the way there and back has bounds too
+        x = within(task, task.still + criteria.smaller * (x - task.still))  # the way there and back has bounds too
     say("what will be known")
     promise = promised(robot, [planned], known.logs if known else (), known.before if known else None)
     return ExcitationPlan(moving, planned, nearest, judged, promise)

@@ -9,22 +9,19 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import NotIdentifiable
 from exogauge.experiment.information import Information, Told
-from exogauge.motion.excite.base import BaseTurn
-from exogauge.motion.excite.stance import OutOfReachError, Stance, Three
-from exogauge.motion.excite.strain import Bounds, Pull
+from exogauge.experiment.series_search import descend, largest_within
 from exogauge.robots.motion import Motion
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.stance import OutOfReachError, Stance, Three
+from exogauge.robots.moving.strain import Bounds, Pull
 from exogauge.robots.series import Series
 
 Array = NDArray[np.float64]
 Report = Callable[[int, int, float, float], None]
-
-TIGHT = 0.999  # of a bound that has been exceeded
-OUT = 1e6  # cost of what cannot be had at all
 
 
 @final
@@ -124,7 +121,7 @@ def point(task: Task, x: Array, dear: float) -> tuple[float, Array, float]:
     try:
         whole = task.stance.whole(*np.einsum("ktp,np->ktn", columns, x))
     except OutOfReachError:
-        return OUT, np.zeros_like(x), np.inf
+        return task.criteria.out, np.zeros_like(x), np.inf
     told = task.information.of(task.motion(whole), task.series.duration)
     T, n = whole[0].shape
     pull = Pull.none(T, n, told.loads.shape[1])
@@ -157,14 +154,10 @@ def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> A
     if rest > 1.0:
         raise NotIdentifiable(f"home is outside a bound while nothing moves ({name}): choose another posture", ())
     rate = len(task.time) / task.series.duration
-    low, high = 0.0, 1.0
-    while task.largest(task.still + high * (x - task.still), rate)[0] <= 1.0:
-        low, high = high, 2.0 * high
-    for _ in range(task.criteria.halvings):
-        middle = (low + high) / 2
-        inner = task.largest(task.still + middle * (x - task.still), rate)[0] <= 1.0
-        low, high = (middle, high) if inner else (low, middle)
-    return task.still + share * low * (x - task.still)
+    most = largest_within(
+        lambda part: task.largest(task.still + part * (x - task.still), rate)[0] <= 1.0, task.criteria.halvings
+    )
+    return task.still + share * most * (x - task.still)
 
 
 def best_motion(task: Task, rng: np.random.Generator, report: Report | None = None) -> Array:
@@ -213,11 +206,11 @@ def _room(task: Task, x: Array, time: Array) -> tuple[Array, Array]:
 def within(task: Task, x: Array) -> Array:
     """As it is, or each joint shrunk and moved into its own bounds, and then all towards home and rest until every
     other bound holds at `check_hz`."""
-    rate = task.criteria.check_hz
+    rate, tight = task.criteria.check_hz, task.criteria.tight
     time = np.arange(round(rate * task.series.duration) + 1) / rate
     joints, x = task.stance.free >= task.stance.robot.base, x.copy()
     filled = _shares_of(task, x, time)
-    x[joints, :-1] *= (TIGHT / np.maximum(filled[joints], TIGHT))[:, None]
+    x[joints, :-1] *= (tight / np.maximum(filled[joints], tight))[:, None]
     low, high = _room(task, x, time)
     x[joints, -1] += np.clip(0.0, low, high)
     at_rest = task.shares(task.series.motion(task.still, time[:1]))
@@ -226,8 +219,8 @@ def within(task: Task, x: Array) -> Array:
         if share <= 1.0:
             return x
         rest = at_rest.get(name, 0.0)
-        kept = TIGHT * (1.0 - rest) / (share - rest) if np.isfinite(share) else 0.0
-        x = task.still + min(TIGHT, max(kept, 0.7)) * (x - task.still)
+        kept = tight * (1.0 - rest) / (share - rest) if np.isfinite(share) else 0.0
+        x = task.still + min(tight, max(kept, 0.7)) * (x - task.still)
     return x if task.largest(x)[0] <= 1.0 else task.still
 
 
@@ -238,17 +231,13 @@ def improve(task: Task, x: Array, report: Callable[[int, float, float], None] | 
     """
     scale = np.tile(task.sizes, (1, task.series.size))
     evaluations = 0
-    for dear in task.criteria.costs:
 
-        def at(y: Array, dear: float = dear) -> tuple[float, Array]:
-            nonlocal evaluations
-            evaluations += 1
-            cost, gradient, largest = point(task, y.reshape(scale.shape) * scale, dear)
-            if report is not None:
-                report(evaluations, cost, largest)
-            return cost, (gradient * scale).ravel()
+    def at(x: Array, dear: float) -> tuple[float, Array]:
+        nonlocal evaluations
+        evaluations += 1
+        cost, gradient, largest = point(task, x, dear)
+        if report is not None:
+            report(evaluations, cost, largest)
+        return cost, gradient
 
-        found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",
-                         options={"maxfun": task.criteria.steps, "maxcor": 20})  # fmt: skip
-        x = np.asarray(found.x).reshape(scale.shape) * scale
-    return within(task, x)
+    return within(task, descend(at, x, scale, task.criteria.costs, task.criteria.steps))

@@ -13,11 +13,11 @@ from exogauge.identification.equations import Equations
 from exogauge.identification.prior import Scales, joint_prior, per_parameter
 from exogauge.identification.settings import Settings
 from exogauge.motion.excite.search import Task
-from exogauge.motion.excite.stance import Fixed, Standing
-from exogauge.motion.excite.strain import Bounds
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
 from exogauge.robots.description import Robot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.stance import Fixed, Standing
+from exogauge.robots.moving.strain import Bounds
+from exogauge.robots.moving.touching import Pairs
 from exogauge.robots.parameters import find_base_parameters
 from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.series import Series
@@ -30,7 +30,7 @@ def task_of(
 ) -> Task:
     """known: (P, P) information before, where there is more than the maker's. Raises BadRobot."""
     order = np.array([moving.joints.index(joint.name) for joint in robot.joints], dtype=np.intp)
-    stance = Standing(moving) if robot.floating else Fixed(moving)
+    stance = Standing(moving, criteria) if robot.floating else Fixed(moving)
     if (
         robot.floating
         and robot.tree.bodies[0] != moving.model.frames[moving.model.getBodyId(robot.tree.bodies[0])].name

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_import import USUAL
 from exogauge.motion.files.captured import AXES, METRES, Captured, fault
-from exogauge.motion.human import HumanMotion, Markers, Segment
+from exogauge.motion.human import HumanMotion, Markers
 from exogauge.motion.presets import recognise
+from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in")}

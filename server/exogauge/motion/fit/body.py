@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.human import Segment
+from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

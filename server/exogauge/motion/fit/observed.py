@@ -27,7 +27,8 @@ from exogauge.motion.fit.body import (
 )  # fmt: skip
 from exogauge.motion.fit.kinematics import Points
 from exogauge.motion.fit.places import place_of
-from exogauge.motion.human import SEGMENTS, HumanMotion, JointTree, Segment
+from exogauge.motion.human import HumanMotion, JointTree
+from exogauge.robots.moving.segments import SEGMENTS, Segment
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.motion.fit.body import TRUNK, HumanBody
-from exogauge.motion.human import Segment
+from exogauge.robots.moving.segments import Segment
 
 Array = NDArray[np.float64]
 

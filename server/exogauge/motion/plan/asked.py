@@ -9,8 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.errors import BadRobot, Fault
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -47,23 +46,6 @@ class Asked:
         kept = np.minimum(np.arange(-(-(len(self.q) - 1) // count) + 1) * count, len(self.q) - 1)
         place = tuple(self.place[k] for k in kept)
         return replace(self, q=self.q[kept], step=count * self.step, stands=self.stands[kept], place=place)
-
-
-def home_of(robot: MotionRobot) -> Array:
-    """(n,). Raises BadRobot where a robot lacks what standing needs."""
-    for key, there in (("soles", robot.floating and len(robot.soles) > 1), ("home", robot.home is not None)):
-        if not there:
-            advice = "Add `soles` of two feet and `home` to robot.yaml, whose base floats"
-            raise BadRobot(Fault(f"the robot has no {key} to stand with", f"no_{key}", advice, robot.name))
-    assert robot.home is not None
-    return robot.home
-
-
-def standing(robot: MotionRobot) -> tuple[pin.SE3, ...]:
-    """Poses of the soles' links at home."""
-    pin.forwardKinematics(robot.model, robot.data, home_of(robot))
-    at = (pin.updateFramePlacement(robot.model, robot.data, robot.frame(sole.link)) for sole in robot.soles)
-    return tuple(pin.SE3(pose) for pose in at)
 
 
 def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], stands: BoolArray, rounds: int = 30) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.outcome import motion_table
 from exogauge.motion.plan.spline import Trajectory
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.studies.csv_table import csv_table
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ from scipy.spatial import ConvexHull
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.spline import Trajectory
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.solve import Planned
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.studies.csv_table import csv_table
 
 PLACES = 8  # decimals: a ten-thousandth of what an encoder tells

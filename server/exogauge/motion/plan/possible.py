@@ -11,7 +11,7 @@ from exogauge.motion.person import Person
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.solve import Report, plan
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
 
 Tried = Callable[[str, float, bool], None]
 

@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation, Slerp
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, BadRobot, Fault
 from exogauge.logs.findings import runs
-from exogauge.motion.human import Segment
 from exogauge.motion.person import LIMBS, Person
-from exogauge.motion.plan.asked import Asked, home_of, standing
-from exogauge.motion.robot import MotionRobot
+from exogauge.motion.plan.asked import Asked
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.segments import Segment
+from exogauge.robots.moving.standing import home_of, standing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]

@@ -10,16 +10,14 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from exogauge.criteria.motion_plan import MotionPlan
+from exogauge.criteria.motion_plan import HALF_FOOT_M, MotionPlan
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.spline import Spline
-from exogauge.motion.robot import MotionRobot, Sole
-from exogauge.motion.touching import Near, Pairs
+from exogauge.robots.moving.robot import MotionRobot, Sole
+from exogauge.robots.moving.touching import Near, Pairs
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
-
-FOOT_M = 0.1  # half a foot: what distances and moments are counted in, so that excesses are shares
 
 
 @final
@@ -203,7 +201,7 @@ class Shares:
         rate, jerk = np.abs(self.rate).max(axis=1) - 1.0, np.abs(self.jerk).max(axis=1) - 1.0
         worst = np.maximum(worst, np.maximum(rate[1:], rate[:-1]))
         worst[1:], worst[:-1] = np.maximum(worst[1:], jerk), np.maximum(worst[:-1], jerk)
-        np.maximum.at(worst, self.near.sample, (self.apart - self.near.distance) / FOOT_M)
+        np.maximum.at(worst, self.near.sample, (self.apart - self.near.distance) / HALF_FOOT_M)
         return np.asarray(np.maximum(worst, 0.0))
 
 
@@ -255,7 +253,7 @@ def bounds(
     for f, sole in enumerate(robot.soles):
         part = sole_rows(sole, criteria.friction, criteria.margin_m)
         on = np.repeat(np.flatnonzero(asked.stands[:, f]), len(part)) + 1
-        value = np.tile(part, (int(asked.stands[:, f].sum()), 1)) / FOOT_M
+        value = np.tile(part, (int(asked.stands[:, f].sum()), 1)) / HALF_FOOT_M
         spare = np.full((len(value), 1), -1.0)
         rows.add([(on, n + 6 * f + np.arange(6), value), (on, slack, spare)], np.zeros(len(value)))
     if robot.floating:
@@ -264,8 +262,8 @@ def bounds(
         parts = [(stage, n + np.arange(6 * F), np.tile(carried, (N, 1))), (stage, slack, -np.ones((N, 1)))]
         rows.add(parts, np.full(N, -criteria.least_weight / criteria.kept))
     near = used.near
-    by_q = -pairs.slopes(q, near) / FOOT_M
-    left = np.maximum(near.distance - used.apart, -criteria.out_m) / FOOT_M
+    by_q = -pairs.slopes(q, near) / HALF_FOOT_M
+    left = np.maximum(near.distance - used.apart, -criteria.out_m) / HALF_FOOT_M
     left += np.einsum("bn,bn->b", by_q, q[near.sample])
     none = np.zeros_like(by_q)
     parts = [(stage, every, value) for stage, value in spread(near.sample, by_q, none, none, h)]

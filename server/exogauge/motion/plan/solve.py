@@ -18,13 +18,10 @@ from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
 from exogauge.motion.plan.rows import bounds, equations, shares, slopes
 from exogauge.motion.plan.spline import Spline, controls_of, through
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
-
-FAR_OFF = 4.0  # times as far off as the round before: then that one is taken up again
-STILLEST = 64.0  # times the pelvis' own weight: steps are then a hundredth of what the equations say
 
 
 @final
@@ -165,15 +162,15 @@ def _settle(
         held = strays < criteria.held and floats < criteria.floats and over < criteria.over
         if rounds == criteria.rounds or (held and size < criteria.done_rad):
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
-        if wrong > max(FAR_OFF * missed, 0.5) and missed < np.inf and still < STILLEST:
+        if wrong > max(criteria.far_off * missed, 0.5) and missed < np.inf and still < criteria.stillest:
             spline, wrench, excess = kept  # slopes promised what is not there: again, nearer to what was
-            still, rounds = min(max(8.0 * still, 1.0), STILLEST), rounds + 1
+            still, rounds = min(max(8.0 * still, 1.0), criteria.stillest), rounds + 1
             slope = slopes(robot, asked, spline, wrench)
             used = shares(robot, spline, slope, pairs, criteria)
         else:
             if missed < np.inf:
                 stuck = size > 0.5 * last if held else wrong > 0.5 * missed
-                still = min(max(8.0 * still, 1.0), STILLEST) if stuck else still / 2.0
+                still = min(max(8.0 * still, 1.0), criteria.stillest) if stuck else still / 2.0
             missed, last = wrong, size
         kept = spline, wrench, excess
         A, b = equations(robot, asked, spline, wrench, slope, ends.before, ends.rest)

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from exogauge.errors import BadMotion, Fault
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import read_names
-from exogauge.motion.plan.asked import home_of, standing
-from exogauge.motion.robot import MotionRobot
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import home_of, standing
 
 Array = NDArray[np.float64]
 

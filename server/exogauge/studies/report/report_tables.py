@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
@@ -12,6 +12,7 @@ from exogauge.identification.added_columns import COMPONENTS, MASS
 from exogauge.identification.result import Array, ChannelFit, Identification, Parameter
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.report.figures import label
+from exogauge.studies.words.doubt_words import source_advice, source_words
 from exogauge.studies.words.rounding import rounded, significant, with_std
 
 _NAME = re.compile(r"^(?P<kind>[^\[\]]+)\[(?P<where>.*)\]$")
@@ -106,6 +107,20 @@ class Unknown:
     title: str
     places: tuple[str, ...]
     advice: str
+
+
+def doubts_of_parameters(found: Identification) -> tuple[tuple[str, int, int, str], ...]:
+    """Source in words, how many parameters of links and of joints have most of their doubt from it, and what would
+    make it smaller; of parameters that the data decide, the most frequent source first."""
+    of_links, of_joints = Counter[str](), Counter[str]()
+    for each in found.parameters:
+        if each.identifiable and each.parts:
+            largest = max(each.parts, key=lambda source: each.parts[source])
+            (of_joints if each.name.partition("[")[0] in found.joint_values else of_links)[largest] += 1
+    return tuple(
+        (source_words(source), of_links[source], of_joints[source], source_advice(source))
+        for source, _ in (of_links + of_joints).most_common()
+    )
 
 
 def fit_tables(found: Identification, held_out: bool) -> dict[str, list[FitRow]]:

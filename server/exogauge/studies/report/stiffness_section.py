@@ -10,9 +10,9 @@ from typing import final
 import numpy as np
 
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
+from exogauge.studies.report.doubt_table import DoubtTable, doubt_table
 from exogauge.studies.report.support_section import SAID, plus_minus
 from exogauge.studies.results.support_results import cross_checks, headline_approach
-from exogauge.studies.words.doubt_words import source_advice, source_words
 from exogauge.studies.words.finding_sentences import band_note
 from exogauge.studies.words.remark_words import sentence
 from exogauge.studies.words.rounding import between, rounded, significant
@@ -52,16 +52,6 @@ class LengthRow:
 
 @final
 @dataclass(frozen=True)
-class DoubtRow:
-    """One source of doubt: by group, standard deviation alone, [N/m] and in per cent of the variance."""
-
-    words: str
-    cells: tuple[tuple[str, str], ...]
-    advice: str
-
-
-@final
-@dataclass(frozen=True)
 class CheckRow:
     """Two parts that ought to give one stiffness. difference: with its std, [N/m]; z, limit: of it."""
 
@@ -76,7 +66,7 @@ class CheckRow:
 @final
 @dataclass(frozen=True)
 class DeviceView:
-    """doubts: of the stiffness of each group by the approach doubted, the largest first. alike: sentences on parameters
+    """doubts: of the stiffness of each group, by one approach. alike: sentences on parameters
     that trade against each other. rest: joint, RMS by approach."""
 
     device: str
@@ -86,8 +76,7 @@ class DeviceView:
     notes: tuple[str, ...]
     rest: tuple[tuple[str, tuple[str, ...]], ...]
     samples: tuple[str, ...]
-    doubted: str
-    doubts: tuple[DoubtRow, ...]
+    doubts: DoubtTable | None
     checks: tuple[CheckRow, ...]
 
 
@@ -123,10 +112,15 @@ def _device_view(device: str, by: dict[Approach, StiffnessResult]) -> DeviceView
             for joint in joints
         ),
         tuple(f"{by[a].samples:,}".replace(",", "\u202f") if a in by else "" for a in APPROACHES),
-        doubted or "",
-        _doubts([_of(by, doubted, row.bands[0]) for row in groups] if doubted else []),
+        _doubts(by, doubted, groups) if doubted else None,
         _checks(by),
     )
+
+
+def _doubts(by: dict[Approach, StiffnessResult], doubted: Approach, groups: Sequence[GroupRow]) -> DoubtTable | None:
+    said = f"What the doubt of the stiffness by {SAID[doubted]} is made of"
+    bands = {row.group: _of(by, doubted, row.bands[0]) for row in groups}
+    return doubt_table(said, {f"{group} [N/m]": band.stiffness.parts for group, band in bands.items() if band})
 
 
 def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:
@@ -141,31 +135,6 @@ def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:
         )
         for each in cross_checks(list(by.values()))
     )
-
-
-def _doubts(bands: Sequence[BandEstimate | None]) -> tuple[DoubtRow, ...]:
-    """Sources in the order of their largest share in any group."""
-    by_group = [{part.source: part.stiffness**2 for part in band.budget} if band else {} for band in bands]
-    whole = [math.fsum(each.values()) for each in by_group]
-    largest: dict[str, float] = {}
-    for each, total in zip(by_group, whole, strict=True):
-        for source, square in each.items():
-            largest[source] = max(largest.get(source, 0.0), square / total if total > 0.0 else 0.0)
-    rows = []
-    for source in sorted(largest, key=lambda source: -largest[source]):
-        cells = tuple(
-            ("–", "")
-            if source not in each
-            else (significant(math.sqrt(each[source]), 2), _per_cent(each[source], total))
-            for each, total in zip(by_group, whole, strict=True)
-        )
-        rows.append(DoubtRow(source_words(source), cells, source_advice(source)))
-    return tuple(rows)
-
-
-def _per_cent(square: float, whole: float) -> str:
-    share = 100.0 * square / whole if whole > 0.0 else 0.0
-    return "< 1 %" if share < 1.0 else f"{share:.0f} %"
 
 
 def _of(by: dict[Approach, StiffnessResult], approach: Approach, band: str) -> BandEstimate | None:

@@ -10,6 +10,7 @@ from typing import final
 from markupsafe import Markup
 
 from exogauge.devices.result import Estimate
+from exogauge.studies.report.doubt_table import DoubtTable, doubt_table
 from exogauge.studies.report.support_figures import draw_support
 from exogauge.studies.results.support_results import best_approach, equality, largest, main_joints, motions
 from exogauge.studies.words.rounding import rounded, significant, with_std
@@ -94,6 +95,7 @@ class MotionView:
     errors: tuple[ErrorRow, ...]
     efforts: tuple[EffortTable, ...]
     equalities: tuple[EqualityRow, ...]
+    doubts: DoubtTable | None
 
 
 def motion_views(support: SupportResult) -> list[MotionView]:
@@ -112,9 +114,22 @@ def motion_views(support: SupportResult) -> list[MotionView]:
                 tuple(_error_row(each, each.joint in main) for each in found),
                 tuple(_effort_table(each, each.joint in main) for each in found),
                 tuple(_equality_row(support.trials, each, each.joint in main) for each in found),
+                _doubts([each for each in found if each.joint in main]),
             )
         )
     return views
+
+
+def _doubts(joints: Sequence[JointSupport]) -> DoubtTable | None:
+    """Of the headline's peak and mean."""
+    several = len({each.device for each in joints}) > 1
+    numbers: dict[str, Mapping[str, float]] = {}
+    for each in joints:
+        approach = best_approach(each)
+        for name in ("peak", "mean") if approach in each.by else ():
+            whose = f"{each.joint}, {each.device}" if several else each.joint
+            numbers[f"{whose}: {name} by {SAID[approach]} [{each.unit}]"] = getattr(each.by[approach], name).parts
+    return doubt_table("What the doubts of peak and mean are made of", numbers)
 
 
 def _figure(support: SupportResult, motion: str, joint: str, key: str) -> SupportFigure:

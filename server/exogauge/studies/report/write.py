@@ -15,6 +15,7 @@ from exogauge.studies.report.figures import draw_curve, draw_series, label
 from exogauge.studies.report.report_head import kicker, lead, leads, tiles
 from exogauge.studies.report.report_tables import (
     base_table,
+    doubts_of_parameters,
     figure_channels,
     fit_tables,
     joint_table,
@@ -86,6 +87,7 @@ def render_report(evaluation: Evaluation) -> str:
         load_rows=load_table(found, evaluation.robot),
         link_rows=link_table(found, evaluation.robot),
         base_rows=base_table(found),
+        parameter_doubts=doubts_of_parameters(found),
         unknowns=unknowns(found),
         curve=_curve(found),
         sig=significant,

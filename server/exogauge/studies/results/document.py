@@ -32,7 +32,14 @@ from exogauge.studies.results.configuration import (
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.schema import StudyResults
 from exogauge.studies.results.scope import scope_entry
-from exogauge.studies.results.support_results import cross_checks, stiffness_details, stiffness_entries, support_entries
+from exogauge.studies.results.support_results import (
+    budget,
+    cross_checks,
+    stiffness_details,
+    stiffness_entries,
+    support_entries,
+)
+from exogauge.studies.words.doubt_words import doubt_sources
 from exogauge.studies.words.names import channel
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.reading_words import READING
@@ -164,6 +171,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "support": support_entries(support) if support else [],
         "stiffness": stiffness_entries(evaluation.stiffness),
         "cross_checks": cross_checks(evaluation.stiffness),
+        "doubt_sources": [{"source": each, **said} for each, said in doubt_sources().items()],
         "stiffness_details": stiffness_details(evaluation.stiffness),
         "discrepancy": discrepancy_entry(evaluation.discrepancy, evaluation.taken_over),
         "reading": READING,
@@ -185,6 +193,8 @@ def parameter_entry(parameter: Parameter) -> dict[str, Any]:
         "prior_std": parameter.prior_std,
         "identifiable": bool(parameter.identifiable),
     }
+    if parameter.identifiable and parameter.parts:
+        entry["budget"] = budget(parameter.parts)
     if parameter.combination:
         entry["combination"] = dict(parameter.combination)
     return entry

@@ -8,9 +8,10 @@ What a named effect does to supporting torque and stiffness: the same logs with 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from exogauge.criteria.criterion import Z95
 from exogauge.devices.result import Estimate, StiffnessResult
 from exogauge.findings.result import Consequence
 from exogauge.studies.csv_table import csv_table
@@ -46,7 +47,7 @@ def support_entries(support: SupportResult) -> list[dict[str, Any]]:
             "motion_equality": equality(support.trials, each),
             **_headline(each),
             "approaches": {
-                APPROACHES[approach]: {**_effort(effort), "spread": each.spread.get(approach)}
+                APPROACHES[approach]: {**_whole(effort), "spread": each.spread.get(approach)}
                 for approach, effort in each.by.items()
             },
             "phases": [
@@ -168,13 +169,29 @@ def _headline(joint: JointSupport) -> dict[str, Any]:
     approach = best_approach(joint)
     if approach not in joint.by:
         return dict.fromkeys(QUANTITIES)
+    effort = joint.by[approach]
     as_good = joint.best.as_good if joint.best else (approach,)
     said = {"approach": APPROACHES[approach], "as_good": [APPROACHES[name] for name in as_good if name in joint.by]}
-    return {name: {**entry, **said} for name, entry in _effort(joint.by[approach]).items()}
+    return {name: {**doubted(getattr(effort, name)), **said} for name in QUANTITIES}
 
 
 def _effort(effort: Effort) -> dict[str, dict[str, Any]]:
     return {quantity: number(getattr(effort, quantity)) for quantity in QUANTITIES}
+
+
+def _whole(effort: Effort) -> dict[str, dict[str, Any]]:
+    return {quantity: doubted(getattr(effort, quantity)) for quantity in QUANTITIES}
+
+
+def doubted(estimate: Estimate) -> dict[str, Any]:
+    """With its 95 % interval, and what its doubt is made of."""
+    ends = [estimate.value - Z95 * estimate.std, estimate.value + Z95 * estimate.std]
+    return {**number(estimate), "interval_95": ends, "budget": budget(estimate.parts)}
+
+
+def budget(parts: Mapping[str, float]) -> list[dict[str, Any]]:
+    """The largest part first."""
+    return [{"source": source, "std": std} for source, std in sorted(parts.items(), key=lambda part: -part[1])]
 
 
 def number(estimate: Estimate) -> dict[str, Any]:
@@ -203,13 +220,13 @@ def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
             "note": band_note(band),
             "budget": [
                 {
-                    "source": part.source,
-                    "words": source_words(part.source),
-                    "stiffness_std": part.stiffness,
-                    "natural_length_std": part.natural_length,
-                    "advice": source_advice(part.source),
+                    "source": part["source"],
+                    "words": source_words(part["source"]),
+                    "stiffness_std": part["std"],
+                    "natural_length_std": band.natural_length.parts.get(part["source"], 0.0),
+                    "advice": source_advice(part["source"]),
                 }
-                for part in band.budget
+                for part in budget(band.stiffness.parts)
             ],
         }
         for each in found

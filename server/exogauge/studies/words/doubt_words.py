@@ -8,6 +8,10 @@ SOURCES: dict[str, tuple[str, str]] = {
         "the robot's parameters, as far as the logs leave them open",
         "Record excitation motions of these joints.",
     ),
+    "at_rest": (
+        "friction that may hold the joint at rest",
+        "Move slowly through the posture, once in each direction, instead of holding it.",
+    ),
     "null_test": ("what the model finds without the device", "See which effect the robot's model lacks."),
     "ft_gain": ("gain of each force/torque sensor", "Load each sensor with a known weight, and state it as ft_gain."),
     "ft_gain_common": ("gain that all force/torque sensors share", "Weigh the robot, and state it as ft_gain_common."),
@@ -24,6 +28,11 @@ SOURCES: dict[str, tuple[str, str]] = {
     "via_points": ("places of the via points", "Measure via points to 2 mm, and state it as via_points."),
     "donning": ("how the device was put on", "Mark where straps end, and state what is left as donning."),
 }
+
+
+def doubt_sources() -> dict[str, dict[str, str]]:
+    """Source -> its words and advice."""
+    return {source: {"words": words, "advice": advice} for source, (words, advice) in SOURCES.items()}
 
 
 def source_words(source: str) -> str:

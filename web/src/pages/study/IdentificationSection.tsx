@@ -6,7 +6,7 @@ import { figure, significant } from "../../parts/digits";
 import { BeforeAfter } from "./BeforeAfter";
 import { ChannelErrors } from "./ChannelErrors";
 import { ParameterTable } from "./ParameterTable";
-import type { Identification, Reading } from "./results";
+import type { Results } from "./results";
 import type { StudyLog } from "./summary";
 import { SensorZeros } from "./SensorZeros";
 import { SteadyTable } from "./SteadyTable";
@@ -14,7 +14,8 @@ import { Unknowns } from "./Unknowns";
 import { POOLED } from "./words";
 
 /** How well the identified robot explains its logs, its parameters, and what the logs cannot tell of them. */
-export function IdentificationSection({ found, logs, reading }: { found: Identification; logs: StudyLog[]; reading: Reading | undefined }) {
+export function IdentificationSection({ results, logs }: { results: Results; logs: StudyLog[] }) {
+  const { identification: found, reading, doubt_sources } = results;
   const samples = useMemo(() => new Map(logs.map((log) => [log.name, log.samples])), [logs]);
   const heldOut = found.summary.some((each) => each.held_out);
   return (
@@ -43,7 +44,7 @@ export function IdentificationSection({ found, logs, reading }: { found: Identif
       <SteadyTable shares={found.steady ?? []} words={reading?.steady_seconds} />
       <SensorZeros sensors={found.sensors ?? []} />
       <Unknowns found={found} />
-      <ParameterTable parameters={found.parameters} />
+      <ParameterTable parameters={found.parameters} sources={doubt_sources ?? []} />
       <Text size="sm" c="dimmed">
         From {found.samples.toLocaleString("en").replaceAll(",", "\u202f")} samples of steady motion, signals below{" "}
         {significant(found.cutoff_hz)} Hz. The logs tell {found.rank} sums of parameters (rank), with a condition number of{" "}

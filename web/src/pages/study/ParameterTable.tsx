@@ -1,17 +1,18 @@
 import { Button, Group, Select, Table, Text, TextInput, Title } from "@mantine/core";
 import { useDeferredValue, useMemo, useState } from "react";
 
-import { isNumber, significant, unitOf } from "../../parts/digits";
+import { isNumber, percent, significant, unitOf } from "../../parts/digits";
 import { count } from "../../parts/size";
 import { Uncertain } from "../../parts/Uncertain";
 import { number, WideTable } from "../../parts/WideTable";
-import type { Parameter } from "./results";
+import { largest } from "./DoubtTable";
+import type { DoubtSource, Parameter } from "./results";
 
 const FIRST = 40;
 const WHICH = { all: "All", known: "Told by the data", prior: "Told by the prior" } as const;
 
 /** Every parameter, to search; each says whether the data or the prior decided it. */
-export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
+export function ParameterTable({ parameters, sources }: { parameters: Parameter[]; sources: DoubtSource[] }) {
   const [wanted, setWanted] = useState("");
   const [which, setWhich] = useState<keyof typeof WHICH>("all");
   const [all, setAll] = useState(false);
@@ -76,7 +77,12 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
             <Table.Td data-number>
               <Uncertain value={each.prior} std={each.prior_std} />
             </Table.Td>
-            <Table.Td>{decidedBy(each)}</Table.Td>
+            <Table.Td>
+              {decidedBy(each)}
+              <Text size="xs" c="dimmed">
+                {mostOfTheDoubt(each, sources)}
+              </Text>
+            </Table.Td>
           </Table.Tr>
         ))}
       </WideTable>
@@ -92,6 +98,13 @@ export function ParameterTable({ parameters }: { parameters: Parameter[] }) {
       )}
     </section>
   );
+}
+
+/** Which source makes most of what is left open. */
+function mostOfTheDoubt({ budget }: Parameter, sources: DoubtSource[]): string {
+  const most = largest(budget);
+  const words = sources.find(({ source }) => source === most?.source)?.words;
+  return most && words ? `± mostly ${words} (${percent(most.share)})` : "";
 }
 
 /** How much the logs narrowed what was believed. */

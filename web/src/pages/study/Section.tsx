@@ -38,7 +38,7 @@ function Part({ name, study, job, results }: Props) {
     case "summary":
       return <SummarySection study={study} results={results} />;
     case "identification":
-      return <IdentificationSection found={results.identification} logs={summaryOf(study).logs ?? []} reading={results.reading} />;
+      return <IdentificationSection results={results} logs={summaryOf(study).logs ?? []} />;
     case "support":
       return <SupportSection study={study} results={results} />;
     case "stiffness":

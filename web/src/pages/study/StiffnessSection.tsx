@@ -4,6 +4,7 @@ import { between, fixed, isNumber, NONE, significant } from "../../parts/digits"
 import { Uncertain } from "../../parts/Uncertain";
 import { number, WideTable } from "../../parts/WideTable";
 import { CrossChecks } from "./CrossChecks";
+import { DoubtTable } from "./DoubtTable";
 import type { Results, Stiffness } from "./results";
 import { Skipped } from "./Skipped";
 import { capital } from "./words";
@@ -86,39 +87,16 @@ function Bands({ device, rows, truth }: { device: string; rows: Stiffness[]; tru
 /** What the doubt of each group's stiffness is made of, by the approach that comes first in the results. */
 function Doubts({ rows }: { rows: Stiffness[] }) {
   const approach = rows.find((each) => each.budget.length)?.approach;
-  const groups = [...new Set(rows.map((each) => each.group))];
-  const bands = groups.map((group) => rows.find((each) => each.group === group && each.approach === approach));
-  const sources = new Map(bands.flatMap((band) => band?.budget ?? []).map((part) => [part.source, part]));
-  const share = (source: string) => Math.max(...bands.map((band) => variance(band, source) / Math.max(variance(band), Number.MIN_VALUE)));
   if (!approach) return null;
-  return (
-    <details>
-      <summary>What the doubt by {APPROACH[approach]} is made of</summary>
-      <WideTable
-        label={`Doubt of the stiffness by ${APPROACH[approach]}`}
-        columns={["Source", ...groups.map((group) => number(group, "N/m")), "What would make it smaller"]}
-      >
-        {[...sources.values()]
-          .sort((one, other) => share(other.source) - share(one.source))
-          .map(({ source, words, advice }) => (
-            <Table.Tr key={source}>
-              <Table.Th scope="row">{words}</Table.Th>
-              {bands.map((band, place) => (
-                <Table.Td key={groups[place]} data-number>
-                  {significant(Math.sqrt(variance(band, source)), 2)}
-                </Table.Td>
-              ))}
-              <Table.Td>{advice}</Table.Td>
-            </Table.Tr>
-          ))}
-      </WideTable>
-    </details>
-  );
-}
-
-function variance(band: Stiffness | undefined, source?: string): number {
-  const parts = (band?.budget ?? []).filter((part) => source === undefined || part.source === source);
-  return parts.reduce((sum, part) => sum + (part.stiffness_std ?? 0) ** 2, 0);
+  const groups = [...new Set(rows.map((each) => each.group))];
+  const budgets = groups.map((group) => rows.find((each) => each.group === group && each.approach === approach)?.budget ?? []);
+  const numbers = groups.map((name, k) => ({
+    name,
+    unit: "N/m",
+    parts: budgets[k]!.map(({ source, stiffness_std }) => ({ source, std: stiffness_std })),
+  }));
+  const sources = [...new Map(budgets.flat().map((part) => [part.source, part])).values()];
+  return <DoubtTable summary={`What the doubt of the stiffness by ${APPROACH[approach]} is made of`} numbers={numbers} sources={sources} />;
 }
 
 function remark({ identifiable, length_identifiable, note }: Stiffness): string {

@@ -6,6 +6,7 @@ import type { Study } from "../../api/studies";
 import { percent, significant } from "../../parts/digits";
 import type { Results, Support } from "./results";
 import { Skipped } from "./Skipped";
+import { DoubtTable, type Doubted } from "./DoubtTable";
 import { PhaseTable } from "./PhaseTable";
 import { SupportBars } from "./SupportBars";
 import { SupportTable } from "./SupportTable";
@@ -69,6 +70,11 @@ export function SupportSection({ study, results }: Props) {
             <SupportBars motion={motion} rows={rows} />
             <SupportTable motion={motion} rows={rows} />
             <PhaseTable motion={motion} rows={rows} />
+            <DoubtTable
+              summary={`What the doubts of peak and mean are made of, motion ${motion}`}
+              numbers={rows.flatMap(doubtsOf)}
+              sources={results.doubt_sources ?? []}
+            />
             <Text size="sm" mt={6}>
               Over time:{" "}
               {logsOf(here).map((log, k) => (
@@ -85,6 +91,16 @@ export function SupportSection({ study, results }: Props) {
       })}
     </Stack>
   );
+}
+
+/** Of the headline's peak and mean. */
+function doubtsOf({ joint, device, peak, mean }: Support, _k: number, all: Support[]): Doubted[] {
+  const whose = new Set(all.map((each) => each.device)).size > 1 ? `, ${device}` : "";
+  return Object.entries({ peak, mean }).map(([name, found]) => ({
+    name: `${joint}, ${name}${whose}`,
+    unit: found?.unit ?? "",
+    parts: found?.budget ?? [],
+  }));
 }
 
 /** The gate of approach A: whether the compared motions are the same. */

@@ -6,13 +6,13 @@ from typing import Annotated, Literal, final
 
 from pydantic import Field
 
-from exogauge.studies.results.schema.values import PAIR, Measured, MotionEquality, Number, Part, later, maybe
+from exogauge.studies.results.schema.values import PAIR, Doubted, Measured, MotionEquality, Number, Part, later, maybe
 
 Approach = Literal["A", "B", "paired", "prior", "band_model"]
 
 
 @final
-class Headline(Measured):
+class Headline(Doubted):
     """One number of the whole motion, by the approach whose own null test says it is best."""
 
     approach: Approach = Field(description="`A`, `B` or `paired`")
@@ -31,6 +31,9 @@ class Effort(Part):
 class WholeEffort(Effort):
     """The same over the whole motion."""
 
+    peak: Doubted = Field(description="largest mean over 0.2 s, with its sign [N·m]")
+    mean: Doubted = Field(description="[N·m]")
+    integral: Doubted = Field(description="[N·m·s]")
     spread: Number = Field(description="standard deviation of the mean between trials [N·m]; null with one trial")
 
 
@@ -155,6 +158,18 @@ class BandIntervals(Part):
 
     stiffness_n_per_m: Annotated[list[Number], PAIR] = Field(description="[N/m]")
     natural_length_m: Annotated[list[Number], PAIR] = Field(description="[m]")
+
+
+@final
+class DoubtSource(Part):
+    """One source of doubt."""
+
+    source: str = Field(
+        description="`scatter`, `robot`, `null_test`, `at_rest`, or what robot.yaml and device.yaml declare under "
+        "`uncertainty`"
+    )
+    words: str = Field(description="the same in words")
+    advice: str = Field(description="which measurement would make it smaller")
 
 
 @final

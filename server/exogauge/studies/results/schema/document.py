@@ -9,7 +9,7 @@ from typing import Literal, final
 
 from pydantic import Field
 
-from exogauge.studies.results.schema.device import BandStiffness, StiffnessCheck, StiffnessFit, Support
+from exogauge.studies.results.schema.device import BandStiffness, DoubtSource, StiffnessCheck, StiffnessFit, Support
 from exogauge.studies.results.schema.discrepancy import Discrepancy
 from exogauge.studies.results.schema.identification import Identification
 from exogauge.studies.results.schema.scope import Configuration, Scope, Settings
@@ -93,6 +93,7 @@ class StudyResults(Part):
     support: list[Support] = Field(description="by device, motion and joint; empty without a device")
     stiffness: list[BandStiffness] = Field(description="by device, approach and band; empty without a device")
     cross_checks: list[StiffnessCheck] = later("what ought to agree, by device and approach")
+    doubt_sources: list[DoubtSource] = later("what doubts are made of, in words")
     stiffness_details: list[StiffnessFit] = Field(description="by device and approach")
     discrepancy: Discrepancy | None = Field(description="null where the step was skipped or failed")
     reading: Reading = later("how to read numbers")

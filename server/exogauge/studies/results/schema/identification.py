@@ -6,7 +6,7 @@ from typing import Literal, final
 
 from pydantic import ConfigDict, Field
 
-from exogauge.studies.results.schema.values import Decided, Number, Part, later, maybe
+from exogauge.studies.results.schema.values import Decided, DoubtPart, Number, Part, later, maybe
 
 ErrorKind = Literal["base_moment", "trunk_torque", "joint_torque", "joint_force", "sensor_force", "sensor_moment"]
 
@@ -63,6 +63,7 @@ class IdentifiedParameter(Decided):
 
     name: str = Field(description="`m[link]`, `k_T[joint]`, `base[<leading name>]` …")
     prior_std: Number = Field(description="standard deviation of the prior [unit]")
+    budget: list[DoubtPart] = maybe("of one that the data decide: what the doubt is made of, the largest part first")
     combination: dict[str, float] = maybe("of a base parameter: the coefficient of every standard parameter in it")
 
 

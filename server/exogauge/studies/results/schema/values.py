@@ -40,6 +40,20 @@ class Measured(Part):
     unit: str = Field(description="SI, `1` for a ratio")
 
 
+class DoubtPart(Part):
+    """What one source alone does to a number. Squares of all add up to the square of its standard deviation."""
+
+    source: str = Field(description="as in `doubt_sources`")
+    std: Number = Field(description="[unit]")
+
+
+class Doubted(Measured):
+    """A number with what its doubt is made of."""
+
+    interval_95: Annotated[list[Number], PAIR] | None = later("[low, high] [unit]")
+    budget: list[DoubtPart] | None = later("the largest part first; empty where nothing is told of it")
+
+
 class Decided(Measured):
     """A number that a prior and the data decide."""
 

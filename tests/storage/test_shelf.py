@@ -1,4 +1,4 @@
-"""Drawn scenes are kept, each made once, and the oldest go when there is no room."""
+"""What can be made again is made once, and the oldest goes when there is no room."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from exogauge.scene.drawing import Shelf
+from exogauge.storage.shelf import Shelf
 
 
 def test_a_scene_is_made_once_however_many_ask(tmp_path: Path) -> None:
-    shelf, made, together = Shelf(tmp_path / "scenes"), list[int](), threading.Barrier(4)
+    shelf, made, together = Shelf(tmp_path / "scenes", 1000, ".scene"), list[int](), threading.Barrier(4)
 
     def make() -> bytes:
         made.append(1)
@@ -31,7 +31,7 @@ def test_a_scene_is_made_once_however_many_ask(tmp_path: Path) -> None:
 
 
 def test_the_scene_looked_at_longest_ago_goes_first(tmp_path: Path) -> None:
-    shelf = Shelf(tmp_path, kept_bytes=25)
+    shelf = Shelf(tmp_path, 25, ".scene")
     for age, key in ((300, "a"), (200, "b")):
         os.utime(shelf.get(key, lambda: b"x" * 10), (1e9 - age, 1e9 - age))
     shelf.get("a", lambda: b"")  # looked at again
@@ -40,7 +40,7 @@ def test_the_scene_looked_at_longest_ago_goes_first(tmp_path: Path) -> None:
 
 
 def test_what_fails_is_not_kept(tmp_path: Path) -> None:
-    shelf = Shelf(tmp_path)
+    shelf = Shelf(tmp_path, 1000, ".scene")
 
     def fail() -> bytes:
         raise ValueError("no")

@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.human import Segment
-from exogauge.motion.shapes import Shape
 from exogauge.robots.joint_limits import JointLimits
+from exogauge.robots.moving.segments import Segment
+from exogauge.robots.moving.shapes import Shape
 
 Array = NDArray[np.float64]
 BASE = ("base_x", "base_y", "base_z", "base_yaw", "base_roll", "base_pitch")

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial import ConvexHull, QhullError
 
-from exogauge.motion.shapes import Kind, Shape
+from exogauge.robots.moving.shapes import Kind, Shape
 from exogauge.robots.urdf_check import numbers, read_urdf
 from exogauge.studies.intake.contract import ShapeEntry
 from exogauge.studies.intake.mesh_files import Opener, load_mesh

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_excite import MotionExcite
-from exogauge.motion.excite.base import BaseTurn
-from exogauge.motion.robot import MotionRobot
-from exogauge.motion.touching import Pairs
+from exogauge.criteria.motion_plan import HALF_FOOT_M
+from exogauge.robots.moving.base import BaseTurn
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
-
-FOOT_M = 0.1  # half a foot: what distances are counted in, so that excesses are shares
 
 
 @final
@@ -95,13 +94,13 @@ class Bounds:
         near = pairs.near(q, criteria.look_m)
         some, column = np.unique(near.pair, return_inverse=True)
         share = np.zeros((len(q), len(some)))
-        share[near.sample, column] = 1.0 + (criteria.clearance_m - near.distance) / FOOT_M
+        share[near.sample, column] = 1.0 + (criteria.clearance_m - near.distance) / HALF_FOOT_M
 
         def pull(weights: Array, on: Pull) -> None:
             by = weights[near.sample, column]
             felt = by != 0.0
             few = replace(near, **{name: values[felt] for name, values in vars(near).items()})
-            np.add.at(on.q, few.sample, -by[felt, None] / FOOT_M * pairs.slopes(q, few))
+            np.add.at(on.q, few.sample, -by[felt, None] / HALF_FOOT_M * pairs.slopes(q, few))
 
         return Part(share, [f"distance of {' and '.join(pairs.names[k])}" for k in some], pull)
 
@@ -133,7 +132,8 @@ class Bounds:
         height = float(self.corners[:, 2].mean())
         mu = criteria.friction / np.sqrt(2.0)
         rows = [  # of force and moment about the world's origin, ≤ 0 where allowed
-            np.array([height * e[0], height * e[1], e[2] + criteria.margin_m, e[1], -e[0], 0.0]) / FOOT_M for e in edges
+            np.array([height * e[0], height * e[1], e[2] + criteria.margin_m, e[1], -e[0], 0.0]) / HALF_FOOT_M
+            for e in edges
         ]
         names = ["centre of pressure"] * len(edges)
         for axis in (0, 1):

@@ -11,14 +11,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.robot import MotionRobot
+from exogauge.criteria.motion_plan import APART_M
+from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 FLOOR = "floor"
-LOOSE = 0.1  # [m] at home: that far apart is far
-BLOCK = 2000  # samples whose ways are held at once
 
 
 @final
@@ -79,7 +78,7 @@ class Pairs:
         self._start()
         self.at_home = np.full(len(asked), np.inf)
         if asked and robot.home is not None:
-            at_home = self.near(robot.home[None], LOOSE)
+            at_home = self.near(robot.home[None], APART_M)
             self.at_home[at_home.pair] = at_home.distance
             touching = set(np.flatnonzero(self.at_home < clearance).tolist())
             self.at_home = self.at_home[self.at_home >= clearance]
@@ -132,10 +131,10 @@ class Pairs:
         return Near(column[0].astype(np.intp), column[1].astype(np.intp), column[2].astype(np.float64), *where)
 
     def _walk(self, q: Array, within: float) -> Iterator[tuple[int, int, float, Array, Array, Array]]:
-        P = len(self.levers)
+        P, block = len(self.levers), 2000  # samples whose ways are held at once
         results = self.found.distanceResults
-        for start in range(0, len(q) if P else 0, BLOCK):
-            part = q[start : start + BLOCK]
+        for start in range(0, len(q) if P else 0, block):
+            part = q[start : start + block]
             steps = np.abs(np.diff(part, axis=0, prepend=part[:1]))
             way = np.cumsum(self.levers @ steps.T, axis=1)  # (P, B) [m]
             due = [list[int]() for _ in range(len(part) + 1)]

@@ -9,16 +9,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from exogauge.motion.plan.asked import standing
-from exogauge.motion.robot import MotionRobot
+from exogauge.criteria.motion_excite import USUAL, MotionExcite
+from exogauge.robots.moving.robot import MotionRobot
+from exogauge.robots.moving.standing import standing
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 Three = tuple[Array, Array, Array]
-
-
-EXACT, ROUNDS = 1e-9, 20  # [m or rad] of a standing foot; of Newton's steps until it counts as out of reach
-WILD = 1e4  # [rad/s²] of a leg that is all but straight
 
 
 class OutOfReachError(ValueError):
@@ -68,7 +65,8 @@ class Standing:
     Their angles by Newton's steps, their rates and accelerations from the feet's being zero.
     """
 
-    def __init__(self, robot: MotionRobot) -> None:
+    def __init__(self, robot: MotionRobot, criteria: MotionExcite = USUAL) -> None:
+        self.criteria = criteria
         self.robot, self.place = robot, standing(robot)
         self.legs = [robot.leg(k) for k in range(len(robot.soles))]
         self.free: IntArray = np.setdiff1d(np.arange(robot.model.nq), np.concatenate(self.legs)).astype(np.intp)
@@ -96,7 +94,7 @@ class Standing:
             for frame, leg, J in zip(self.frames, self.legs, feet, strict=True):
                 left = pin.getFrameAcceleration(model, data, frame, pin.LOCAL).vector
                 a[t, leg] = -np.linalg.solve(J[:, leg], left)
-        if np.abs(a[:, legs]).max() > WILD:
+        if np.abs(a[:, legs]).max() > self.criteria.wild:
             self._last.pop(T, None)
             raise OutOfReachError
         self._last[T] = q[:, legs]
@@ -105,8 +103,9 @@ class Standing:
     def _reach(self, q: Array) -> list[Array] | None:
         """The feet's Jacobians once q's legs are turned so that they stand; None where they cannot. Joints' bounds are
         not looked at: an excess is to be seen."""
+        exact, rounds = 1e-9, 20  # [m or rad] of a standing foot; of steps until it counts as out of reach
         model, data = self.robot.model, self.robot.data
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             pin.computeJointJacobians(model, data, q)
             feet, far = list[Array](), 0.0
             for frame, leg, place in zip(self.frames, self.legs, self.place, strict=True):
@@ -114,13 +113,13 @@ class Standing:
                 J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)
                 size = float(np.abs(error).max())
                 far = max(far, size)
-                if size > EXACT:
+                if size > exact:
                     step = J[:, leg].T @ np.linalg.solve(
                         J[:, leg] @ J[:, leg].T + min(1e-3, size**2) * np.eye(6), error
                     )
                     q[leg] -= step
                 feet.append(J)
-            if far <= EXACT:
+            if far <= exact:
                 return feet
         return None
 
@@ -144,7 +143,3 @@ class Standing:
                 force = inverse @ by_q[t, leg]
                 by_q[t, base] -= J[:, base].T @ force
         return by_q[:, self.free], by_v[:, self.free], by_a[:, self.free]
-
-
-def stance_of(robot: MotionRobot) -> Fixed | Standing:
-    return Standing(robot) if robot.floating else Fixed(robot)

@@ -1,6 +1,6 @@
 """What was captured of people, contacts and maps said by hand, plans; a job and its result may be of these too.
 
-Revision: 0017, after: 0016.
+Revision: 0019, after: 0018.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from alembic import op
 from exogauge.storage.database import UtcDateTime
 from exogauge.storage.row_security import guard, unguard
 
-revision = "0017"
-down_revision = "0016"
+revision = "0019"
+down_revision = "0018"
 branch_labels = None
 depends_on = None
 

@@ -1,0 +1,221 @@
+"""Blobs in an S3-compatible store, with a shelf of copies on this machine.
+
+An object is put whole or not at all, under the hash of its bytes, so that putting it twice changes nothing. What is
+read is fetched once onto the shelf, and compared with its hash there. Parts of an upload that was killed are not
+listed by the store: a lifecycle rule of the bucket removes them.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Collection, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from datetime import timedelta
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import TYPE_CHECKING, BinaryIO, cast, final
+
+import obstore
+from obstore.exceptions import AlreadyExistsError, BaseError
+from obstore.store import S3Store
+
+from exogauge.errors import NotFound, Unavailable
+from exogauge.settings import Settings
+from exogauge.storage.blobs import CHUNK, SHA256_HEX, copy_hashed, disk, refuse_full
+from exogauge.storage.held_files import OwnFolder
+from exogauge.storage.shelf import Shelf
+
+if TYPE_CHECKING:
+    from obstore.store import S3Config
+
+PART = 8 << 20  # bytes of one part of an upload; what is smaller is put at once, unless it is there
+PARTS_AT_ONCE = 4
+ASKED_AT_ONCE = 16
+LARGEST_SHARE = 0.25  # of the shelf that one blob may take; a larger one is read where it is
+DIGITS = "0123456789abcdef"
+COPY = ".blob"
+
+
+def store_of(settings: Settings) -> S3Store:
+    """A request is tried three times within ten seconds: whoever asked is told, and workers try again by themselves."""
+    given: S3Config = {
+        "endpoint": settings.s3_endpoint,
+        "region": settings.s3_region,
+        "access_key_id": settings.s3_access_key_id,
+        "secret_access_key": settings.s3_secret_access_key,
+    }
+    return S3Store.from_url(
+        settings.blob_url,
+        config=cast("S3Config", {name: value for name, value in given.items() if value}),
+        client_options={
+            "allow_http": settings.s3_endpoint.startswith("http://"),
+            "connect_timeout": "2s",
+            "timeout": "60s",
+        },
+        retry_config={
+            "max_retries": 2,
+            "retry_timeout": timedelta(seconds=10),
+            "backoff": {"init_backoff": timedelta(milliseconds=100), "max_backoff": timedelta(seconds=1), "base": 2},
+        },
+    )
+
+
+@final
+class ObjectBlobs:
+    """folder: of this machine, for the shelf of at most `kept_bytes`. sending: for what is being sent, beside it."""
+
+    def __init__(self, store: S3Store, folder: Path, kept_bytes: int, sending: OwnFolder) -> None:
+        self._store, self._largest, self._sending = store, LARGEST_SHARE * kept_bytes, sending
+        self._shelf = Shelf(folder, kept_bytes, COPY, at_once=PARTS_AT_ONCE)
+
+    def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
+        with disk("store the file"), NamedTemporaryFile(dir=self._sending.path, delete=False) as temporary:
+            try:
+                sha256 = copy_hashed(source, temporary, limit)
+                temporary.flush()
+                os.fsync(temporary.fileno())
+                self._send(Path(temporary.name), sha256, temporary.tell())
+                if temporary.tell() <= self._largest:
+                    self._shelf.filled(sha256, lambda path: os.replace(temporary.name, path))
+            finally:
+                Path(temporary.name).unlink(missing_ok=True)
+        return sha256
+
+    def _send(self, path: Path, sha256: str, size: int) -> None:
+        if self.exists(sha256):
+            return
+        with reached("store the file"), suppress(AlreadyExistsError):
+            if size <= PART:
+                obstore.put(self._store, key_of(sha256), path, mode="create")
+            else:
+                obstore.put(self._store, key_of(sha256), path, chunk_size=PART, max_concurrency=PARTS_AT_ONCE)
+
+    def open(self, sha256: str) -> BinaryIO:
+        if (path := self.path_for(sha256)) is not None:
+            with suppress(FileNotFoundError):  # off the shelf again, for others
+                return path.open("rb")
+        return self.stored(sha256)
+
+    def stored(self, sha256: str) -> BinaryIO:
+        with reached("read the file", sha256):
+            found = obstore.get(self._store, key_of(sha256))
+        return io.BufferedReader(Fetched(map(bytes, found.stream(min_chunk_size=CHUNK)), sha256), CHUNK)
+
+    def path_for(self, sha256: str) -> Path | None:
+        """None where the shelf has no room for it."""
+        key_of(sha256)
+        try:
+            return self._shelf.filled(sha256, lambda path: self._fetch(sha256, path))
+        except NoRoom:
+            return None
+
+    def _fetch(self, sha256: str, path: Path) -> None:
+        if self.size(sha256) > self._largest:
+            raise NoRoom
+        with self.stored(sha256) as source:
+            try:
+                with path.open("wb") as copy:
+                    found = copy_hashed(source, copy)
+                    copy.flush()
+                    os.fsync(copy.fileno())
+            except OSError as error:
+                raise NoRoom from error
+        if found != sha256:
+            raise Unavailable(f"the file {sha256} is damaged in the object store: `exogauge check` says which are")
+
+    def size(self, sha256: str) -> int:
+        with reached("read the file", sha256):
+            return obstore.head(self._store, key_of(sha256))["size"]
+
+    def exists(self, sha256: str) -> bool:
+        try:
+            self.size(sha256)
+        except NotFound:
+            return False
+        return True
+
+    def lacking(self, names: Collection[str]) -> set[str]:
+        with ThreadPoolExecutor(ASKED_AT_ONCE) as several:
+            return {name for name, there in zip(names, several.map(self.exists, names), strict=True) if not there}
+
+    def delete(self, sha256: str) -> None:
+        with reached("remove the file"), suppress(FileNotFoundError):
+            obstore.delete(self._store, key_of(sha256))
+        self._shelf.drop(sha256)
+
+    def refuse_if_full(self) -> None:
+        with disk("store files"):
+            refuse_full(self._sending.path)
+        with reached("store files"):
+            for _ in obstore.list(self._store, "asked"):  # nothing is there; a bucket that is gone is told
+                break
+
+    def iterate(self, prefix: str = "") -> Iterator[str]:
+        if len(prefix) < 2:
+            for digit in DIGITS:
+                yield from self.iterate(prefix + digit)
+            return
+        found = list[str]()
+        with reached("list the files"):
+            for some in obstore.list(self._store, prefix):
+                found += [each["path"].replace("/", "") for each in some]
+        yield from sorted(name for name in found if SHA256_HEX.fullmatch(name))
+
+    def left_over(self) -> list[str]:
+        """Nothing: what a killed process was sending lies in its own folder."""
+        return []
+
+    def remove_left_over(self, name: str) -> None:
+        raise NotFound(f"nothing is left over: {name}")
+
+
+class NoRoom(Exception):
+    """On the shelf."""
+
+
+@final
+class Fetched(io.RawIOBase):
+    """The bytes of an object as they come."""
+
+    def __init__(self, chunks: Iterator[bytes], sha256: str) -> None:
+        self._chunks, self._sha256 = chunks, sha256
+        self._left = memoryview(b"")
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]  # any buffer, says typeshed
+        while not self._left:
+            with reached("read the file", self._sha256):
+                chunk = next(self._chunks, None)
+            if chunk is None:
+                return 0
+            self._left = memoryview(chunk)
+        size = min(len(buffer), len(self._left))
+        buffer[:size] = self._left[:size]
+        self._left = self._left[size:]
+        return size
+
+
+def key_of(sha256: str) -> str:
+    """As in a folder: `ab/cdef…`."""
+    if not SHA256_HEX.fullmatch(sha256):
+        raise NotFound("not the name of a blob")
+    return f"{sha256[:2]}/{sha256[2:]}"
+
+
+@contextmanager
+def reached(what: str, sha256: str | None = None) -> Iterator[None]:
+    """A store that cannot be reached, or refuses, is `Unavailable`. sha256: of what it may lack, which is NotFound."""
+    try:
+        yield
+    except AlreadyExistsError:
+        raise
+    except (BaseError, OSError) as error:
+        if isinstance(error, FileNotFoundError) and sha256 is not None:
+            raise NotFound(f"no blob {sha256}") from error
+        lacks = isinstance(error, FileNotFoundError) or "NoSuchBucket" in str(error)
+        why = "has no such bucket" if lacks else "does not answer, or refuses"
+        raise Unavailable(f"cannot {what} now: the object store {why}") from error
