@@ -49,7 +49,9 @@ def findings(evaluated):
     def run(*how):
         recordings, found = evaluated(*how)
         odd = contradicted(found.model, [each.log for each in recordings if not each.held_out])
-        return [name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd, 1)]
+        return [
+            name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd.one_by_one, 1)
+        ]
 
     return run
 

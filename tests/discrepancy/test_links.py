@@ -46,7 +46,7 @@ def test_a_load_at_the_last_link_is_named_with_its_mass_and_place(study, search,
 def link_findings(robot, recordings):
     found = identify(robot, recordings, SETTINGS)
     odd = contradicted(found.model, [each.log for each in recordings if not each.held_out])
-    return [name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd, 1)]
+    return [name_contradiction(rank, found, recordings, SETTINGS, each) for rank, each in enumerate(odd.one_by_one, 1)]
 
 
 def test_a_load_at_the_last_link_could_be_a_heavier_link(study, weighed, arm_urdf):
@@ -109,11 +109,14 @@ def test_behind_a_wrist_sensor_the_tool_carries_the_payload_and_the_flange_does_
 
 def test_inertias_within_what_the_maker_doubts_are_no_finding(study, identified):
     recordings = study()
-    assert contradicted(identified(recordings).model, [each.log for each in recordings if not each.held_out]) == []
+    assert (
+        contradicted(identified(recordings).model, [each.log for each in recordings if not each.held_out]).one_by_one
+        == []
+    )
 
 
 def test_a_link_that_never_turns_is_never_claimed(study, identified):
     recordings = study(still=0)
     model = identified(recordings).model
-    found = contradicted(model, [each.log for each in recordings if not each.held_out])
+    found = contradicted(model, [each.log for each in recordings if not each.held_out]).one_by_one
     assert "lj1" not in {model.robot.tree.bodies[each.best.stated.index] for each in found if each.best.of_link}

@@ -17,6 +17,7 @@ from exogauge.effects.catalogue import (
     pair_effects,
     sensor_effects,
     shaped_effects,
+    whole_sensor_effects,
 )
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
@@ -35,6 +36,7 @@ def tables() -> Mapping[str, str]:
         "joint": shaped_effects(),
         "pair": pair_effects(),
         "sensor": sensor_effects(),
+        "whole_sensor": whole_sensor_effects(),
         "link": link_effects(),
         "base": base_effects(),
         "band": band_effects(),

@@ -16,6 +16,7 @@ WORDS = {
     "first moments",
     "zero",
     "the sensor's frame",
+    "base_tilt",
 }  # bodies that may stand in for one
 MOST_COLUMNS = 70  # on one component, over all effects and shapes: a sensor has six of them
 EFFECTS = dict(sensor_effects())
@@ -24,13 +25,18 @@ every_effect = pytest.mark.parametrize("effect", EFFECTS.values(), ids=list(EFFE
 every_component = pytest.mark.parametrize("component", range(6))
 
 
-def signals(component=0, samples=3000, seed=0):
-    """A tool that is turned through all postures: every component takes both signs."""
+AT_CONTACTS = {"ft_zero"}  # where no model has a zero
+
+
+def signals(component=0, samples=3000, seed=0, of=None):
+    """A tool that is turned through all postures: every component takes both signs. of: an effect; those of contact
+    sensors alone see one."""
     rng = np.random.default_rng(seed)
     t = np.arange(samples) / 100.0
     phase = rng.uniform(0.0, 6.0, (4, 6))
     waves = [np.sin(2.0 * np.pi * f * t[:, None] + p) for f, p in zip((0.05, 0.13, 0.4, 0.9), phase, strict=True)]
-    return SensorSignals(t, np.sum(waves, axis=0) * np.array([8.0, 8.0, 8.0, 0.6, 0.6, 0.3]), component)
+    return SensorSignals(t, np.sum(waves, axis=0) * np.array([8.0, 8.0, 8.0, 0.6, 0.6, 0.3]), component, -1,
+                         int(of is not None and of.name in AT_CONTACTS))  # fmt: skip
 
 
 def cut(whole, part):
@@ -50,7 +56,7 @@ def is_itself(effect, shape, component):
 @every_effect
 @every_component
 def test_columns_are_finite_one_per_coefficient_at_every_shape(effect, component):
-    whole = signals(component)
+    whole = signals(component, of=effect)
     for shape in shapes_of(effect):
         columns = effect.columns(whole, shape)
         assert columns.shape == (len(whole.time), len(effect.coefficients))
@@ -62,7 +68,7 @@ def test_columns_are_finite_one_per_coefficient_at_every_shape(effect, component
 @every_effect
 @pytest.mark.parametrize("samples", [0, 1, 2, 3, 9])
 def test_a_log_of_a_few_samples_is_no_special_case(effect, samples):
-    short = cut(signals(), slice(500, 500 + samples))
+    short = cut(signals(of=effect), slice(500, 500 + samples))
     shown = False
     for shape in shapes_of(effect):
         columns = effect.columns(short, shape)
@@ -74,7 +80,13 @@ def test_a_log_of_a_few_samples_is_no_special_case(effect, samples):
 
 @every_effect
 def test_it_applies_to_a_tool_that_is_turned(effect):
-    assert effect.applies(signals())
+    assert effect.applies(signals(of=effect))
+
+
+def test_what_is_a_contact_sensors_alone_is_not_looked_for_inside_the_robot():
+    for name in AT_CONTACTS:
+        assert not EFFECTS[name].applies(signals())
+        assert not EFFECTS[name].columns(signals(), (-1.0,)).any()
 
 
 @every_effect
@@ -108,7 +120,7 @@ def test_a_small_change_of_a_shape_is_a_small_change_of_the_reading(effect):
             assert one.choice or np.linalg.norm(moved - first) <= 0.02 * np.linalg.norm(first)
 
 
-@every_effect
+@pytest.mark.parametrize("effect", [each for name, each in EFFECTS.items() if name not in AT_CONTACTS])
 def test_what_never_changes_is_the_sensors_zero_and_no_effect(effect):
     for shape in itertools.product(*(one.grid for one in effect.shapes)):
         for column in effect.columns(signals(), shape).T:
@@ -130,7 +142,9 @@ def test_the_effect_is_found_under_the_name_of_its_file(effect):
 
 def test_a_search_stays_affordable():
     points = {name: int(np.prod([len(one.grid) for one in effect.shapes])) for name, effect in EFFECTS.items()}
-    assert sum(points[name] * len(effect.coefficients) for name, effect in EFFECTS.items()) <= MOST_COLUMNS
+    columns = {name: points[name] * len(effect.coefficients) for name, effect in EFFECTS.items()}
+    assert sum(columns[name] for name in columns if name not in AT_CONTACTS) <= MOST_COLUMNS
+    assert sum(columns.values()) <= 1.15 * MOST_COLUMNS, "under a foot"
 
 
 def test_no_two_effects_bear_the_same_name():

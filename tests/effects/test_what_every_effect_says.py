@@ -12,6 +12,7 @@ from exogauge.effects.catalogue import (
     pair_effects,
     sensor_effects,
     shaped_effects,
+    whole_sensor_effects,
 )
 from exogauge.effects.effect import Quantity
 from exogauge.effects.shaped import OWN_SIZES
@@ -21,6 +22,7 @@ PLACES = {
     "joint": shaped_effects(),
     "pair": pair_effects(),
     "sensor": sensor_effects(),
+    "whole_sensor": whole_sensor_effects(),
     "base": base_effects(),
     "link": link_effects(),
     "band": band_effects(),
@@ -29,6 +31,7 @@ UNITS = {
     "joint": {"N·m", "N·m/s", "N·m/rad", "N·m/rad³", "N·m·s/rad", "rad", "s", "s²", "1"},
     "pair": {"N·m", "N·m·s/rad", "kg·m²"},
     "sensor": {"1", "reading", "reading/s", "reading/reading"},  # of the component that it sits on
+    "whole_sensor": {"rad"},
     "base": {"rad", "s", "N·m"},
     "link": {"kg", "kg·m"},
     "band": {"N/m", "N/m²", "N·s/m", "m", "1"},
@@ -37,11 +40,12 @@ SHAPE_UNITS = {
     "joint": {"1", "s", "1/s", "Hz", "rad", "1/rev", "1/K", *OWN_SIZES},
     "pair": {"1", "s"},
     "sensor": {"1", "s"},
+    "whole_sensor": set(),
     "base": set(),
     "link": {"1"},
     "band": {"s", "1", "m", "share", "travel"},
 }
-ERRS_BOTH_WAYS = ("sensor", "base")
+ERRS_BOTH_WAYS = ("sensor", "whole_sensor", "base")
 FINEST = {"torque_ripple": 40, "band_slip": 120, "backlash": 13}  # values of one shape: orders, moments, landings
 FEW = 8
 

@@ -13,7 +13,7 @@ import exogauge.effects as package
 from exogauge.effects.band import BandEffect
 from exogauge.effects.effect import JointEffect
 from exogauge.effects.every_model import EFFECTS
-from exogauge.effects.places import BaseEffect, LinkEffect, PairEffect, SensorEffect
+from exogauge.effects.places import BaseEffect, LinkEffect, PairEffect, SensorEffect, WholeSensorEffect
 from exogauge.effects.shaped import MissingEffect, ShapedEffect
 from exogauge.errors import BadInput, ExogaugeError, Fault
 
@@ -47,6 +47,13 @@ def sensor_effects() -> Mapping[str, SensorEffect]:
 
 
 @cache
+def whole_sensor_effects() -> Mapping[str, WholeSensorEffect]:
+    """Identifier -> effect of a force/torque sensor that all its components have."""
+    found: list[WholeSensorEffect] = _placed("whole_sensor")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
 def base_effects() -> Mapping[str, BaseEffect]:
     """File -> effect of the base and its IMU. Two may have one identifier: a base leans if it is fixed, its IMU if it
     floats; the robot decides which one applies."""
@@ -68,9 +75,12 @@ def link_effects() -> Mapping[str, LinkEffect]:
     return MappingProxyType({effect.name: effect for effect in found})
 
 
-def missing_effects() -> tuple[ShapedEffect | PairEffect | SensorEffect | BaseEffect | LinkEffect, ...]:
+def missing_effects() -> tuple[
+    ShapedEffect | PairEffect | SensorEffect | WholeSensorEffect | BaseEffect | LinkEffect, ...
+]:
     """Every effect of joints, sensors, links and the base that a model may miss."""
-    every = (shaped_effects(), pair_effects(), sensor_effects(), link_effects(), base_effects())
+    of_sensors = (sensor_effects(), whole_sensor_effects())
+    every = (shaped_effects(), pair_effects(), *of_sensors, link_effects(), base_effects())
     return tuple(effect for placed in every for effect in placed.values())
 
 

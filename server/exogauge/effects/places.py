@@ -49,17 +49,20 @@ class PairEffect(MissingEffect, Protocol):
 @final
 @dataclass(frozen=True)
 class SensorSignals:
-    """T samples of one component (0..5, forces before moments) of one sensor.
+    """T samples of one component (0..5, forces before moments) of one sensor, or of all of them (-1).
 
     time: (T,) [s] from the log's start. expected: (T, 6) what the model's bodies make it read [N, N·m], in the log's
     sign, without its zero; not the measured reading, whose noise would explain itself. number: of the log in the order
-    of the study, from 0; -1 where it is not known.
+    of the study, from 0; -1 where it is not known. contacts: how many sensors there are of this one's kind whose
+    wrench is taken for known, under a foot say: no body explains it, its zero is in no model, and expected is what it
+    has read. 0: bodies explain it.
     """
 
     time: Array
     expected: Array
     component: int
     number: int = -1
+    contacts: int = 0
 
     @property
     def reading(self) -> Array:
@@ -72,6 +75,18 @@ class SensorEffect(MissingEffect, Protocol):
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
         """(T, C) what the component reads too much per unit of each coefficient."""
+        ...
+
+    def applies(self, signals: SensorSignals) -> bool:
+        """Whether the log holds what the effect needs."""
+        ...
+
+
+class WholeSensorEffect(MissingEffect, Protocol):
+    """Of a sensor with all its components. place is `whole_sensor`; coordinate: `time`."""
+
+    def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
+        """(T, C, 6) what each component reads too much per unit of each coefficient."""
         ...
 
     def applies(self, signals: SensorSignals) -> bool:

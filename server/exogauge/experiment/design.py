@@ -20,6 +20,7 @@ from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_nex
 from exogauge.experiment.workspace_limits import Room, room
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Finding, Place
+from exogauge.identification.sites import SensorSite
 from exogauge.logs.model import Log
 from exogauge.search.ambiguity import Undecided
 
@@ -39,9 +40,11 @@ class Outcome:
 
 
 def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:
-    """logs: that were fitted. None where no motion can be planned: the joint carries the robot, only one log has the
-    effect, or the logs move too little to say what the robot may do."""
+    """logs: that were fitted. None where no motion can be planned: the joint carries the robot, its feet's sensors are
+    in question, only one log has the effect, or the logs move too little to say what the robot may do."""
     if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
+        return None
+    if any(isinstance(each.candidate.site, SensorSite) and each.candidate.site.contact for each in doubt.contenders):
         return None
     here, model = room(doubt.model, logs), with_next_log(doubt.model)
     sites = [each.candidate.site for each in doubt.contenders]

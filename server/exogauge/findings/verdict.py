@@ -28,12 +28,13 @@ class Caveat:
     not_held_out; joined: a log had to be fitted. too_short: `value` [s] of the `needed` [s] of
     steady motion, of `others` more channels too little, too; far: `value` noise floors in `seconds` [s], or of a
     channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
-    place). Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course. Of a payload: noise_unknown,
-    no_motion.
+    place). feet_alike: these contact sensors read too much by the share `value` ± `needed`, or all else gives and
+    weighs as much more. Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course. Of a payload:
+    noise_unknown, no_motion.
     """
 
     why: Literal[
-        "not_held_out", "joined", "too_short", "far", "creeping",
+        "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike",
         "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion",
     ]  # fmt: skip
     of: str = ""

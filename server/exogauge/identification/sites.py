@@ -19,7 +19,7 @@ from exogauge.identification.model import RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.thinned import thinned
 from exogauge.logs.derivatives import differentiate
-from exogauge.robots.description import Robot
+from exogauge.robots.description import Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.motion import Motion
 from exogauge.robots.parameters import of_slide
@@ -61,33 +61,65 @@ def seen_of_axis(signals: AxisSignals) -> Seen:
 @final
 @dataclass(frozen=True)
 class SensorSite:
-    """One component (0..5) of a sensor that carries bodies; sensor: among `Robot.cuts`."""
+    """One component (0..5) of a sensor, or all of it (None). sensor: among `Robot.cuts`; where it is a contact,
+    under a foot say, among `Robot.contacts`.
+
+    A contact sensor's reading is no row: it stands in those of the base and of the joints between the two. What it
+    reads is taken as it is, since no model tells how two feet share a load; low-passed its noise is small beside it.
+    """
 
     sensor: int
-    component: int
+    component: int | None
+    contact: bool = False
+
+    def of(self, robot: Robot) -> WrenchSensor:
+        return (robot.contacts if self.contact else robot.cuts)[self.sensor]
 
     def label(self, equations: Equations) -> tuple[str, str, str]:
-        return "sensor", equations.robot.cuts[self.sensor].name, COMPONENTS[self.component]
+        part = "" if self.component is None else COMPONENTS[self.component]
+        return "sensor", self.of(equations.robot).name, part
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        return tuple(equations.layout.sensor(self.sensor))  # what one does moves the bodies, and with them all six
+        if not self.contact:
+            return tuple(equations.layout.sensor(self.sensor))  # what one does moves the bodies, and with them all six
+        robot, layout = equations.robot, equations.layout
+        body = robot.tree.frames[self.of(robot).frame][0]
+        return tuple(k for k in kinds_of_body(robot, body) if layout.rows[k].type != RowType.SENSOR)
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
-        sign = model.robot.cuts[self.sensor].sign
-        expected = -sign * carried(model, prepared)[:, 6 * self.sensor : 6 * self.sensor + 6]
+        sign = self.of(model.robot).sign
+        own = slice(6 * self.sensor, 6 * self.sensor + 6)
+        if self.contact:
+            expected = sign * prepared.raw_wrenches[:, self.sensor]
+        else:
+            expected = -sign * carried(model, prepared)[:, own]
         number = model.order.get(prepared.log.name, -1)
-        signals = SensorSignals(prepared.log.time - prepared.log.time[0], expected, self.component, number)
+        contacts = len(model.robot.contacts) if self.contact else 0
+        time = prepared.log.time - prepared.log.time[0]
+        signals = SensorSignals(time, expected, -1 if self.component is None else self.component, number, contacts)
+        felt = self._felt(model.equations, prepared) if self.contact else sign * np.eye(6)[None]
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
-            own = sign * effect.columns(signals, shape)
-            every = np.zeros((*own.shape, 6))
-            every[:, :, self.component] = own
-            return every
+            read = effect.columns(signals, shape)
+            if self.component is None:
+                return np.asarray(np.einsum("tcw,twk->tck", read, np.broadcast_to(felt, (len(time), *felt.shape[1:]))))
+            return np.asarray(read[:, :, None] * felt[:, None, self.component])
 
         return Seen(signals, columns)
 
+    def _felt(self, equations: Equations, prepared: Prepared) -> Array:
+        """(T, 6, kinds) what a reading that is too much by one in each component takes off the rows."""
+        sign, contacts = self.of(equations.robot).sign, len(equations.robot.contacts)
+        own = equations.layout.in_told(self.kinds(equations))
+        felt = np.zeros((prepared.log.samples, 6, len(own)))
+        for component in range(6):
+            one = np.zeros((prepared.log.samples, contacts, 6))
+            one[:, self.sensor, component] = sign
+            felt[:, component] = -equations.acting(prepared, one)[:, own]
+        return felt
+
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
-        own = "N" if self.component < 3 else "N·m"
+        own = "N" if self.component is not None and self.component < 3 else "N·m"
         if unit == "reading/reading":
             other = "N" if round(shape[0]) < 3 else "N·m"
             return 1.0, {("N", "N"): "1", ("N·m", "N·m"): "1", ("N·m", "N"): "m", ("N", "N·m"): "1/m"}[own, other]

@@ -172,7 +172,7 @@ def own_curves(search: Search) -> list[Bend]:
 def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | None, Sequence[SiteRows]]:
     """The best bend, the term that explains most first, or None; and the rows of its site."""
     effect, site, shape = step.added.effect, step.added.site, step.added.shape
-    if not isinstance(site, AxisSite | SensorSite) or search.last is None:
+    if not _has_curves(site) or search.last is None:
         return None, ()
     least = search.problem.settings.criteria.judging.worth_judging
     rows = collect_rows(found.model, search.problem.recordings, [site])[site]
@@ -192,6 +192,11 @@ def _bent(search: Search, step: Step, found: Identification) -> tuple[Score | No
         if better is None or better.evidence < (best.evidence if best else least):
             return best, rows
         best, chosen = better, tuple(better.candidate.effect.terms)  # type: ignore[attr-defined]
+
+
+def _has_curves(site: Site) -> bool:
+    """An axis, or one component of a sensor."""
+    return isinstance(site, AxisSite) or (isinstance(site, SensorSite) and site.component is not None)
 
 
 def _sizes(added: AddedEffect, rows: Sequence[SiteRows]) -> tuple[float, ...]:
@@ -224,7 +229,7 @@ def remainders(search: Search, bends: Sequence[Bend]) -> list[Bend]:
     every = list(bends)
     last: dict[Site, Step] = {each.added.site: each for each in search.steps}
     for site, step in last.items():
-        if isinstance(site, AxisSite | SensorSite):
+        if _has_curves(site):
             every += _remainder(search, step, every)
     return every[len(bends) :]
 

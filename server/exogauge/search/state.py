@@ -12,7 +12,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import AxisSite, PairSite
+from exogauge.identification.sites import AxisSite, PairSite, SensorSite
 from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.search.ambiguity import Undecided
@@ -119,5 +119,7 @@ def _all_stored(recordings: Sequence[Recording]) -> bool:
 
 
 def _depends_on_loads(added: AddedEffect) -> bool:
+    if isinstance(added.site, SensorSite) and added.site.contact:
+        return False
     of_motion = isinstance(added.site, AxisSite | PairSite) and added.effect.coordinate not in ON_LOADS
     return not of_motion

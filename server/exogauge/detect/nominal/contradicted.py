@@ -28,6 +28,8 @@ from exogauge.robots.kinematics import forward
 from exogauge.search.locate import pooled
 from exogauge.search.score import residual_memory
 
+ALIKE = ("gains", "feet")  # what many numbers share
+
 
 @final
 @dataclass(frozen=True)
@@ -60,7 +62,17 @@ class Contradiction:
     or_all_gains: bool
 
 
-def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
+@final
+@dataclass(frozen=True)
+class Contradictions:
+    """one_by_one: numbers to blame. feet: a gain that all contact sensors share would explain as much as the best of
+    them, and nothing in these data tells it from masses and motor gains; then none is to blame."""
+
+    one_by_one: list[Contradiction]
+    feet: Change | None = None
+
+
+def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
     """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
 
     A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
@@ -69,14 +81,17 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
     """
     criteria = model.criteria
     numbers, data = stated_numbers(model, _tilting(model, logs), row_memory(model, logs))
-    found: list[Contradiction] = []
-    while len(found) < min(criteria.nominal.most, len({_key(each) for each in numbers if each.sort != "gains"})):
+    found, single = list[Contradiction](), {_key(each) for each in numbers if each.sort not in ALIKE}
+    while len(found) < min(criteria.nominal.most, len(single)):
         changes = []
         for stated in numbers:
             let = data.let(stated.columns)
             changes.append(_change(model, stated, let.evidence, let.change * stated.broad, let.std * stated.broad))
         ordered, common = _best_of_each(changes)
         best = ordered[0]
+        feet = next((each for each in changes if each.stated.sort == "feet"), None)
+        if feet is not None and feet.sure and feet.evidence > best.evidence - criteria.judging.open:
+            return Contradictions(found, feet)
         if not best.sure or (not best.of_link and common > best.evidence):
             break
         alike = tuple(each for each in ordered[1:] if best.evidence - each.evidence < criteria.judging.open)
@@ -84,7 +99,7 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> list[Contradiction]:
         found.append(Contradiction(best, alike, others, best.evidence - common < criteria.judging.open))
         data = data.without(best.stated.columns)
         numbers = [each for each in numbers if _key(each) != _key(best.stated)]
-    return found
+    return Contradictions(found)
 
 
 def _change(model: RobotModel, stated: Stated, evidence: float, value: Array, std: Array) -> Change:
@@ -104,7 +119,7 @@ def _best_of_each(changes: Sequence[Change]) -> tuple[list[Change], float]:
     for each in sorted(changes, key=lambda each: (not each.sure, -each.evidence)):
         if each.stated.sort == "gains":
             common = each.evidence
-        else:
+        elif each.stated.sort not in ALIKE:
             first.setdefault(_key(each.stated), each)
     return sorted(first.values(), key=lambda each: -each.evidence), common
 

@@ -17,7 +17,7 @@ from exogauge.devices.result import Estimate
 from exogauge.findings.as_told import ALL
 from exogauge.findings.basis import BesideStated
 from exogauge.findings.result import Alternative, Evidence, Finding, Place
-from exogauge.findings.verdict import Objection, Why
+from exogauge.findings.verdict import Caveat, Objection, Why
 from exogauge.identification.model import RobotModel
 from exogauge.identification.parameters import coefficient_unit
 from exogauge.identification.result import Identification
@@ -111,6 +111,13 @@ def nominal_values(so_far: SoFar) -> SoFar:
     current, first = so_far.current, len(so_far.findings) + 1
     odd = contradicted(current.model, [each.log for each in recordings if not each.held_out])
     settings = so_far.question.settings
-    findings = [name_contradiction(n, current, recordings, settings, each) for n, each in enumerate(odd, first)]
+    findings = [
+        name_contradiction(n, current, recordings, settings, each) for n, each in enumerate(odd.one_by_one, first)
+    ]
     named, doubtful = told(findings, so_far.criteria.judging)
-    return replace(so_far, beside=named, doubtful=doubtful)
+    so_far = replace(so_far, beside=named, doubtful=doubtful)
+    if odd.feet is None:
+        return so_far
+    sensors = ", ".join(each.name for each in current.model.robot.contacts)
+    share = Caveat("feet_alike", sensors, float(odd.feet.value[0]), needed=float(odd.feet.std[0]))
+    return replace(so_far, question=replace(so_far.question, cannot=(*so_far.question.cannot, share)))

@@ -24,15 +24,16 @@ from exogauge.identification.solution import Solution
 from exogauge.robots.parameters import inertia_by_first_moment
 
 Array = NDArray[np.float64]
-Sort = Literal["load", "scaled", "gain", "gains"]
+Sort = Literal["load", "scaled", "gain", "gains", "feet"]
 
 
 @final
 @dataclass(frozen=True)
 class Stated:
     """sort: `load` ten parameters, mass [kg] first, on top of body `index`; `scaled` that body denser by a share;
-    `gain` the motor of axis `index` gives more by a share; `gains` all of them alike. columns: among `LettingGo`'s.
-    broad: (k,) std of each change before the data."""
+    `gain` the motor of axis `index` gives more by a share; `gains` all of them alike; `feet` all contact sensors read
+    too much by a share, or all bodies are heavier and all motors give more by it. columns: among `LettingGo`'s. broad:
+    (k,) std of each change before the data."""
 
     sort: Sort
     index: int
@@ -64,7 +65,7 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
     places = gain_columns(model.equations)
     if not driven or not places or not model.known_scale:
         return numbers, rows.letting_go()
-    logged = list[tuple[int, float]]()
+    logged, broad_gain = list[tuple[int, float]](), criteria.broad_gain
     for axis in driven:
         if model.robot.joints[axis].actuation == "torque":
             rows.torque_logged(axis, places[axis])
@@ -74,9 +75,20 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
             unit[places[axis]] = broad_gain * model.solution.prior.seen_mean[places[axis]]
             rows.moved(unit)
         add("gain", axis, np.array([broad_gain]))
+    if _feet_scale_all(model):
+        rows.moved(broad_gain * rows.data.x[:, None])
+        add("feet", -1, np.array([broad_gain]))
+        logged += [(rows.width - 1, common / broad_gain)] if (common := model.robot.declared.ft_gain_common) else []
     doubted = _doubted(rows.letting_go(), logged)
     gains = np.concatenate([each.columns for each in numbers if each.sort == "gain"])
     return [*numbers, Stated("gains", -1, np.array([len(doubted.g)]), np.array([broad_gain]))], _alike(doubted, gains)
+
+
+def _feet_scale_all(model: RobotModel) -> bool:
+    """Whether contact sensors alone say how large all torques are: then with their gain all parameters grow."""
+    robot = model.robot
+    currents = all(joint.actuation in ("current", "none") for joint in robot.joints)
+    return bool(robot.contacts) and robot.floating and currents and not robot.cuts and not robot.loads
 
 
 def _broad(criteria: Contradicting) -> Array:

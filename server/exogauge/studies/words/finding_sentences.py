@@ -233,6 +233,14 @@ def reason_words(caveat: Caveat | None) -> str:
                 f"friction of {caveat.of} is less than Coulomb's below {caveat.value:.2g} rad/s, or there is "
                 f"{at_place(*caveat.rival)}: these logs do not tell the two apart"
             )
+        case "feet_alike":
+            much = "too much" if caveat.value > 0.0 else "too little"
+            more = "more" if caveat.value > 0.0 else "less"
+            reason = (
+                f"either {caveat.of} all read {100.0 * abs(caveat.value):.1f} ± {100.0 * caveat.needed:.1f} % {much}, "
+                f"or every link weighs and every motor gives as much {more} than stated. Nothing in these logs "
+                "tells the two apart; weigh the robot"
+            )
         case _:
             reason = "no log was held out"
     return f"cannot judge: {reason}"
