@@ -128,7 +128,7 @@ def test_encoders_noise_counts_as_what_it_makes_of_a_torque_below_the_cutoff(arm
     M = pin.crba(moving.model, moving.data, moving.home)
     torque = fast @ (np.triu(M) + np.triu(M, 1).T)
     white = sosfiltfilt(low_pass, np.random.default_rng(1).standard_normal(200_000)).var()  # what is left of variance 1
-    assert said == pytest.approx(torque.var(axis=0) / white, rel=0.1)
+    assert said == pytest.approx(torque.var(axis=0) / white, rel=0.15)  # no filter has an edge
     assert by_encoders(moving, order, 0.0, cutoff).max() == 0.0
 
 
