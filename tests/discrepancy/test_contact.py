@@ -77,7 +77,7 @@ def test_columns_are_what_a_known_contact_does(robot, study, identified):
     model = identified(recordings).model
     rows = log_rows(model, recordings[:1])[0]
     wrench = np.array([3.0, -2.0, 5.0, 0.3, 0.1, -0.2])
-    columns = force_columns(model, rows)
+    columns = np.stack(list(force_columns(model, rows)))
     q = rows.prepared.motion.q[rows.prepared.kept]
     tree = model.robot.tree
     for body, link in enumerate(tree.bodies):

@@ -25,8 +25,8 @@ from exogauge.settings import Settings, packaged_folder
 router = APIRouter(include_in_schema=False)
 
 PLACES = (  # the first part of a page's address
-    "", "studies", "import", "robots", "devices", "payloads", "compare",
-    "sign-in", "set-up", "invited", "account", "lab",
+    "", "studies", "import", "robots", "devices", "payloads", "motions", "plans", "compare",
+    "sign-in", "set-up", "invited", "account", "lab", "published",
 )  # fmt: skip
 BASE, NONCE, LIMITS = '<base href="/" />', 'nonce=""', 'name="limits" content=""'
 FOREVER = "public, max-age=31536000, immutable"  # names hold a hash of the content

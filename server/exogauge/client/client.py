@@ -12,7 +12,20 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
+from exogauge.client.things import (
+    Artifact,
+    Device,
+    Job,
+    Log,
+    Motion,
+    Payload,
+    Plan,
+    Publication,
+    Robot,
+    Study,
+    WhatIf,
+    thing,
+)
 from exogauge.client.tokens import token_for
 from exogauge.client.transport import ClientProblem, Transport, problem_of_job
 from exogauge.client.uploading import upload, zipped, zipped_description
@@ -27,7 +40,8 @@ POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
 PATHS: Mapping[type, str] = {
-    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads",
+    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads", Motion: "motions",
+    Plan: "plans",
 }  # fmt: skip
 YAML = (".yaml", ".yml")
 
@@ -119,12 +133,12 @@ class Client:
         carried = {} if known is None else {"known": known}
         return thing(Study, self._http.post("studies", body | worn | carried))
 
-    def delete(self, what: Study | Robot | Device | Log | Payload) -> None:
+    def delete(self, what: Study | Robot | Device | Log | Payload | Motion | Plan) -> None:
         """With its jobs and results. ClientProblem 409 where something else needs it."""
         self.delete_by_id(next(path for kind, path in PATHS.items() if isinstance(what, kind)), what.id)
 
     def delete_by_id(self, nouns: str, key: str) -> None:
-        """nouns: studies, robots, devices, logs or payloads."""
+        """nouns: studies, robots, devices, logs, payloads, motions or plans."""
         self._http.delete(f"{nouns}/{quote(key, safe='')}")
 
     def studies(self) -> Iterator[Study]:
@@ -172,6 +186,61 @@ class Client:
         sensor's pose in it, x, y, z [m], roll, pitch, yaw [°]; without it all is in the sensor's frame."""
         asked = httpx.QueryParams([("flange", repr(float(x))) for x in flange or ()])
         return self._http.download(f"payloads/{id_of(payload)}/exports/{quote(form)}?{asked}", Path(target))
+
+    def upload_motion(
+        self, capture: str | Path, skeleton: str | Path | None = None, static: str | Path | None = None,
+        **said: str | None,
+    ) -> Motion:  # fmt: skip
+        """A capture (C3D, TRC, MOT, STO, BVH; AMC with its ASF as skeleton). static: of markers, the person standing
+        straight. said: up, unit, subject, map, name, where the file is silent or wrong."""
+        given = {"capture": capture, "skeleton": skeleton, "standing": static}
+        files = {field: Path(path) for field, path in given.items() if path is not None}
+        form = {key: value for key, value in said.items() if value is not None}
+        form |= {} if static is None else {"static": Path(static).name}
+        return thing(Motion, self._http.post("motions", files=files, form=form))
+
+    def motions(self, name: str | None = None) -> Iterator[Motion]:
+        """All motions, newest first; the versions of one name, where given."""
+        return self._all("motions", Motion, {} if name is None else {"name": name})
+
+    def fit_motion(self, motion: Motion | str) -> Job:
+        """Ask for the body that fits a motion."""
+        return thing(Job, self._http.post("jobs", {"motion_id": id_of(motion), "kind": "human_fit"}))
+
+    def plan_motion(self, motion: Motion | str, robot: Robot | str, **options: Any) -> Plan:
+        """Ask for the captured motion on a robot. options: begin, end, slow, repeat, mirror, share, without,
+        what_would_do, rate_hz."""
+        body = {"motion_id": id_of(motion), "robot_id": id_of(robot), "retarget": options}
+        return thing(Plan, self._http.post("plans", body))
+
+    def plan_excitation(self, robot: Robot | str, study: Study | str | None = None, **options: Any) -> Plan:
+        """Ask for a motion from which a robot is identified well. study: whose logs are known already. options:
+        seconds, seed."""
+        known = {} if study is None else {"study_id": id_of(study)}
+        return thing(Plan, self._http.post("plans", {"robot_id": id_of(robot), "excite": options} | known))
+
+    def plans(self) -> Iterator[Plan]:
+        """All plans, newest first."""
+        return self._all("plans", Plan)
+
+    def plan(self, plan: Plan | str) -> Plan:
+        return thing(Plan, self._http.get(f"plans/{id_of(plan)}"))
+
+    def wait_plan(self, plan: Plan | str, *, progress: bool = True, timeout_s: float | None = None) -> Plan:
+        """Wait until it is made. Raises ClientProblem unless it was."""
+        job = self.plan(plan).latest_job
+        if job is not None:
+            self.wait(str(job["id"]), progress=progress, timeout_s=timeout_s)
+        return self.plan(plan)
+
+    def export_plan(
+        self, plan: Plan | str, form: str, target: str | Path, rate_hz: float | None = None, *, despite: bool = False
+    ) -> Path:
+        """The motion, written to `target`: the table for csv without a rate, else a zip of the format's files and of
+        what tells of them. despite: although a bound is broken."""
+        asked = {key: value for key, value in {"rate_hz": rate_hz, "despite": despite or None}.items() if value}
+        path = f"plans/{id_of(plan)}/exports/{quote(form)}?{httpx.QueryParams(asked)}"
+        return self._http.download(path, Path(target))
 
     def device(self, device: Device | str) -> Device:
         return thing(Device, self._http.get(f"devices/{id_of(device)}"))
@@ -240,9 +309,48 @@ class Client:
         given = asked | ({} if device is None else {"device": device})
         return thing(WhatIf, self._http.ask(f"studies/{id_of(study)}/whatif", given))
 
+    def publish(
+        self,
+        study: Study | str,
+        title: str,
+        creators: Sequence[Mapping[str, str | None]],
+        *,
+        inputs: bool = False,
+        follows: Publication | str | None = None,
+        **about: Any,
+    ) -> Publication:
+        """What the study's latest evaluation found becomes a snapshot that anybody reads.
+
+        creators: [{"name": "Family, Given", "orcid"?, "affiliation"?}]. inputs: robot, logs and device too. follows: an
+        earlier publication, of which it is the next version. about: description, keywords, licence, doi, job_id.
+        """
+        body = {"title": title, "creators": [dict(each) for each in creators], "inputs": inputs} | about
+        earlier = {} if follows is None else {"follows": id_of(follows)}
+        return thing(Publication, self._http.post(f"studies/{id_of(study)}/publications", body | earlier))
+
+    def publications(self, study: Study | str | None = None) -> Iterator[Publication]:
+        """What the lab has published, newest first; of one study, which may be gone, where given."""
+        return self._all("publications", Publication, {} if study is None else {"study_id": id_of(study)})
+
+    def revoke(self, publication: Publication | str, reason: str) -> Publication:
+        """Its files go from the public at once; its record and the hashes stay. reason: told at its address."""
+        return thing(Publication, self._http.post(f"publications/{id_of(publication)}/revoke", {"reason": reason}))
+
     def compare(self, jobs: Sequence[Job | str]) -> dict[str, Any]:
         """Jobs side by side: {jobs, support, stiffness, identification, settings}, one cell per job in each row."""
         answer: dict[str, Any] = self._http.get("compare", {"jobs": [id_of(job) for job in jobs]})
+        return answer
+
+    def compared_devices(self) -> list[dict[str, Any]]:
+        """Devices worn in studies that one may see, of most labs first: [{model, size, labs, studies}]."""
+        answer: list[dict[str, Any]] = self._http.get("compare/devices")["items"]
+        return answer
+
+    def compare_device(self, model: str, size: str | None = None) -> dict[str, Any]:
+        """One device over labs: {model, size, studies: who wore it on what and what each found, quantities: [{quantity,
+        of, unit, rows, values, found: {labs, verdict, mean, std, q, i_squared, birge_ratio, tau, …}}]}."""
+        asked = {"model": model} | ({} if size is None else {"size": size})
+        answer: dict[str, Any] = self._http.get("compare/device", asked)
         return answer
 
     def models(self, study: Study | str) -> list[dict[str, Any]]:
@@ -368,7 +476,7 @@ class Client:
         self.close()
 
 
-def id_of(thing: Robot | Device | Study | Payload | Job | str) -> str:
+def id_of(thing: Robot | Device | Study | Payload | Motion | Plan | Job | Publication | str) -> str:
     """Records and plain ids are both accepted."""
     return thing if isinstance(thing, str) else thing.id
 

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.order import since_log
+from exogauge.effects.order import present, since_log
 from exogauge.effects.shaped import Array, AxisSignals
 
 
@@ -33,7 +33,7 @@ class FrictionShift:
     coordinate = "velocity"
 
     def columns(self, signals: AxisSignals, shape: tuple[float, ...]) -> Array:
-        after = float(signals.number < 0 or signals.number >= shape[0])
+        after = float(present(self.shapes, shape, signals.number))
         return np.asarray(-after * np.stack([signals.direction, signals.velocity], axis=1))
 
     def applies(self, signals: AxisSignals) -> bool:

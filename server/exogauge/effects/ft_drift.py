@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.order import one_log
+from exogauge.effects.order import one_log, present
 from exogauge.effects.places import Array, SensorSignals
 from exogauge.effects.shaped import Shape
 
@@ -36,8 +36,8 @@ class FtDrift:
     common_cause = True
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
-        t_d, log = shape
-        here = float(log < 0.0 or signals.number in (-1, int(log)))
+        t_d = shape[0]
+        here = float(present(self.shapes, shape, signals.number))
         return here * np.stack([signals.time, 1.0 - np.exp(-signals.time / t_d)], axis=1)
 
     def departures(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:

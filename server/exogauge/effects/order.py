@@ -46,6 +46,13 @@ def about(shapes: Sequence[Shape], values: Sequence[float], number: int) -> bool
     return any(each.name in (SINCE, LOG) and value == number for each, value in zip(shapes, values, strict=True))
 
 
+def present(shapes: Sequence[Shape], values: Sequence[float], number: int) -> bool:
+    """Whether an effect with these values of its shapes is there in the log of this number; -1: not known, it is."""
+    named = dict(zip((shape.name for shape in shapes), values, strict=True))
+    since, log = named.get(SINCE, -1.0), named.get(LOG, -1.0)
+    return number < 0 or (number >= since and (log < 0.0 or number == int(log)))
+
+
 def whatever_log(shapes: Sequence[Shape], values: Sequence[float]) -> tuple[float, ...]:
     """The other shapes' values: in one log, effects that differ in nothing else are there alike, or not at all."""
     return tuple(value for each, value in zip(shapes, values, strict=True) if each.name not in (SINCE, LOG))

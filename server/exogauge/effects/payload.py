@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.order import since_log
+from exogauge.effects.order import present, since_log
 from exogauge.effects.places import LinkSignals
 
 
@@ -33,7 +33,7 @@ class Payload:
     coordinate = "time"
 
     def present(self, signals: LinkSignals, shape: tuple[float, ...]) -> float:
-        return float(signals.number < 0 or signals.number >= shape[0])
+        return float(present(self.shapes, shape, signals.number))
 
     def applies(self, signals: LinkSignals) -> bool:
         return signals.carries_nothing

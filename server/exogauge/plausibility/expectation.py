@@ -29,10 +29,15 @@ class Expected:
         self.robot, self.seen = robot, seen
         C, axes = robot.axes_from_joints, robot.rows.axes
         Y = regressor(robot.tree, seen.motion)[:, axes]
-        Y = np.einsum("aj,njp->nap", np.linalg.inv(C).T, Y, optimize=True)
+        phi, rough = robot.phi_in(seen.recording).ravel(), seen.criteria.rough * inertial_std(robot).ravel()
+        load, self._spread = [], list[Array]()
+        for weights in np.linalg.inv(C).T:
+            joints = np.flatnonzero(weights)
+            own = sum((weights[joint] * Y[:, joint] for joint in joints[1:]), weights[joints[0]] * Y[:, joints[0]])
+            load.append(own @ phi)
+            self._spread.append(_live(own * rough))
         outside = ContactPaths(robot).effect(seen.q, seen.wrenches)[:, axes] if robot.contacts else 0.0
-        self.load = Y @ robot.phi_in(seen.recording).ravel() - outside
-        self._spread = Y * (seen.criteria.rough * inertial_std(robot).ravel())
+        self.load = np.stack(load, axis=1) - outside
         self._velocity, self._acceleration = seen.dq @ C.T, seen.ddq @ C.T
         self.moving = in_motion(self._velocity, seen.criteria) if moving is None else moving
         self.effort = on_axes(robot, seen.effort)
@@ -41,11 +46,14 @@ class Expected:
 
     def fit(self, axis: int) -> AxisFit:
         if axis not in self._fits:
-            spread = self._spread[:, axis]
-            spread = spread[:, np.any(spread != 0.0, axis=0)]
             velocity, acceleration = self._velocity[:, axis], self._acceleration[:, axis]
             self._fits[axis] = AxisFit(
-                self.load[:, axis], spread, velocity, acceleration, self.moving[:, axis], self.seen.criteria
+                self.load[:, axis],
+                self._spread[axis],
+                velocity,
+                acceleration,
+                self.moving[:, axis],
+                self.seen.criteria,
             )
         return self._fits[axis]
 
@@ -65,6 +73,11 @@ class Expected:
         other = copy(self)
         other.seen, other.effort, other._known = seen, on_axes(self.robot, seen.effort), {}
         return other
+
+
+def _live(columns: Array) -> Array:
+    """(N, those that are not 0 throughout)"""
+    return columns[:, np.any(columns != 0.0, axis=0)]
 
 
 def on_axes(robot: Robot, effort: Array) -> Array:

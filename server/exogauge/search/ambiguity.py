@@ -138,7 +138,9 @@ def _memory(model: RobotModel, score: Score, kind: int, rows: Sequence[SiteRows]
     for each in rows:
         if each.held_out or kind not in each.rows or len(each.rows[kind].samples) < FEWEST:
             continue
-        left = each.after(score.candidate.effect, score.candidate.shape, score.coefficients, score.step, own)[kind]
+        left = each.after(
+            each.columns(score.candidate.effect, score.candidate.shape), score.coefficients, score.step, own
+        )[kind]
         samples = each.rows[kind].samples
         every = max(1, int(np.diff(samples).min()))
         place = (samples - samples[0]) // every

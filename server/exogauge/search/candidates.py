@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.effects.order import bounded, whatever_log
+from exogauge.effects.order import present, whatever_log
 from exogauge.identification.model import Effect, RobotModel, Seen, Site
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import (
@@ -72,23 +72,30 @@ def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
 
 def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, kinds: int) -> Array:
     """(n, C, kinds) what they take off the site's rows per unit of each coefficient, at the log's kept samples,
-    low-passed as the rows are. What differs in the log alone that it begins with is filtered once; two effects may
+    low-passed as the rows are. What differs in the log alone that it begins with is computed once; two effects may
     share a name (`ImuTilt`)."""
-    raw, asked = [np.zeros((0, prepared.log.samples))], list[NDArray[np.intp]]()
+    not_there = -1  # the last of all columns, which is nothing
+    held = 500_000  # values of columns that are filtered at once: 4 MB
+    number = int(getattr(seen.signals, "number", -1))
+    raw, asked, filtered, waiting = list[Array](), list[NDArray[np.intp]](), list[Array](), 0
     for _, alike in itertools.groupby(candidates, key=lambda each: id(each.effect)):
         those = list(alike)
         effect, high = those[0].effect, those[0].width * kinds
-        own = seen.channels(effect, [each.shape for each in those]).reshape(len(those), high, -1)
-        same = [(whatever_log(effect.shapes, each.shape), bounded(effect.shapes) and bool(columns.any()))
-                for each, columns in zip(those, own, strict=True)]  # fmt: skip
-        first = {each: same.index(each) for each in same}
-        place, start = {n: k for k, n in enumerate(first.values())}, sum(len(each) for each in raw)
-        raw.append(own[list(first.values())].reshape(-1, own.shape[2]))
-        asked += [start + place[first[each]] * high + np.arange(high) for each in same]
-    if not asked:
-        return np.zeros((len(prepared.kept), 0, kinds))
-    kept = _filtered(np.concatenate(raw), prepared)
-    return kept[:, np.concatenate(asked)].reshape(len(kept), -1, kinds)
+        here = [(whatever_log(effect.shapes, each.shape), present(effect.shapes, each.shape, number)) for each in those]
+        first = {each: those[here.index(each)].shape for each in dict.fromkeys(here) if each[1]}
+        start = sum(each.shape[1] for each in filtered) + waiting
+        place = {each: start + k * high for k, each in enumerate(first)}
+        asked += [place[each] + np.arange(high) if each[1] else np.full(high, not_there) for each in here]
+        if first:
+            raw.append(seen.channels(effect, list(first.values())))
+            waiting += len(raw[-1])
+        if waiting * prepared.log.samples > held:
+            filtered.append(_filtered(np.concatenate(raw), prepared))
+            raw, waiting = [], 0
+    if raw:
+        filtered.append(_filtered(np.concatenate(raw), prepared))
+    kept = np.concatenate([*filtered, np.zeros((len(prepared.kept), 1))], axis=1)
+    return kept[:, np.concatenate(asked)].reshape(len(kept), -1, kinds) if asked else np.zeros((len(kept), 0, kinds))
 
 
 def _filtered(channels: Array, prepared: Prepared) -> Array:

@@ -32,9 +32,10 @@ def parameters(model: RobotModel, found: Score, rows: Sequence[SiteRows]) -> Map
     total: dict[int, KindSums] = {}
     square, memories, count = 0.0, list[float](), 0
     for each in fitted:
-        left = each.after(effect, candidate.shape, found.coefficients, found.step, own)
+        columns = each.columns(effect, candidate.shape)
+        left = each.after(columns, found.coefficients, found.step, own)
         slopes = [
-            each.columns(effect, candidate.shape),
+            columns,
             *shape_slopes(effect, candidate.shape, found.coefficients, each),
         ]
         for kind, e in left.items():

@@ -140,11 +140,13 @@ def evidence(model: RobotModel, found: Score, kind: int, rows: Sequence[SiteRows
     over = [each.seen.coordinate(name, candidate.shape) for each in shown]
     at = np.concatenate([values[each.rows[kind].samples] for values, each in zip(over, shown, strict=True)])
     before = sign * np.concatenate([each.rows[kind].e - each.rows[kind].A @ edge[own[kind]] for each in shown])
-    after = sign * np.concatenate(
-        [each.after(effect, candidate.shape, found.coefficients, found.step, own)[kind] for each in shown]
-    )
-    columns = [each.columns(effect, candidate.shape)[kind] for each in shown]
-    torque = -sign * np.concatenate(columns) @ found.coefficients
+    columns = [each.columns(effect, candidate.shape) for each in shown]
+    left = [
+        each.after(own_columns, found.coefficients, found.step, own)
+        for each, own_columns in zip(shown, columns, strict=True)
+    ]
+    after = sign * np.concatenate([each[kind] for each in left])
+    torque = -sign * np.concatenate([each[kind] for each in columns]) @ found.coefficients
     if along_motion(effect):
         way = np.concatenate([np.sign(each.seen.signals.velocity[each.rows[kind].samples]) for each in shown])
         before, after, torque = way * before, way * after, way * torque

@@ -97,8 +97,9 @@ def judge(model: RobotModel, score: Score, rows: Sequence[SiteRows], sure: float
     own = model.equations.columns()
     changes = []
     for each in rows:
-        left = each.after(candidate.effect, candidate.shape, score.coefficients, score.step, own)
-        acts = any(bool(c.any()) for c in each.columns(candidate.effect, candidate.shape).values())
+        columns = each.columns(candidate.effect, candidate.shape)
+        left = each.after(columns, score.coefficients, score.step, own)
+        acts = any(bool(c.any()) for c in columns.values())
         changes += [
             _Change(each, kind, e, after, np.asarray(e**2 - after**2), acts, judging.block_s)
             for kind, after in left.items()

@@ -56,11 +56,10 @@ class SiteRows:
         }
 
     def after(
-        self, effect: Effect, shape: tuple[float, ...], coefficients: Array, step: Array, own: Sequence[IntArray]
+        self, columns: Mapping[int, Array], coefficients: Array, step: Array, own: Sequence[IntArray]
     ) -> Mapping[int, Array]:
-        """Kind -> (n,) what is left with the effect in the model. step: (P,) by which the baseline moves; own: its
-        parameters in the rows of each kind."""
-        columns = self.columns(effect, shape)
+        """Kind -> (n,) what is left with an effect in the model. columns: its own. step: (P,) by which the baseline
+        moves; own: its parameters in the rows of each kind."""
         return {
             kind: rows.e - rows.A @ step[own[kind]] + columns[kind] @ coefficients for kind, rows in self.rows.items()
         }

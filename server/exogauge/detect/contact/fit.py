@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
@@ -88,7 +89,7 @@ class Around:
 
 def explain(
     rows: LogRows,
-    columns: Array,
+    columns: Iterable[Array],
     reach: Array,
     middle: float,
     duration: float,
@@ -99,7 +100,8 @@ def explain(
     one that is pushed, None for the likeliest."""
     low_pass = rows.prepared.low_pass
     near = np.abs(rows.time - middle) < criteria.bounds_s[1] / 2.0 + 1.0 / low_pass.cutoff_hz
-    part = Around(rows, rows.time[near], columns[:, near], rows.weight[near], rows.e[near], reach, criteria)
+    around = np.stack([own[near] for own in columns])
+    part = Around(rows, rows.time[near], around, rows.weight[near], rows.e[near], reach, criteria)
     power, known = 1.0, body
     for _ in range(2):
         likeliest = max(_links(part, _shape(part, middle, duration, power)), key=lambda each: each.evidence).body

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -50,7 +50,7 @@ def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows
     shown = layout.numbers(RowType.BASE, RowType.AXIS, RowType.SENSOR)
     found = []
     for recording in recordings:
-        whole = replace(recording.log, left_out=())
+        whole = replace(recording.log, left_out=()) if recording.log.left_out else recording.log
         prepared = model.prepare(whole)
         e = equations.residuals(prepared, x)[:, shown]
         e[:, layout.told.axes][~prepared.steady[prepared.kept]] = np.nan
@@ -63,16 +63,17 @@ def log_rows(model: RobotModel, recordings: Sequence[Recording]) -> list[LogRows
     ]
 
 
-def force_columns(model: RobotModel, rows: LogRows) -> Array:
-    """(N, n, K, 6) what a unit force and a unit moment, in base axes, at the middle of each body take off the rows."""
+def force_columns(model: RobotModel, rows: LogRows) -> Iterator[Array]:
+    """(n, K, 6) of one body after the other: what a unit force and a unit moment, in base axes, at its middle take off
+    the rows."""
     robot, equations, tree = model.robot, model.equations, model.robot.tree
     motion = rows.prepared.motion.rows(rows.prepared.kept)
     sweep, carried = Kinematics(tree).sweep(motion), subtree(tree)
     n, told = len(rows.time), robot.rows.told
     to_axes = np.linalg.inv(robot.axes_from_joints).T
     middle = middles(tree)
-    columns = np.zeros((len(tree.bodies), n, rows.e.shape[1], 6))
-    for body, out in enumerate(columns):
+    for body in range(len(tree.bodies)):
+        out = np.zeros((n, rows.e.shape[1], 6))
         p = sweep.p[body] + np.einsum("ijt,j->it", sweep.R[body], middle[body])
         W = np.zeros((n, 6, 6))  # force and moment about the base's origin
         W[:, :3, :3] = W[:, 3:, 3:] = np.eye(3)
@@ -88,7 +89,7 @@ def force_columns(model: RobotModel, rows: LogRows) -> Array:
                 out[:, told.sensor(sensor)] = -np.moveaxis(
                     in_sensor(tree, cut.frame, sweep, np.moveaxis(W, 0, 2)), 2, 0
                 )
-    return columns
+        yield out
 
 
 def middles(tree: RigidTree) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -38,9 +38,12 @@ def bump(low_pass: LowPass, middle: float, duration: float, power: float, time: 
     return np.interp(time, fine, low_pass.apply(raw), left=0.0, right=0.0)
 
 
-def gains(rows: LogRows, columns: Array, criteria: Touching) -> tuple[Array, Array]:
+def gains(rows: LogRows, columns: Iterable[Array], criteria: Touching) -> tuple[Array, Array]:
     """(n,) gain of the best force, body and duration around each kept sample, and that duration. None near the ends of
-    a log that was low-passed before it was stored: there that filter leaned on what nobody logged."""
+    a log that was low-passed before it was stored: there that filter leaned on what nobody logged.
+
+    columns: of `force_columns`.
+    """
     best, lasts = np.zeros(len(rows.time)), np.full(len(rows.time), criteria.durations_s[0])
     if len(rows.time) < 3:
         return best, lasts
@@ -49,9 +52,9 @@ def gains(rows: LogRows, columns: Array, criteria: Touching) -> tuple[Array, Arr
     for duration in criteria.durations_s:
         half = int(np.ceil(duration / step)) + 2
         kernels.append(bump(rows.prepared.low_pass, 0.0, duration, 1.0, np.arange(-half, half + 1.0) * step))
-    for own in columns[:, :, :, :3]:
-        touched = np.any(own != 0.0, axis=(0, 2))
-        C, w, e = own[:, touched], rows.weight[:, touched], rows.e[:, touched]
+    for own in columns:
+        touched = np.any(own[:, :, :3] != 0.0, axis=(0, 2))
+        C, w, e = own[:, touched, :3], rows.weight[:, touched], rows.e[:, touched]
         square = np.einsum("nki,nk,nkj->nij", C, w, C)
         both = np.einsum("nki,nk,nk->ni", C, w, e)
         for duration, kernel in zip(criteria.durations_s, kernels, strict=True):
