@@ -86,12 +86,13 @@ def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, 
         start = sum(each.shape[1] for each in filtered) + waiting
         place = {each: start + k * high for k, each in enumerate(first)}
         asked += [place[each] + np.arange(high) if each[1] else np.full(high, not_there) for each in here]
-        if first:
-            raw.append(seen.channels(effect, list(first.values())))
+        shapes, together = list(first.values()), max(1, held // (high * prepared.log.samples))
+        for some in (shapes[k : k + together] for k in range(0, len(shapes), together)):
+            raw.append(seen.channels(effect, some))
             waiting += len(raw[-1])
-        if waiting * prepared.log.samples > held:
-            filtered.append(_filtered(np.concatenate(raw), prepared))
-            raw, waiting = [], 0
+            if waiting * prepared.log.samples > held:
+                filtered.append(_filtered(np.concatenate(raw), prepared))
+                raw, waiting = [], 0
     if raw:
         filtered.append(_filtered(np.concatenate(raw), prepared))
     kept = np.concatenate([*filtered, np.zeros((len(prepared.kept), 1))], axis=1)
