@@ -1,4 +1,4 @@
-"""A command loads what it uses: each in a process of its own, which tells what it has loaded."""
+"""A command loads what it uses: one process loads one after the other, and tells what it has loaded."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ except SystemExit:
 """
 
 
-def loaded(script: str) -> set[str]:
-    """Top-level modules behind a script."""
-    told = subprocess.run(
-        [sys.executable, "-c", f"{script}\nimport sys\nprint(*sys.modules)"], capture_output=True, text=True, check=True
-    )
-    return {name.partition(".")[0] for name in told.stdout.splitlines()[-1].split()}
+STEPS = {  # each loads what those before it do, and more; and what it does not
+    "help": (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
+    "effects": (EFFECTS, {*SHELL, *PAGES, "numba", "pyarrow"}),
+    "doctor": (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
+    "evaluate": ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
+    "service": ("import exogauge.api.app", {"mujoco", "numba"}),
+}
 
 
-@pytest.mark.parametrize(
-    ("script", "not_needed"),
-    [
-        (HELP, {*SHELL, *PAGES, "numba", "numpy", "scipy", "pinocchio", "pyarrow"}),
-        (DOCTOR, {*SHELL, *PAGES, "numba", "h5py", "rosbags"}),
-        (EFFECTS, {*SHELL, *PAGES, "numba", "pyarrow"}),
-        ("import exogauge.studies.evaluate", {*SHELL, "numba", "h5py", "rosbags"}),
-        ("import exogauge.api.app", {"mujoco", "numba"}),
-    ],
-    ids=["help", "doctor", "effects", "evaluate", "service"],
-)
-def test_what_a_command_does_not_use_is_not_loaded(script: str, not_needed: set[str]) -> None:
-    assert not loaded(script) & not_needed
+@pytest.fixture(scope="module")
+def loaded() -> dict[str, set[str]]:
+    """Top-level modules after each of the steps."""
+    script = "\n".join(f"{step}\nimport sys; print('loaded', *sys.modules)" for step, _ in STEPS.values())
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    found = [line.split()[1:] for line in told.splitlines() if line.startswith("loaded ")]
+    return {step: {name.partition(".")[0] for name in names} for step, names in zip(STEPS, found, strict=True)}
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_what_a_command_does_not_use_is_not_loaded(step: str, loaded: dict[str, set[str]]) -> None:
+    assert not loaded[step] & STEPS[step][1]

@@ -115,7 +115,10 @@ def test_nothing_reads_our_own_sentences() -> None:
     found = []
     for path in sorted(SOURCE.rglob("*.py")):
         name = str(path.relative_to(SOURCE))
-        tree = ast.parse(path.read_text(encoding="utf-8") if name not in NOT_OURS else "")
+        text = path.read_text(encoding="utf-8")
+        if name in NOT_OURS or not SENTENCES.search(text):
+            continue
+        tree = ast.parse(text)
         found += [f"{name}: {ast.unparse(each)}" for each in ast.walk(tree) if reads_a_sentence(each)]
     assert not found, "give it as data beside the sentence: " + "; ".join(found)
 

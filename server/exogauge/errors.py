@@ -11,6 +11,7 @@ ExogaugeError
 ├── PhysicallyImpossible an inertia no body can have, where a possible one is required
 ├── Cancelled            the caller asked to stop
 ├── NotFound             no such thing, or not yours to see
+├── Gone                 it was there, and was taken back
 ├── Conflict             the thing changed meanwhile, or the same key was used for something else
 ├── TooMany              a limit on how much in how short a time; `retry_after_s` says when it works again
 └── Unavailable          the database, the disk or a worker cannot serve now; trying again may help
@@ -112,6 +113,10 @@ class Cancelled(ExogaugeError):
 
 class NotFound(ExogaugeError):
     """No such thing, or not visible to the one who asks."""
+
+
+class Gone(ExogaugeError):
+    """It was there, and was taken back."""
 
 
 class Conflict(ExogaugeError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Literal, Self, final
+from urllib.parse import urlsplit
 
 from pydantic import Field, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -41,6 +42,16 @@ class Settings(BaseSettings):
     open_to_all: bool = Field(default=False, description="serve on another host than this one although all may do all")
     port: int = Field(default=8765, ge=0, le=65535, description="port to listen on; 0 takes a free one")
     root_path: str = Field(default="", description="sub-path under which a reverse proxy serves the page")
+    public_url: str = Field(
+        default="",
+        pattern=r"^(https?://[^/?#\s]+[^?#\s]*[^/?#\s])?$",
+        description="address by which others find the page, https://exo.example; unset: that by which "
+        "each request came",
+    )
+    oidc_issuer: str = Field(default="", max_length=300, description="OpenID provider at which accounts sign in, https")
+    oidc_client_id: str = Field(default="", max_length=300, description="of this service, as registered there")
+    oidc_client_secret: str = Field(default="", repr=False, description="the provider's, for this service")
+    oidc_name: str = Field(default="", max_length=60, description="of the provider, on the page; its host")
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")
@@ -73,6 +84,18 @@ class Settings(BaseSettings):
         object.__setattr__(self, "blob_dir", (self.blob_dir or data / "blobs").expanduser().absolute())
         if not self.database_url:
             object.__setattr__(self, "database_url", f"sqlite:///{data / 'exogauge.sqlite'}")
+        return self
+
+    @model_validator(mode="after")
+    def _check_provider(self) -> Self:
+        if not self.oidc_issuer:
+            return self
+        parts = urlsplit(self.oidc_issuer)
+        if parts.scheme != "https" and not (parts.scheme == "http" and is_loopback(parts.hostname or "")):
+            raise ValueError("EXOGAUGE_OIDC_ISSUER is an https address")
+        if not self.oidc_client_id:
+            raise ValueError("EXOGAUGE_OIDC_CLIENT_ID belongs to EXOGAUGE_OIDC_ISSUER")
+        object.__setattr__(self, "oidc_name", self.oidc_name or parts.hostname or "")
         return self
 
     @property
@@ -120,10 +143,15 @@ class Settings(BaseSettings):
         """Whether nobody but this machine reaches the server: it listens on the loopback interface, for no proxy."""
         if self.proxy:
             return False
-        try:
-            return ip_address(self.host).is_loopback
-        except ValueError:
-            return self.host == "localhost"
+        return is_loopback(self.host)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether it is this machine, seen from itself."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 IN_CHECKOUT = {"web": "web/dist"}

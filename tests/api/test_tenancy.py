@@ -24,8 +24,10 @@ from exogauge.api.rights import right_of
 from exogauge.settings import Settings
 from exogauge.storage.account_tables import SessionRow
 from exogauge.storage.files import PinnedFile
+from exogauge.storage.identities import Identities
 from exogauge.storage.live_streams import Counts
 from exogauge.storage.partial_files import PartialFiles
+from exogauge.storage.records import PublishedFile
 from exogauge.storage.store import Store
 from exogauge.storage.tables import Artifact, Base, Job, Result, new_id, utc_now
 
@@ -34,14 +36,18 @@ JSON, FORM, TUS = "json", "files", "tus"
 OPEN = {  # what needs nobody to say who they are, and proves itself otherwise or holds no data
     ("GET", "/api/v1/session"), ("POST", "/api/v1/session"), ("DELETE", "/api/v1/session"), ("POST", "/api/v1/set-up"),
     ("POST", "/api/v1/invitations/look"), ("POST", "/api/v1/invitations/accept"), ("GET", "/api/v1/scenes/player"),
+    ("GET", "/api/v1/published/{key}"), ("GET", "/api/v1/published/{key}/datacite"),
+    ("GET", "/api/v1/published/{key}/SHA256SUMS"), ("GET", "/api/v1/published/{key}/files/{path}"),
+    ("POST", "/api/v1/oidc/begin"), ("GET", "/api/v1/oidc/callback"),
     ("GET", "/healthz"), ("GET", "/readyz"), ("GET", "/metrics"),
 }  # fmt: skip
 SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
+    "listIdentities", "unlinkIdentity",
 }  # fmt: skip
 ADMIN = {"renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit"}
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
-NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
+NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "identities", "sign_in_tries"}
 SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to another lab; see `filled`
     "robots": "listRobots", "robot_files": "getRobotFile", "devices": "listDevices", "device_files": "getDeviceFile",
     "logs": "listLogs", "studies": "listStudies", "study_files": "getStudyFile", "payloads": "listPayloads",
@@ -49,6 +55,7 @@ SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to ano
     "results": "getJobResults", "artifacts": "listArtifacts", "uploads": "getUploadOffset",
     "robot_mappings": "getRobotMapping", "audit": "listAudit", "memberships": "listMembers",
     "api_tokens": "listTokens", "invitations": "listInvitations", "shares": "listShares",
+    "publications": "listPublications", "publication_files": "getPublication",
     "idempotency_keys": None,  # test_one_key_of_two_labs_is_two_requests
 }  # fmt: skip
 
@@ -72,11 +79,15 @@ def world(people: People, settings: Settings) -> World:
     """North has one of everything."""
     made = World(people)
     account = made.people.person("ada@example.org", "north", "admin")
+    with made.people.installation.session() as session:
+        Identities(session).link(account, "https://login.example", "Northern subject")
+        identity = Identities(session).of(account)[0].id
     made.people.person("eve@example.org", "south", "admin")
     made.people.person("wes@example.org", "west", "admin")
     with made.people.installation.of_lab("north", "test").transaction() as store:
         made.north = filled(store, settings)
         made.north["account_id"] = account
+        made.north["identity_id"] = identity
         made.north["share_id"] = store.shares.add(made.north["study_id"], "west").id
         made.north["invitation_id"] = store.invitations.add("guest@example.org", "viewer", account)[0].id
         made.north["token_id"] = store.tokens.add(
@@ -107,13 +118,17 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
     store.session.add(Artifact(job_id=job.id, name="Northern.html", sha256=sha, size=18, media_type="text/html"))
     stream = store.live_streams.begin(payload.id, summary={"rate_hz": 250.0})
     store.live_streams.end(stream.id, Counts(), "ended", (sha, 18))
+    publication = store.publications.add(
+        study.id, job.id, [PublishedFile("results/north.txt", sha, 18, "text/plain")],
+        {"title": "Northern bend", "creators": [{"name": "Ada"}], "licence": "CC0-1.0"},
+    )  # fmt: skip
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
     store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
     return {
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",
-        "format": "csv",
+        "format": "csv", "publication_id": publication.id,
     }  # fmt: skip
 
 
@@ -154,9 +169,12 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "invite": {JSON: {"email": "new@example.org", "role": "viewer"}},
         "createToken": {JSON: {"name": "t"}},
         "shareStudy": {JSON: {"lab": None}},
+        "publish": {JSON: {"title": "t", "creators": [{"name": "Eve"}], "job_id": north["job_id"]}},
+        "revokePublication": {JSON: {"reason": "r"}},
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},
+        "compareDevice": {"params": {"model": "Northern"}},
         "compareStudies": {"params": {"jobs": [north["job_id"]]}},
         "listDevices": {"params": {"robot_id": north["robot_id"]}},
         "listStudies": {"params": {"search": "Northern"}},
@@ -171,7 +189,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
 NAMED_ELSEWHERE = {  # what names a thing of a lab not in its path: the other lab gets 404 for it
     "createDevice", "previewLog", "submitJob", "createLog", "createLogFromUpload", "checkPayload",
     "createPayloadFromDraft", "lookAtPayload", "createPayloadFromUpload", "createStudyFromUpload", "createStudy",
-    "compareStudies", "showLab",
+    "compareStudies", "compareDevice", "showLab",
 }  # fmt: skip
 
 
@@ -311,6 +329,7 @@ def test_the_lab_itself_finds_all_of_it(app: FastAPI, world: World) -> None:
     by_content = {  # 404 for what is in the files, which are none of a robot here
         "getScene", "getPayloadScene", "getSeriesTiles", "exportSeries", "getRawSeries", "getRawSeriesTiles",
         "exportRawSeries", "getArtifact", "getPayloadResults", "exportPayload", "whatIf", "getStudyResults",
+        "compareDevice",
     }  # fmt: skip
     found = set[str]()
     for method, path, name in of_labs(app):

@@ -30,9 +30,10 @@ CHOICES = {"role": "viewer", "scope": "read"}  # where not any word will do
 NUMBERS = count(1)
 
 
-FREE = {  # what of no lab a lab's row may name; the subject of an audit, which may be gone; a worker's own name
+FREE = {  # what of no lab a lab's row may name; what may be gone of an audit or a publication; a worker's own name
     "memberships": {"account_id"}, "api_tokens": {"account_id"}, "sessions": {"account_id"},
-    "audit": {"subject_id"}, "worker_leases": {"worker_id"},
+    "identities": {"account_id"},
+    "audit": {"subject_id"}, "worker_leases": {"worker_id"}, "publications": {"series_id", "study_id", "job_id"},
 }  # fmt: skip
 
 

@@ -97,7 +97,7 @@ class Access:
         if to_note:
             with contextlib.suppress(Unavailable), installation.session() as session:
                 callers.note(session, caller)
-        return caller if host is None else replace(caller, lab_id=host, role="viewer")
+        return caller if host is None else replace(caller, lab_id=host, role="viewer", guest=True)
 
     def host(self, session: Session, caller: Caller, scope: Scope) -> str | None:
         """The other lab as whose viewer this request reads a study that it shares; None: one reads one's own."""

@@ -11,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 
 from exogauge import __version__
 from exogauge.api import (
+    between_labs,
     compare,
     devices,
     events,
@@ -22,11 +23,14 @@ from exogauge.api import (
     logs,
     metrics,
     models,
+    oidc,
     openapi,
     page,
     payload_drafts,
     payloads,
     problems,
+    publications,
+    published,
     raw_series,
     results,
     robots,
@@ -44,6 +48,7 @@ from exogauge.api.idempotency import Idempotency
 from exogauge.api.live_hub import Hub
 from exogauge.api.metrics import OfInstallation
 from exogauge.api.observed import Measures, Observed
+from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
 from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.sandbox.asking import at_once
@@ -90,6 +95,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.installation = installation
     app.state.accounts = settings.accounts or has_accounts(installation)
     app.state.live = hub
+    app.state.oidc = Provider(settings) if settings.oidc_issuer else None
+    app.state.extracts = between_labs.Extracts()
     app.state.watch = events.Watch(installation)
     app.state.measures = measures = Measures()
     measures.registry.register(OfInstallation(installation, settings))
@@ -119,10 +126,14 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         from_uploads.router,
         imports.router,
         compare.router,
+        between_labs.router,
         models.router,
         session.router,
+        oidc.router,
         lab.router,
         shares.router,
+        publications.router,
+        published.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

@@ -58,6 +58,12 @@ def get_caller(request: Request) -> Caller:
     return caller_of(request)
 
 
+def public_address(request: Request) -> str:
+    """Of the page, without a slash at its end, as others find it."""
+    settings = get_settings(request)
+    return settings.public_url or str(request.base_url).rstrip("/")
+
+
 def accounts_are_on(request: Request) -> None:
     """409 where there are none."""
     if not request.app.state.accounts:
@@ -122,4 +128,5 @@ CallerDep = Annotated[Caller, Depends(get_caller)]
 StorageDep = Annotated[Storage, Depends(get_storage)]
 StoreDep = Annotated[Store, Depends(get_store, scope="function")]
 ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]
+PublicAddress = Annotated[str, Depends(public_address)]
 AccountsOn = Depends(accounts_are_on)

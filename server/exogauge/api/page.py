@@ -26,7 +26,7 @@ router = APIRouter(include_in_schema=False)
 
 PLACES = (  # the first part of a page's address
     "", "studies", "import", "robots", "devices", "payloads", "compare",
-    "sign-in", "set-up", "invited", "account", "lab",
+    "sign-in", "set-up", "invited", "account", "lab", "published",
 )  # fmt: skip
 BASE, NONCE, LIMITS = '<base href="/" />', 'nonce=""', 'name="limits" content=""'
 FOREVER = "public, max-age=31536000, immutable"  # names hold a hash of the content

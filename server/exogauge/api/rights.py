@@ -37,9 +37,16 @@ def rule(methods: tuple[str, ...] | str, path: str, right: Right) -> Rule:
 
 RULES = (
     rule(SAFE, r"/(icon\.svg|healthz|readyz|metrics|assets/[^/]*)?", "open"),
-    rule(SAFE, r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|compare)(/.*)?", "open"),
+    rule(
+        SAFE,
+        r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|compare|published)(/.*)?",
+        "open",
+    ),
     rule(SAFE, r"/api/v1/scenes/player", "open"),  # the page of a frame, which holds no data
     rule(("GET", "HEAD", "POST", "DELETE"), r"/api/v1/session", "open"),  # who asks; sign in; sign out
+    rule(SAFE, r"/api/v1/published/.*", "open"),  # what a lab has published, and nothing else
+    rule("POST", r"/api/v1/oidc/begin", "open"),  # goes to the provider, and comes back with its word
+    rule("GET", r"/api/v1/oidc/callback", "open"),
     rule("POST", r"/api/v1/set-up", "open"),  # proves itself by its code, as the next two do
     rule("POST", r"/api/v1/invitations/(look|accept)", "open"),
     rule(ANY, r"/api/v1/(session/.*|sessions|account(/.*)?|labs)", "session"),

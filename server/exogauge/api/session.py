@@ -53,13 +53,14 @@ class AccountOut(Answer):
 @final
 class SessionOut(BaseModel):
     """accounts: whether there are any here; set_up: whether the first one is still to be made. lab: whose things are
-    shown; labs: those one could be shown."""
+    shown; labs: those one could be shown. oidc: name of the provider at which one may sign in, too."""
 
     accounts: bool
     set_up: bool = False
     account: AccountOut | None = None
     lab: LabOut | None = None
     labs: list[LabOut] = []
+    oidc: str | None = None
 
 
 @final
@@ -105,7 +106,7 @@ def get_session(request: Request, installation: InstallationDep, settings: Setti
     with installation.reading() as session:
         accounts = Accounts(session)
         if caller is None:
-            return SessionOut(accounts=True, set_up=not accounts.any())
+            return SessionOut(accounts=True, set_up=not accounts.any(), oidc=settings.oidc_name or None)
         account = None if caller.account_id is None else AccountOut.model_validate(accounts.get(caller.account_id))
         labs = [] if caller.account_id is None else accounts.labs_of(caller.account_id)
         shown = [LabOut(id=lab.id, name=lab.name, role=role) for lab, role in labs]  # type: ignore[arg-type]
@@ -113,7 +114,8 @@ def get_session(request: Request, installation: InstallationDep, settings: Setti
         if caller.lab_id is not None and caller.role is not None:
             lab = LabOut(id=caller.lab_id, name=accounts.lab(caller.lab_id).name, role=caller.role)
     only_this = caller.token_id is not None and lab is not None
-    return SessionOut(accounts=True, account=account, lab=lab, labs=[lab] if only_this and lab else shown)
+    labs_shown = [lab] if only_this and lab else shown
+    return SessionOut(accounts=True, account=account, lab=lab, labs=labs_shown, oidc=settings.oidc_name or None)
 
 
 @router.post("/session", operation_id="signIn", status_code=204, response_class=Response, dependencies=[AccountsOn])

@@ -109,7 +109,8 @@ class LatestJob(Answer):
 
 @final
 class StudyOut(Answer):
-    """A study. content_hash covers every pinned file; files are given when one study is asked for."""
+    """A study. content_hash covers every pinned file; files are given when one study is asked for. shared_by: the lab
+    whose it is, which lets one's own read it; null: it is one's own."""
 
     id: str
     name: str
@@ -118,6 +119,7 @@ class StudyOut(Answer):
     summary: dict[str, Any]
     latest_job: LatestJob | None = None
     files: list[FileOut] | None = None
+    shared_by: str | None = None
 
     @classmethod
     def of(cls, study: StudyRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:

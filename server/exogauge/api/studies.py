@@ -12,12 +12,23 @@ from fastapi import APIRouter, Depends, Query, Response
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
 from exogauge.api.bundles import give_files, keep, let_go
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.dependencies import (
+    CallerDep,
+    Cursor,
+    Id,
+    Limit,
+    ReaderDep,
+    Search,
+    SettingsDep,
+    StorageDep,
+    encoded_cursor,
+)
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
+from exogauge.storage.accounts import Accounts
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.store import Storage
 
@@ -73,9 +84,11 @@ def list_studies(
 
 
 @router.get("/studies/{study_id}", operation_id="getStudy")
-def get_study(study_id: Id, store: ReaderDep) -> StudyOut:
+def get_study(study_id: Id, store: ReaderDep, caller: CallerDep) -> StudyOut:
     study = store.studies.get(str(study_id))
-    return StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
+    answer = StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
+    answer.shared_by = Accounts(store.session).lab(store.lab_id).name if caller.guest else None
+    return answer
 
 
 give_files(router, "study", "studies", lambda store: store.studies)

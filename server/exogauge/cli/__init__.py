@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from exogauge import __version__
 from exogauge.blas_threads import one_thread
-from exogauge.cli import accounts, blind, motion, payload, sample, service, study, upkeep
+from exogauge.cli import accounts, blind, labs, motion, payload, sample, service, study, upkeep
 from exogauge.cli.endings import BAD_INPUT
 from exogauge.errors import ExogaugeError
 from exogauge.logbook import keep
@@ -42,6 +42,6 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"exogauge {__version__}")
     top.add_argument("-v", "--verbose", action="store_true", help="log what happens to stderr")
     commands = top.add_subparsers(dest="name", required=True, metavar="COMMAND")
-    for each in (study, payload, motion, sample, blind, service, accounts, upkeep):
+    for each in (study, payload, motion, sample, blind, service, accounts, labs, upkeep):
         each.add_commands(commands)
     return top

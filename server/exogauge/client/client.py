@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf, thing
+from exogauge.client.things import Artifact, Device, Job, Log, Payload, Publication, Robot, Study, WhatIf, thing
 from exogauge.client.tokens import token_for
 from exogauge.client.transport import ClientProblem, Transport, problem_of_job
 from exogauge.client.uploading import upload, zipped, zipped_description
@@ -240,9 +240,48 @@ class Client:
         given = asked | ({} if device is None else {"device": device})
         return thing(WhatIf, self._http.ask(f"studies/{id_of(study)}/whatif", given))
 
+    def publish(
+        self,
+        study: Study | str,
+        title: str,
+        creators: Sequence[Mapping[str, str | None]],
+        *,
+        inputs: bool = False,
+        follows: Publication | str | None = None,
+        **about: Any,
+    ) -> Publication:
+        """What the study's latest evaluation found becomes a snapshot that anybody reads.
+
+        creators: [{"name": "Family, Given", "orcid"?, "affiliation"?}]. inputs: robot, logs and device too. follows: an
+        earlier publication, of which it is the next version. about: description, keywords, licence, doi, job_id.
+        """
+        body = {"title": title, "creators": [dict(each) for each in creators], "inputs": inputs} | about
+        earlier = {} if follows is None else {"follows": id_of(follows)}
+        return thing(Publication, self._http.post(f"studies/{id_of(study)}/publications", body | earlier))
+
+    def publications(self, study: Study | str | None = None) -> Iterator[Publication]:
+        """What the lab has published, newest first; of one study, which may be gone, where given."""
+        return self._all("publications", Publication, {} if study is None else {"study_id": id_of(study)})
+
+    def revoke(self, publication: Publication | str, reason: str) -> Publication:
+        """Its files go from the public at once; its record and the hashes stay. reason: told at its address."""
+        return thing(Publication, self._http.post(f"publications/{id_of(publication)}/revoke", {"reason": reason}))
+
     def compare(self, jobs: Sequence[Job | str]) -> dict[str, Any]:
         """Jobs side by side: {jobs, support, stiffness, identification, settings}, one cell per job in each row."""
         answer: dict[str, Any] = self._http.get("compare", {"jobs": [id_of(job) for job in jobs]})
+        return answer
+
+    def compared_devices(self) -> list[dict[str, Any]]:
+        """Devices worn in studies that one may see, of most labs first: [{model, size, labs, studies}]."""
+        answer: list[dict[str, Any]] = self._http.get("compare/devices")["items"]
+        return answer
+
+    def compare_device(self, model: str, size: str | None = None) -> dict[str, Any]:
+        """One device over labs: {model, size, studies: who wore it on what and what each found, quantities: [{quantity,
+        of, unit, rows, values, found: {labs, verdict, mean, std, q, i_squared, birge_ratio, tau, …}}]}."""
+        asked = {"model": model} | ({} if size is None else {"size": size})
+        answer: dict[str, Any] = self._http.get("compare/device", asked)
         return answer
 
     def models(self, study: Study | str) -> list[dict[str, Any]]:
@@ -368,7 +407,7 @@ class Client:
         self.close()
 
 
-def id_of(thing: Robot | Device | Study | Payload | Job | str) -> str:
+def id_of(thing: Robot | Device | Study | Payload | Job | Publication | str) -> str:
     """Records and plain ids are both accepted."""
     return thing if isinstance(thing, str) else thing.id
 

@@ -71,6 +71,23 @@ class Payload:
 
 @final
 @dataclass(frozen=True)
+class Publication:
+    """A snapshot that anybody reads at `url`. revoked_at: since when its files are gone."""
+
+    id: str
+    key: str
+    url: str
+    title: str
+    version: int
+    study_id: str
+    content_hash: str
+    files: Sequence[Mapping[str, Any]] = field(default=(), repr=False)
+    revoked_at: str | None = None
+    revoked_because: str | None = None
+
+
+@final
+@dataclass(frozen=True)
 class Job:
     """study_id, payload_id: one of them is what it is of. state: queued, running, succeeded, failed or cancelled.
 

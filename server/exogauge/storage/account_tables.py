@@ -69,6 +69,19 @@ class SessionRow(Base):
 
 
 @final
+class IdentityRow(Base):
+    """A login at an OpenID provider, by which an account is reached: whom (`subject`) the issuer means."""
+
+    __tablename__ = "identities"
+    __table_args__ = (of_account(), sa.UniqueConstraint("issuer", "subject"))
+    id: Mapped[str] = mapped_column(UUID, primary_key=True, default=new_id)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    account_id: Mapped[str] = mapped_column(UUID, index=True)
+    issuer: Mapped[str] = mapped_column(sa.String(300))
+    subject: Mapped[str] = mapped_column(sa.String(255))
+
+
+@final
 class Membership(Owned, Base):
     """What an account may do in a lab."""
 

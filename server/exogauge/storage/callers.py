@@ -25,7 +25,7 @@ NOTED_EVERY = timedelta(minutes=5)  # that one was used
 @dataclass(frozen=True)
 class Caller:
     """actor: as the audit has it. role: in lab_id; None of one who is of no lab. By a session, or a token, or neither
-    where there are no accounts."""
+    where there are no accounts. guest: of another lab, which lab_id lets read this."""
 
     actor: str
     lab_id: str | None
@@ -33,6 +33,7 @@ class Caller:
     account_id: str | None = None
     session_id: str | None = None
     token_id: str | None = None
+    guest: bool = False
 
 
 def by_session(session: Session, key: str) -> tuple[Caller, bool] | None:

@@ -210,6 +210,15 @@ class AccountRecord:
 
 @final
 @dataclass(frozen=True)
+class IdentityRecord:
+    id: str
+    created_at: datetime
+    issuer: str
+    subject: str
+
+
+@final
+@dataclass(frozen=True)
 class MemberRecord:
     """role: viewer, member or admin. since: when it became one."""
 
@@ -288,3 +297,33 @@ class SharedStudy:
     name: str
     lab: str
     since: datetime
+
+
+@final
+@dataclass(frozen=True)
+class PublicationRecord:
+    """A snapshot. manifest: [{path, sha256, size, media_type}], also of one that was revoked."""
+
+    id: str
+    lab_id: str
+    created_at: datetime
+    key: str
+    series_id: str
+    version: int
+    study_id: str
+    job_id: str
+    content_hash: str
+    manifest: Sequence[Mapping[str, Any]]
+    about: Mapping[str, Any]
+    lab_name: str
+    revoked_at: datetime | None
+    revoked_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class PublishedFile:
+    path: str
+    sha256: str
+    size: int
+    media_type: str

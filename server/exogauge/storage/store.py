@@ -34,6 +34,7 @@ from exogauge.storage.live_streams import LiveStreams
 from exogauge.storage.logs import Logs
 from exogauge.storage.mappings import Mappings
 from exogauge.storage.members import Audit, Invitations, Members, Tokens
+from exogauge.storage.publications import Publications
 from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
 from exogauge.storage.rows import Lab
@@ -71,6 +72,7 @@ class Store:
         self.tokens = Tokens(lab)
         self.audit = Audit(lab)
         self.shares = Shares(lab)
+        self.publications = Publications(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
         """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""

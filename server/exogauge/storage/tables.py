@@ -327,6 +327,52 @@ class Artifact(Owned, Base):
 
 
 @final
+class Publication(Owned, Base):
+    """A snapshot of what a job found, which anybody may read; the database refuses to change or delete it.
+
+    key: of its address. series_id: the id of its first version. study_id, job_id: where it came from, which may be
+    gone. content_hash: over `manifest`, [{path, sha256, size, media_type}], which stays when its files go. about: as
+    whoever published it said. lab_name: the publisher's, then. revoked_at: since when its files are gone.
+    """
+
+    __tablename__ = "publications"
+    __table_args__ = (
+        referred(),
+        sa.UniqueConstraint("key"),
+        sa.UniqueConstraint("series_id", "version"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+        sa.Index(None, "study_id"),
+    )
+    key: Mapped[str] = mapped_column(sa.String(16))
+    series_id: Mapped[str] = mapped_column(UUID)
+    version: Mapped[int]
+    study_id: Mapped[str] = mapped_column(UUID)
+    job_id: Mapped[str] = mapped_column(UUID)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    manifest: Mapped[list[dict[str, Any]]] = mapped_column(sa.JSON)
+    about: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    lab_name: Mapped[str] = mapped_column(NAME)
+    revoked_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    revoked_because: Mapped[str | None] = mapped_column(sa.Text)
+
+
+@final
+class PublicationFile(Owned, Base):
+    """A file of a publication; it goes when that is revoked."""
+
+    __tablename__ = "publication_files"
+    __table_args__ = (
+        sa.UniqueConstraint("publication_id", "path"),
+        within_lab("publication_id", "publications"),
+    )
+    publication_id: Mapped[str] = mapped_column(UUID, index=True)
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+    media_type: Mapped[str] = mapped_column(sa.String(100))
+
+
+@final
 class Upload(Owned, Base):
     """A file that is being received. size: bytes it will have; those that arrived are on disk and nowhere else."""
 

@@ -4,7 +4,7 @@ import { Navigate, useLocation } from "react-router";
 import { useSession } from "../api/session";
 import { Loading } from "../parts/Loading";
 
-const DOORSTEPS = ["sign-in", "set-up", "invited"];
+const DOORSTEPS = ["sign-in", "set-up", "invited", "published"];
 
 /** The page, for who may see it; the way to sign in for others. A service that does not answer is the banner's business. */
 export function LetIn({ children }: { children: ReactNode }) {

@@ -33,6 +33,8 @@ export function newRouter() {
               { path: "payloads/new", lazy: () => import("../pages/payload/new/NewPayloadPage") },
               { path: "payloads/:payloadId/*", lazy: () => import("../pages/payload/PayloadPage") },
               { path: "compare", lazy: () => import("../pages/compare/ComparePage") },
+              { path: "compare/labs", lazy: () => import("../pages/compare/LabsPage") },
+              { path: "published/:key", lazy: () => import("../pages/published/PublishedPage") },
               { path: "sign-in", lazy: () => import("../pages/account/SignInPage") },
               { path: "set-up", lazy: () => import("../pages/account/SetUpPage") },
               { path: "invited", lazy: () => import("../pages/account/InvitedPage") },

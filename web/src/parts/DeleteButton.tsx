@@ -6,6 +6,7 @@ import { useNavigate } from "react-router";
 import type { ReactNode } from "react";
 
 import { deleteOne, type Deletable } from "../api/deleting";
+import { ForMembers } from "./ForMembers";
 import { ProblemBox } from "./ProblemBox";
 import { useDeed } from "./useDeed";
 
@@ -25,7 +26,7 @@ export function DeleteButton({ kind, id, name, children }: Props) {
     await cache.invalidateQueries();
   };
   return (
-    <>
+    <ForMembers>
       <Button variant="default" onClick={open}>
         Delete
       </Button>
@@ -43,6 +44,6 @@ export function DeleteButton({ kind, id, name, children }: Props) {
           </Group>
         </Stack>
       </Modal>
-    </>
+    </ForMembers>
   );
 }

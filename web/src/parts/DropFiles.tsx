@@ -2,6 +2,7 @@ import { Button, FileButton, Group, Text, Title } from "@mantine/core";
 import { Dropzone, type FileWithPath } from "@mantine/dropzone";
 import { useId, type ReactNode } from "react";
 
+import { ForMembers } from "./ForMembers";
 import styles from "./DropFiles.module.css";
 import { freePath } from "./freePath";
 
@@ -22,6 +23,7 @@ export function DropFiles({ title, choose, take, busy = false, single = false, a
   const id = useId();
   const hand = (files: File[]) => files.length > 0 && take(withPaths(files));
   return (
+    <ForMembers told>
     <section aria-labelledby={id}>
       <Dropzone
         onDrop={hand}
@@ -48,6 +50,7 @@ export function DropFiles({ title, choose, take, busy = false, single = false, a
         </Group>
       </Dropzone>
     </section>
+    </ForMembers>
   );
 }
 

@@ -4,18 +4,22 @@ import type { Schemas } from "../api/client";
 import { sizeOf } from "./size";
 import { number, WideTable } from "./WideTable";
 
-type Props = { label: string; files: Schemas["FileOut"][]; href: (path: string) => string };
+type Props = { label: string; files: Schemas["FileOut"][]; href?: (path: string) => string };
 
-/** Pinned files, to be fetched, each with its size and hash. */
+/** Pinned files, each with its size and hash; to be fetched where there is an address. */
 export function FileTable({ label, files, href }: Props) {
   return (
     <WideTable label={label} columns={["File", number("Size"), "SHA-256"]}>
       {files.map((file) => (
         <Table.Tr key={file.path}>
           <Table.Td>
-            <Anchor href={href(file.path)} download>
-              {file.path}
-            </Anchor>
+            {href ? (
+              <Anchor href={href(file.path)} download>
+                {file.path}
+              </Anchor>
+            ) : (
+              file.path
+            )}
           </Table.Td>
           <Table.Td data-number>{sizeOf(file.size)}</Table.Td>
           <Table.Td>

@@ -9,11 +9,11 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import NotIdentifiable
 from exogauge.experiment.information import Information, Told
+from exogauge.experiment.series_search import descend, largest_within
 from exogauge.robots.motion import Motion
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.stance import OutOfReachError, Stance, Three
@@ -154,14 +154,10 @@ def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> A
     if rest > 1.0:
         raise NotIdentifiable(f"home is outside a bound while nothing moves ({name}): choose another posture", ())
     rate = len(task.time) / task.series.duration
-    low, high = 0.0, 1.0
-    while task.largest(task.still + high * (x - task.still), rate)[0] <= 1.0:
-        low, high = high, 2.0 * high
-    for _ in range(task.criteria.halvings):
-        middle = (low + high) / 2
-        inner = task.largest(task.still + middle * (x - task.still), rate)[0] <= 1.0
-        low, high = (middle, high) if inner else (low, middle)
-    return task.still + share * low * (x - task.still)
+    most = largest_within(
+        lambda part: task.largest(task.still + part * (x - task.still), rate)[0] <= 1.0, task.criteria.halvings
+    )
+    return task.still + share * most * (x - task.still)
 
 
 def best_motion(task: Task, rng: np.random.Generator, report: Report | None = None) -> Array:
@@ -235,17 +231,13 @@ def improve(task: Task, x: Array, report: Callable[[int, float, float], None] | 
     """
     scale = np.tile(task.sizes, (1, task.series.size))
     evaluations = 0
-    for dear in task.criteria.costs:
 
-        def at(y: Array, dear: float = dear) -> tuple[float, Array]:
-            nonlocal evaluations
-            evaluations += 1
-            cost, gradient, largest = point(task, y.reshape(scale.shape) * scale, dear)
-            if report is not None:
-                report(evaluations, cost, largest)
-            return cost, (gradient * scale).ravel()
+    def at(x: Array, dear: float) -> tuple[float, Array]:
+        nonlocal evaluations
+        evaluations += 1
+        cost, gradient, largest = point(task, x, dear)
+        if report is not None:
+            report(evaluations, cost, largest)
+        return cost, gradient
 
-        found = minimize(at, (x / scale).ravel(), jac=True, method="L-BFGS-B",
-                         options={"maxfun": task.criteria.steps, "maxcor": 20})  # fmt: skip
-        x = np.asarray(found.x).reshape(scale.shape) * scale
-    return within(task, x)
+    return within(task, descend(at, x, scale, task.criteria.costs, task.criteria.steps))

@@ -9,9 +9,10 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
+from exogauge.criteria.motion_excite import USUAL
 from exogauge.errors import NotIdentifiable
+from exogauge.experiment.series_search import descend, largest_within, part_within
 from exogauge.payload.dynamics import Prior, prior_information, regressor_slopes
 from exogauge.payload.planning.arm import Arm, Moving
 from exogauge.payload.planning.workspace import Cap
@@ -22,14 +23,6 @@ from exogauge.robots.series import Series
 Array = NDArray[np.float64]
 
 PER_PERIOD = 24  # samples per period of the fastest sine while planning: between them it is 1 % higher at most
-CHECK_HZ = 1000.0  # at which every bound must hold
-KEPT = 0.99  # of every bound, while planning: what lies between samples
-SHARPNESS = (
-    30.0,
-    150.0,
-)  # of the smooth largest value, one after the other: it is above the largest by ln(T)/sharpness
-STEPS = 60  # of SLSQP at each sharpness, at most
-HALVINGS = 8  # of the share of a motion that keeps within its bounds: known to 0.4 %
 
 
 @final
@@ -139,7 +132,7 @@ class Task:
             room.append(slopes)
         return np.concatenate([both, -both, *room], axis=1)
 
-    def largest(self, x: Array, rate_hz: float = CHECK_HZ) -> float:
+    def largest(self, x: Array, rate_hz: float = USUAL.check_hz) -> float:
         """Share of the bound that is nearest, at any sample of a period. x: (n, 2N-2)."""
         time = np.arange(round(rate_hz * self.series.duration) + 1) / rate_hz
         q, dq, ddq = self.series.motion(x, time)
@@ -184,22 +177,15 @@ def random_motion(task: Task, rng: np.random.Generator, share: float = 1.0) -> A
             "torques, workspace and the sensor's range", ("Ixx", "Iyy", "Izz"),
         )  # fmt: skip
     rate = len(task.time) / task.series.duration
-    low, high = 0.0, 1.0
-    while task.largest(still + high * (x - still), rate) <= 1.0:
-        low, high = high, 2.0 * high
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        inner = task.largest(still + middle * (x - still), rate) <= 1.0
-        low, high = (middle, high) if inner else (low, middle)
-    return within(task, still + share * low * (x - still))
+    most = largest_within(lambda part: task.largest(still + part * (x - still), rate) <= 1.0, USUAL.halvings)
+    return within(task, still + share * most * (x - still))
 
 
 def excite(
     task: Task, rng: np.random.Generator, starts: int = 4, *, gravity: bool = True,
     progress: Callable[[float, str], None] = lambda fraction, phrase: None,
 ) -> list[Excitation]:  # fmt: skip
-    """Motions from several starts, best first, by SLSQP with the exact gradient; those that collide are shrunk towards
-    home until they do not.
+    """Motions from several starts, best first; those that collide are shrunk towards home until they do not.
 
     gravity: False plans by the criterion without it. Raises NotIdentifiable.
     """
@@ -217,28 +203,12 @@ def excite(
 
 def improve(task: Task, x: Array, *, gravity: bool = True) -> Array:
     """From a start x (n, 2N-2): the motion of least cost near it, within all bounds at 1 kHz."""
-    shape, count, last = x.shape, x.size, _Last(task, gravity)
-    scale = np.concatenate([np.ones(shape[1] - 1) * max(float(np.abs(x[:, :-1]).max()), 1e-3), [0.3]])
+    scale = np.concatenate([np.ones(x.shape[1] - 1) * max(float(np.abs(x[:, :-1]).max()), 1e-3), [0.3]])
 
-    def here(y: Array) -> _Point:
-        return last.at(y.reshape(shape) * scale)
+    def at(x: Array, dear: float) -> tuple[float, Array]:
+        return point(task, x, dear, gravity=gravity)
 
-    for sharpness in SHARPNESS:
-
-        def room(y: Array, sharp: float = sharpness) -> Array:
-            return KEPT - here(y).smooth(sharp)[0]
-
-        def room_slopes(y: Array, sharp: float = sharpness) -> Array:
-            return np.asarray(-here(y).smooth(sharp)[1] * scale).reshape(-1, count)
-
-        start: Array = (x / scale).ravel()
-        found = minimize(  # type: ignore[call-overload]
-            lambda y: here(y).cost, start, method="SLSQP", jac=lambda y: (here(y).gradient * scale).ravel(),
-            constraints=[{"type": "ineq", "fun": room, "jac": room_slopes}],
-            options={"maxiter": STEPS, "ftol": 1e-5},
-        )  # fmt: skip
-        x = np.asarray(found.x).reshape(shape) * scale
-    return within(task, x)
+    return within(task, descend(at, x, scale, USUAL.costs, USUAL.steps))
 
 
 def touches(task: Task, x: Array) -> bool:
@@ -258,50 +228,11 @@ def within(task: Task, x: Array, *, clear: bool = False) -> Array:
         return x
     still = np.zeros_like(x)
     still[:, -1] = task.arm.home[task.arm.moved]
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if inside(still + middle * (x - still)) else (low, middle)
-    return still + low * (x - still)
+    return still + part_within(lambda part: inside(still + part * (x - still)), USUAL.halvings) * (x - still)
 
 
-@final
-@dataclass(frozen=True)
-class _Point:
-    """cost with its gradient (n, 2N-2); strain (T, m) with its slopes (T, m, n, 3)."""
-
-    cost: float
-    gradient: Array
-    strain: Array
-    slopes: Array
-    columns: Array
-
-    def smooth(self, sharpness: float) -> tuple[Array, Array]:
-        """(m,) above the largest of each over time, and (m, n, 2N-2)."""
-        top = self.strain.max(axis=0)
-        p = np.exp(sharpness * (self.strain - top))
-        total = p.sum(axis=0)
-        by_motion = np.einsum("tm,tmnk,ktp->mnp", p / total, self.slopes, self.columns, optimize=True)
-        return top + np.log(total) / sharpness, by_motion
-
-
-@final
-class _Last:
-    """What was computed for the last x: SLSQP asks for cost, gradient and bounds one by one."""
-
-    def __init__(self, task: Task, gravity: bool) -> None:
-        self.task, self.gravity = task, gravity
-        self.x: Array | None = None
-        self.point: _Point | None = None
-
-    def at(self, x: Array) -> _Point:
-        if self.point is None or self.x is None or not np.array_equal(x, self.x):
-            self.x, self.point = x.copy(), point(self.task, x, gravity=self.gravity)
-        return self.point
-
-
-def point(task: Task, x: Array, *, gravity: bool = True) -> _Point:
-    """Cost and strain with their exact slopes. x: (n, 2N-2)."""
+def point(task: Task, x: Array, dear: float, *, gravity: bool = True) -> tuple[float, Array]:
+    """Cost, with the squares of excesses at that price, and its exact gradient (n, 2N-2). x: (n, 2N-2)."""
     q, dq, ddq = np.einsum("ktp,np->ktn", task.columns, x)
     moving = task.arm.moving(q, dq, ddq, slopes=True)
     assert moving.state_slopes is not None
@@ -311,5 +242,8 @@ def point(task: Task, x: Array, *, gravity: bool = True) -> _Point:
         slopes = slopes.copy()  # of Rᵀg: g turns against the joints
         assert moving.axis_slopes is not None
         slopes[:, :3, :, 0] += np.einsum("tjin,j->tin", moving.axis_slopes, task.arm.gravity)
-    gradient = np.einsum("ts,tsnk,ktp->np", by_state, slopes, task.columns, optimize=True)
-    return _Point(cost, gradient, task.strain(q, dq, ddq, moving), task.strain_slopes(moving), task.columns)
+    by_motion = np.einsum("ts,tsnk->tnk", by_state, slopes)
+    excess = np.maximum(task.strain(q, dq, ddq, moving) - USUAL.kept, 0.0)
+    cost += dear * float(np.sum(excess**2)) / len(excess)
+    by_motion += 2.0 * dear / len(excess) * np.einsum("tm,tmnk->tnk", excess, task.strain_slopes(moving))
+    return cost, np.asarray(np.einsum("tnk,ktp->np", by_motion, task.columns))

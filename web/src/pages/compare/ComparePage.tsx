@@ -3,6 +3,7 @@ import { IconLink, IconPrinter } from "@tabler/icons-react";
 
 import { useComparison } from "../../api/compare";
 import { Empty } from "../../parts/Empty";
+import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { usePrintInLight } from "../../parts/usePrintInLight";
@@ -26,6 +27,9 @@ export function Component() {
   return (
     <div className={styles.page}>
       <PageTitle title="Compare" lead="Devices, motions and approaches side by side; every number is that of its job’s results.json.">
+        <LinkButton variant="default" to="/compare/labs">
+          One device in several labs
+        </LinkButton>
         {some && (
           <>
             <CopyButton value={window.location.href}>

@@ -6,6 +6,7 @@ import { lazy, useMemo, useState } from "react";
 import type { Device } from "../../api/devices";
 import type { Robot, RobotModel } from "../../api/robots";
 import { useKeep } from "../../app/kept";
+import { ForMembers } from "../../parts/ForMembers";
 import { linkNamed, placeOn } from "../../parts/place";
 import { count } from "../../parts/size";
 import { BAND_COLOURS, StickFigure, type DrawnBand } from "../../parts/StickFigure";
@@ -104,9 +105,11 @@ export function DeviceEditor({ device, robot, text }: Props) {
             <Button variant="default" disabled={changed.length === 0} onClick={history.reset}>
               Back to saved
             </Button>
+            <ForMembers told>
             <Button disabled={changed.length === 0 || hindered !== null} onClick={() => setSaving(true)}>
               Save as a new version
             </Button>
+            </ForMembers>
           </Group>
         </Group>
         {hindered && (

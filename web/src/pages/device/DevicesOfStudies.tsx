@@ -4,6 +4,7 @@ import { useNavigate } from "react-router";
 import type { Device } from "../../api/devices";
 import { useEveryStudy, type Study } from "../../api/studies";
 import { partsOf, useTakeDevice } from "../../api/studyParts";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Row, Rows } from "../../parts/Rows";
 import { isFound } from "../../parts/useSought";
@@ -40,6 +41,7 @@ export function DevicesOfStudies({ devices, words }: { devices: Device[]; words:
               </>
             }
           >
+            <ForMembers>
             <Button
               variant="default"
               aria-label={`Add it to the list: ${name}`}
@@ -48,6 +50,7 @@ export function DevicesOfStudies({ devices, words }: { devices: Device[]; words:
             >
               Add it to the list
             </Button>
+            </ForMembers>
           </Row>
         ))}
       </Rows>

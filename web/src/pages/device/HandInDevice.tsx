@@ -5,9 +5,18 @@ import { Link, useNavigate } from "react-router";
 import { useAddDevice } from "../../api/devices";
 import { useRobots } from "../../api/robots";
 import { DropFiles, type Dropped } from "../../parts/DropFiles";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 
 export function HandInDevice() {
+  return (
+    <ForMembers told>
+      <Zone />
+    </ForMembers>
+  );
+}
+
+function Zone() {
   const { data: robots = [] } = useRobots();
   const [chosen, choose] = useState("");
   const add = useAddDevice();

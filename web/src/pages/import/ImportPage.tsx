@@ -5,6 +5,7 @@ import { Link, useSearchParams } from "react-router";
 import type { Schemas } from "../../api/client";
 import { useRobot, useRobots } from "../../api/robots";
 import { useKept } from "../../app/kept";
+import { ForMembers } from "../../parts/ForMembers";
 import { DropFiles } from "../../parts/DropFiles";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
@@ -23,6 +24,14 @@ import { Verdict } from "./Verdict";
 const FORMATS = ".csv,.txt,.tsv,.gz,.parquet,.mat,.h5,.hdf5,.npz,.npy,.db3,.mcap";
 
 export function Component() {
+  return (
+    <ForMembers told>
+      <Importing />
+    </ForMembers>
+  );
+}
+
+function Importing() {
   const [search] = useSearchParams();
   const { data: robots = [] } = useRobots();
   const [chosen, choose] = useKept("robot", search.get("robot") ?? "");

@@ -1,5 +1,7 @@
 import { Button, Group, NativeSelect, Stack, Text, Title } from "@mantine/core";
 
+import { useState } from "react";
+
 import { useLabDeeds, useMembers, type Member } from "../../api/lab";
 import { useSession, type Role } from "../../api/session";
 import { Loading } from "../../parts/Loading";
@@ -30,6 +32,7 @@ function MemberRow({ member, admin }: { member: Member; admin: boolean }) {
   const { data: session } = useSession();
   const { setRole, remove } = useLabDeeds();
   const { start, busy, error } = useDeed();
+  const [asking, setAsking] = useState(false);
   const me = session?.account?.id === member.account_id;
   const words = (
     <>
@@ -55,9 +58,20 @@ function MemberRow({ member, admin }: { member: Member; admin: boolean }) {
               start(async () => void (await setRole(member.account_id, role)));
             }}
           />
-          <Button variant="default" loading={busy} onClick={() => start(async () => void (await remove(member.account_id)))}>
-            Remove {member.name}
-          </Button>
+          {asking ? (
+            <>
+              <Button variant="default" onClick={() => setAsking(false)}>
+                Keep {member.name}
+              </Button>
+              <Button color="red" loading={busy} onClick={() => start(async () => void (await remove(member.account_id)))}>
+                Remove, with its tokens
+              </Button>
+            </>
+          ) : (
+            <Button variant="default" onClick={() => setAsking(true)}>
+              Remove {member.name}
+            </Button>
+          )}
         </Group>
       ) : (
         <AtRight>{member.role}</AtRight>

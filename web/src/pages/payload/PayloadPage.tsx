@@ -11,6 +11,7 @@ import { FileTable } from "../../parts/FileTable";
 import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { useDeed } from "../../parts/useDeed";
 import { FilesSection } from "../study/FilesSection";
@@ -38,9 +39,11 @@ export function Component() {
   return (
     <>
       <PageTitle title={found.name} lead={[...factsOf(found), `version ${found.version}`].join(" · ")}>
-        <LinkButton variant="default" to={`/payloads/new?from=${found.id}`}>
-          Change or add logs
-        </LinkButton>
+        <ForMembers>
+          <LinkButton variant="default" to={`/payloads/new?from=${found.id}`}>
+            Change or add logs
+          </LinkButton>
+        </ForMembers>
         <DeleteButton kind="payloads" id={found.id} name={`${found.name}, version ${found.version}`}>
           This version goes, with its files, jobs, results and streams.
         </DeleteButton>
@@ -107,9 +110,11 @@ function NotYet({ payload, refetch }: { payload: Payload; refetch: () => Promise
   return (
     <Empty title="Not identified yet">
       <Text>The files were read and are in order.</Text>
-      <Button loading={busy} onClick={() => start(identify)}>
-        Identify
-      </Button>
+      <ForMembers told>
+        <Button loading={busy} onClick={() => start(identify)}>
+          Identify
+        </Button>
+      </ForMembers>
       {error !== null && <ProblemBox error={error} />}
     </Empty>
   );

@@ -7,6 +7,7 @@ import { Empty } from "../../parts/Empty";
 import { LinkButton } from "../../parts/LinkButton";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { AtRight, Row, Rows } from "../../parts/Rows";
 import { NothingFound, SearchBox } from "../../parts/SearchBox";
@@ -30,7 +31,9 @@ export function Component() {
   return (
     <>
       <PageTitle title="Payloads" lead="What hangs on a wrist force/torque sensor: mass, centre, inertia, and what touches it.">
-        <LinkButton to="/payloads/new">New payload, step by step</LinkButton>
+        <ForMembers>
+          <LinkButton to="/payloads/new">New payload, step by step</LinkButton>
+        </ForMembers>
       </PageTitle>
       <HandIn of={PAYLOAD} title="Drop a payload here" atOnce="Identify at once">
         One zip, a folder, or its files: <code>payload.yaml</code>, the logs and, where the pose is from joint angles, the URDF.

@@ -5,6 +5,7 @@ import { isActive } from "../../api/studies";
 import { address } from "../../app/base";
 import { figure, isNumber, percent, significant } from "../../parts/digits";
 import { Loading } from "../../parts/Loading";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Said } from "../../parts/Said";
 import { StateBadge } from "../../parts/StateBadge";
@@ -30,6 +31,7 @@ export function Plans({ payload }: { payload: Payload }) {
           Planned for the joints {payload.summary.plan?.joints.join(", ")}, within the limits of payload.yaml: each plan tells
           what standard deviation every number will have.
         </Text>
+        <ForMembers told>
         <Group gap="sm">
           {(Object.keys(WORDS) as What[]).map((what) => (
             <Button key={what} variant="default" loading={ask.isPending && ask.variables === what} onClick={() => ask.mutate(what)}>
@@ -37,6 +39,7 @@ export function Plans({ payload }: { payload: Payload }) {
             </Button>
           ))}
         </Group>
+        </ForMembers>
         {ask.error && <ProblemBox error={ask.error} />}
         {error && !plans ? <ProblemBox error={error} retry={() => void refetch()} /> : !plans ? <Loading what="the plans" lines={1} /> : null}
         {plans?.map((plan) => (
@@ -62,9 +65,11 @@ export function PlanBox({ plan: { job, found, files } }: { plan: Plan }) {
             <When at={job.created_at} />
           </Text>
           {isActive(job.state) && (
+            <ForMembers>
             <Button size="xs" variant="default" loading={cancel.isPending || job.cancel_requested} onClick={() => cancel.mutate()}>
               Cancel
             </Button>
+            </ForMembers>
           )}
         </Group>
       </Group>

@@ -4,6 +4,7 @@ import { Link, useParams } from "react-router";
 
 import { useDevices } from "../../api/devices";
 import { fileAddress, useRobot, useRobots, type Robot } from "../../api/robots";
+import { ForMembers } from "../../parts/ForMembers";
 import { DeleteButton } from "../../parts/DeleteButton";
 import { DrawnOr3D } from "../../parts/DrawnOr3D";
 import { Empty } from "../../parts/Empty";
@@ -33,9 +34,11 @@ export function Component() {
   return (
     <>
       <PageTitle title={robot.name} lead={`Version ${robot.version}, as its maker describes it`}>
+        <ForMembers>
         <LinkButton to={`/import?robot=${robot.id}`} variant="default">
           Import a log of it
         </LinkButton>
+        </ForMembers>
         <DeleteButton kind="robots" id={robot.id} name={robot.name}>
           Its files go. Studies keep their own; devices that it wears have to be deleted before.
         </DeleteButton>

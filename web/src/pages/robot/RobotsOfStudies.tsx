@@ -3,6 +3,7 @@ import { useNavigate } from "react-router";
 
 import { useEveryStudy, type Study } from "../../api/studies";
 import { partsOf, useTakeRobot } from "../../api/studyParts";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Row, Rows } from "../../parts/Rows";
 import { isFound } from "../../parts/useSought";
@@ -37,6 +38,7 @@ export function RobotsOfStudies({ words }: { words: string }) {
               </>
             }
           >
+            <ForMembers>
             <Button
               variant="default"
               loading={take.isPending && take.variables.id === study.id}
@@ -44,6 +46,7 @@ export function RobotsOfStudies({ words }: { words: string }) {
             >
               Add it to the list
             </Button>
+            </ForMembers>
           </Row>
         ))}
       </Rows>

@@ -6,6 +6,7 @@ import type { ReactNode } from "react";
 
 import { limits } from "../../api/limits";
 import { useKept } from "../../app/kept";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { count, limitOf } from "../../parts/size";
 import { STUDY, type HandedIn } from "./handedIn";
@@ -26,7 +27,15 @@ export function HandInStudy() {
 }
 
 /** Where files are handed in: by a drop, or by a choice of files or of a folder. atOnce: label of what is done then. */
-export function HandIn({ of, title, atOnce, children }: Props) {
+export function HandIn(props: Props) {
+  return (
+    <ForMembers told>
+      <Zone {...props} />
+    </ForMembers>
+  );
+}
+
+function Zone({ of, title, atOnce, children }: Props) {
   const [evaluate, setEvaluate] = useKept("evaluate", true);
   const { state, broken, handIn, stop } = useHandIn(of, evaluate);
   const take = (files: File[]) => void handIn(picked(files));

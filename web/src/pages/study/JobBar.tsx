@@ -3,6 +3,7 @@ import { IconPlayerStop, IconRefresh } from "@tabler/icons-react";
 import { useEffect, useState } from "react";
 
 import { isActive } from "../../api/studies";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { StateBadge } from "../../parts/StateBadge";
 import { useDeed } from "../../parts/useDeed";
@@ -43,7 +44,7 @@ export function JobBar({ job, jobs, onChoose }: Props) {
         <Group gap="sm">
           <StateBadge state={job.state} />
           <Timing job={job} />
-          {isActive(job.state) && (
+          <ForMembers>{isActive(job.state) && (
             <Button
               size="xs"
               variant="default"
@@ -63,7 +64,7 @@ export function JobBar({ job, jobs, onChoose }: Props) {
             >
               Run it again
             </Button>
-          )}
+          )}</ForMembers>
         </Group>
       </Group>
       {isActive(job.state) && <Live job={job} />}

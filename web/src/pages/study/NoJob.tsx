@@ -2,6 +2,7 @@ import { Button, Text } from "@mantine/core";
 
 import { useSubmitJob, type Study } from "../../api/studies";
 import { Empty } from "../../parts/Empty";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { useDeed } from "../../parts/useDeed";
 import { useQueryClient } from "@tanstack/react-query";
@@ -20,9 +21,11 @@ export function NoJob({ study }: { study: Study }) {
     <>
       <Empty title="Not evaluated yet">
         <Text>The files were read and are in order. The evaluation makes every step that they allow.</Text>
-        <Button loading={busy} onClick={() => start(evaluate)}>
-          Evaluate
-        </Button>
+        <ForMembers told>
+          <Button loading={busy} onClick={() => start(evaluate)}>
+            Evaluate
+          </Button>
+        </ForMembers>
         {error !== null && <ProblemBox error={error} />}
       </Empty>
       <div style={{ marginTop: "var(--mantine-spacing-xl)" }}>

@@ -2,8 +2,8 @@ import { Button, Group, Modal, Stack, Text, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useState } from "react";
 
-import { useSession } from "../../api/session";
 import { useShareDeeds, useShares, type Share } from "../../api/shares";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { Row, Rows } from "../../parts/Rows";
 import { useDeed } from "../../parts/useDeed";
@@ -11,16 +11,15 @@ import { When } from "../../parts/When";
 
 /** Who else may read the study. Nothing for who reads it so, and where there are no accounts. */
 export function ShareButton({ id, name }: { id: string; name: string }) {
-  const { data: session } = useSession();
   const { data } = useShares(id);
   const { share } = useShareDeeds(id);
   const [opened, { open, close }] = useDisclosure(false);
   const { start, busy, error } = useDeed();
   const [lab, setLab] = useState("");
-  if (!data || session?.lab?.role === "viewer") return null;
+  if (!data) return null;
   const all = data.items.some((each) => each.lab === null);
   return (
-    <>
+    <ForMembers>
       <Button variant="default" onClick={open}>
         Share{data.items.length > 0 && `: ${all ? "every lab" : data.items.length}`}
       </Button>
@@ -50,7 +49,7 @@ export function ShareButton({ id, name }: { id: string; name: string }) {
           </Rows>
         </Stack>
       </Modal>
-    </>
+    </ForMembers>
   );
 }
 

@@ -4,6 +4,7 @@ import { Link, useParams, useSearchParams } from "react-router";
 
 import { useStudy } from "../../api/studies";
 import { DeleteButton } from "../../parts/DeleteButton";
+import { SharedBy } from "../../parts/ForMembers";
 import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
@@ -11,6 +12,7 @@ import { JobBar } from "./JobBar";
 import { JobTrouble } from "./JobTrouble";
 import { NoJob } from "./NoJob";
 import { Pipeline } from "./Pipeline";
+import { PublishButton } from "./PublishButton";
 import { ShareButton } from "./ShareButton";
 import { Section } from "./Section";
 import { SectionNav } from "./SectionNav";
@@ -22,6 +24,8 @@ import { StudyFacts } from "./StudyFacts";
 import { summaryOf } from "./summary";
 import type { Study } from "../../api/studies";
 
+const EVALUATES = ["evaluate", "support", "stiffness"];
+
 export function Component() {
   const { studyId = "" } = useParams();
   const study = useStudy(studyId);
@@ -29,16 +33,18 @@ export function Component() {
   if (study.error && !study.data) return <ProblemBox error={study.error} retry={() => void study.refetch()} />;
   if (jobs.error && !jobs.data) return <ProblemBox error={jobs.error} retry={() => void jobs.refetch()} />;
   if (!study.data || !jobs.data) return <Loading what="the study" />;
+  const done = jobs.data.items.find((job) => job.state === "succeeded" && EVALUATES.includes(job.kind));
   return (
-    <>
+    <SharedBy value={study.data.shared_by ?? null}>
       <PageTitle title={study.data.name} lead={<StudyFacts summary={summaryOf(study.data)} />}>
+        {done && <PublishButton id={study.data.id} name={study.data.name} jobId={done.id} />}
         <ShareButton id={study.data.id} name={study.data.name} />
         <DeleteButton kind="studies" id={study.data.id} name={study.data.name}>
           Its files, jobs and results go. Robots, devices and logs in the lists stay.
         </DeleteButton>
       </PageTitle>
       {jobs.data.items.length ? <Review study={study.data} jobs={jobs.data.items} /> : <NoJob study={study.data} />}
-    </>
+    </SharedBy>
   );
 }
 

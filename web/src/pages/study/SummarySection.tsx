@@ -10,8 +10,8 @@ import type { SectionKey } from "./sections";
 import { verdictOf } from "./verdict";
 import { POOLED, STEPS } from "./words";
 
-/** The findings on one screen; each leads to where it is told in full. */
-export function SummarySection({ study, results }: { study: Study; results: Results }) {
+/** The findings on one screen; each leads to where it is told in full, if there is a study to lead to. */
+export function SummarySection({ study, results }: { study?: Study; results: Results }) {
   const { identification, support, stiffness, discrepancy } = results;
   const main = support.filter((each) => each.main);
   const bands = stiffness.filter((each) => each.headline);
@@ -97,14 +97,18 @@ export function SummarySection({ study, results }: { study: Study; results: Resu
   );
 }
 
-function Card({ study, to, title, children }: { study: Study; to: SectionKey; title: string; children: React.ReactNode }) {
+function Card({ study, to, title, children }: { study?: Study; to: SectionKey; title: string; children: React.ReactNode }) {
   const [search] = useSearchParams();
   return (
     <Paper withBorder p="md" component="section">
       <Title order={2} size="h4" mb="xs">
-        <Anchor component={Link} inherit to={{ pathname: `/studies/${study.id}/${to}`, search: search.toString() }} preventScrollReset>
-          {title}
-        </Anchor>
+        {study ? (
+          <Anchor component={Link} inherit to={{ pathname: `/studies/${study.id}/${to}`, search: search.toString() }} preventScrollReset>
+            {title}
+          </Anchor>
+        ) : (
+          title
+        )}
       </Title>
       <div>{children}</div>
     </Paper>

@@ -6,6 +6,7 @@ import { useAddDevice, type Device } from "../../api/devices";
 import { fetchFile } from "../../api/files";
 import { fileAddress } from "../../api/robots";
 import { address } from "../../app/base";
+import { ForMembers } from "../../parts/ForMembers";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { useDeed } from "../../parts/useDeed";
 import { readDevice } from "../device/deviceFile";
@@ -34,9 +35,11 @@ export function TakeOver({ file, jobId }: { file: string; jobId: string }) {
   return (
     <div>
       <Group gap="sm">
-        <Button variant="default" loading={busy} onClick={() => start(save)}>
-          Take over into the device
-        </Button>
+        <ForMembers>
+          <Button variant="default" loading={busy} onClick={() => start(save)}>
+            Take over into the device
+          </Button>
+        </ForMembers>
         <Anchor size="sm" href={href} download>
           {file}
         </Anchor>

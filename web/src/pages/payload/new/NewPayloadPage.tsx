@@ -4,6 +4,7 @@ import { useSearchParams } from "react-router";
 
 import { Loading } from "../../../parts/Loading";
 import { PageTitle } from "../../../parts/PageTitle";
+import { ForMembers } from "../../../parts/ForMembers";
 import { ProblemBox } from "../../../parts/ProblemBox";
 import { isOpen, placed, STEPS, stepOf, type Step } from "./faults";
 import { RecordStep } from "./RecordStep";
@@ -24,6 +25,14 @@ const TITLES: Record<Step, string> = {
 
 /** A payload from a lab's own files, step by step. The address says which step; the draft stays in the tab. */
 export function Component() {
+  return (
+    <ForMembers told>
+      <Steps />
+    </ForMembers>
+  );
+}
+
+function Steps() {
   const [search, setSearch] = useSearchParams();
   const from = search.get("from");
   const step = STEPS.find((each) => each === search.get("step")) ?? "sensor";
