@@ -25,7 +25,7 @@ from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab, as_record
-from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
+from exogauge.storage.tables import Artifact, Job, Result, WorkerLease, owner_of
 
 MAX_CRASHES = 4  # of what computes a job: the job is to blame
 MAX_ATTEMPTS = 8  # whoever is to blame: a kill of the whole service takes its jobs with it
@@ -145,7 +145,8 @@ def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[Pinne
     if not change(session, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": job.lab_id, "job_id": job.id}
-    session.add(Result(study_id=job.study_id, payload_id=job.payload_id, sha256=main.sha256, size=main.size, **ours))
+    noun, key = owner_of(job)
+    session.add(Result(sha256=main.sha256, size=main.size, **{f"{noun}_id": key}, **ours))
     for file in files:
         kind = media_type(file.path)
         session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))
