@@ -52,6 +52,10 @@ class Settings(BaseSettings):
     oidc_client_id: str = Field(default="", max_length=300, description="of this service, as registered there")
     oidc_client_secret: str = Field(default="", repr=False, description="the provider's, for this service")
     oidc_name: str = Field(default="", max_length=60, description="of the provider, on the page; its host")
+    webhook_private_hosts: str = Field(
+        default="",
+        description="names to which webhooks may go although their addresses are private, with commas between",
+    )
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")

@@ -322,6 +322,34 @@ class PublicationRecord:
 
 @final
 @dataclass(frozen=True)
+class WebhookRecord:
+    id: str
+    created_at: datetime
+    url: str
+    events: Sequence[str]
+    disabled_at: datetime | None
+    disabled_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class DeliveryRecord:
+    """state: waiting, delivered or failed. status, said: of the last try."""
+
+    id: str
+    created_at: datetime
+    webhook_id: str
+    event: str
+    state: str
+    attempts: int
+    due_at: datetime
+    ended_at: datetime | None
+    status: int | None
+    said: str
+
+
+@final
+@dataclass(frozen=True)
 class PublishedFile:
     path: str
     sha256: str

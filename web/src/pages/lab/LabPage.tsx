@@ -10,6 +10,9 @@ import { NoAccounts } from "../account/NoAccounts";
 import { AuditLog } from "./AuditLog";
 import { Invitations } from "./Invitations";
 import { Members } from "./Members";
+import { Webhooks } from "./Webhooks";
+
+const TABS = ["audit", "webhooks"];
 
 export function Component() {
   const { data: session, error, refetch } = useSession();
@@ -26,10 +29,11 @@ export function Component() {
       {!admin ? (
         <Members admin={false} />
       ) : (
-        <Tabs value={rest === "audit" ? "audit" : "members"} onChange={(tab) => void navigate(tab === "audit" ? "/lab/audit" : "/lab")}>
+        <Tabs value={TABS.includes(rest) ? rest : "members"} onChange={(tab) => void navigate(TABS.includes(tab ?? "") ? `/lab/${tab}` : "/lab")}>
           <Tabs.List mb="md">
             <Tabs.Tab value="members">Members</Tabs.Tab>
             <Tabs.Tab value="audit">Audit</Tabs.Tab>
+            <Tabs.Tab value="webhooks">Webhooks</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="members">
             <Stack gap="xl">
@@ -39,6 +43,9 @@ export function Component() {
           </Tabs.Panel>
           <Tabs.Panel value="audit">
             <AuditLog />
+          </Tabs.Panel>
+          <Tabs.Panel value="webhooks">
+            <Webhooks />
           </Tabs.Panel>
         </Tabs>
       )}
