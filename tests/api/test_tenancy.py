@@ -45,7 +45,8 @@ SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
     "listIdentities", "unlinkIdentity",
 }  # fmt: skip
-ADMIN = {"renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
+ADMIN = {
+    "closeLab", "renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
     "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
 }  # fmt: skip
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
@@ -181,6 +182,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},
+        "closeLab": {"params": {"name": "not its name"}},
         "compareDevice": {"params": {"model": "Northern"}},
         "compareStudies": {"params": {"jobs": [north["job_id"]]}},
         "listDevices": {"params": {"robot_id": north["robot_id"]}},

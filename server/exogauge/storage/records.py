@@ -190,9 +190,12 @@ class ArtifactRecord:
 @final
 @dataclass(frozen=True)
 class LabRecord:
+    """closed_at: since when nobody comes in."""
+
     id: str
     created_at: datetime
     name: str
+    closed_at: datetime | None
 
 
 @final

@@ -8,6 +8,7 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { NoLab } from "../account/AccountPage";
 import { NoAccounts } from "../account/NoAccounts";
 import { AuditLog } from "./AuditLog";
+import { CloseLab } from "./CloseLab";
 import { Invitations } from "./Invitations";
 import { Members } from "./Members";
 import { Webhooks } from "./Webhooks";
@@ -39,6 +40,7 @@ export function Component() {
             <Stack gap="xl">
               <Members admin />
               <Invitations />
+              <CloseLab name={session.lab.name} />
             </Stack>
           </Tabs.Panel>
           <Tabs.Panel value="audit">
