@@ -228,9 +228,13 @@ def close(
     its audit. Until then who runs the service can open it again."""
     key = caller.lab_id or ""
     with installation.session() as session:
-        if Accounts(session).lab(key).name != name:
+        accounts = Accounts(session)
+        if accounts.lab(key).name != name:
             raise Conflict("this is not the name of the lab")
         close_lab(session, key, caller.actor)
+        left = accounts.labs_of(caller.account_id or "")
+        if left:
+            accounts.show_lab(caller.session_id or "", caller.account_id or "", left[0][0].id)
     return Response(status_code=204)
 
 
