@@ -23,6 +23,7 @@ class About(StrEnum):
     LITTLE_STEADY = "little_steady"  # joints; steady and moving [s]; -; share that is asked for
     ONE_DIRECTION = "one_direction"  # joints
     CREEPING = "creeping"  # joints; speed below which [rad/s, or m/s]
+    FEET_AGAINST_MASS = "feet_against_mass"  # -; -; -; mass by the logs, its doubt, stated, its doubt [kg]
     NEGATIVE_MASS = "negative_mass"  # links; mass and its doubt [kg]
     NOT_CONVERGED = "not_converged"  # -; -; -; steps, squared standard deviations above the minimum, and asked for
     REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies

@@ -127,6 +127,7 @@ def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
     assert planned.at(np.array([0.0]))[0][0] == pytest.approx(of.stance.home, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
     of = bare(task(arm))
     robot = replace(of.stance.robot, home=of.stance.robot.limits.lower.copy())

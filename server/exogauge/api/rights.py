@@ -39,7 +39,7 @@ RULES = (
     rule(SAFE, r"/(icon\.svg|healthz|readyz|metrics|assets/[^/]*)?", "open"),
     rule(
         SAFE,
-        r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|compare|published)(/.*)?",
+        r"/(sign-in|set-up|invited|account|lab|studies|import|robots|devices|payloads|motions|plans|compare|published)(/.*)?",
         "open",
     ),
     rule(SAFE, r"/api/v1/scenes/player", "open"),  # the page of a frame, which holds no data

@@ -75,6 +75,9 @@ class Identifying:
     decided: float = criterion(
         0.5, "std before", "that the data leave at most of a parameter that is said to be identifiable", judgement(HERE)
     )
+    feet_against_mass: float = criterion(
+        2.58, "z", "of the total mass by the contact sensors against the maker's: beyond, it is told", derived("99 %")
+    )
     negative_mass: float = criterion(
         3.0, "std", "below zero, from which the data ask for a negative mass", judgement(HERE)
     )

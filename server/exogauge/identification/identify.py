@@ -38,6 +38,7 @@ from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.solution import Solution, solve
 from exogauge.identification.static_friction import fill_static_friction
 from exogauge.identification.steady import remarks_on_creeping, remarks_on_steady, steady_shares
+from exogauge.identification.total_mass import remarks_on_total_mass, total_mass
 from exogauge.identification.turns import RestDetection, rest_detection
 from exogauge.identification.type_b import TypeB, lifted_by_source
 from exogauge.identification.uncertainty import score_covariance
@@ -104,6 +105,7 @@ def identify(
     condition, rank = solution.solved.condition_and_rank()
     sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
     parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
+    weighed = total_mass(robot, solution.prior, standard, covariance, settings.criteria.identifying.feet_against_mass)
     parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
     model = RobotModel(
         equations=equations,
@@ -139,11 +141,12 @@ def identify(
         samples=sum(len(one.kept) for one in fitted),
         cutoff_hz=cutoff_hz,
         velocity_threshold=at_rest.threshold,
-        remarks=_remarks(robot, names, settings, solution, factor, notes, steady),
+        remarks=(*_remarks(robot, names, settings, solution, factor, notes, steady), *remarks_on_total_mass(weighed)),
         model=model,
         steady=steady,
         per_stated={} if factor.known else _per_stated(equations, identified, before),
         factor=factor,
+        total_mass=weighed,
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.identification.common_factor import CommonFactor
 from exogauge.identification.model import RobotModel
+from exogauge.identification.total_mass import TotalMass
 from exogauge.remarks import Remark
 
 Array = NDArray[np.float64]
@@ -106,7 +107,7 @@ class Identification:
     parameters: every standard, base and joint parameter. unidentifiable: names that stay (nearly) at the prior, even
     if a common factor that nothing measured fixes were known.
     model: to apply to further logs. steady: one entry per joint.
-    factor: what is known of the scale of all torques.
+    factor: what is known of the scale of all torques. total_mass: what the contact sensors weigh, None without any.
     per_stated: channel -> factor that brings its torques to the scale of the stated k_T, for joints whose scale nothing
     measured fixes: an error in newton metres must not fall because k_T does. Empty where the scale is known.
     prior_strength: chosen factor on the prior's weight; prior_curve: (factor, held-out score) for all that were tried.
@@ -131,6 +132,7 @@ class Identification:
     steady: tuple[SteadyShare, ...] = ()
     per_stated: Mapping[str, float] = field(default_factory=dict)
     factor: CommonFactor = field(default_factory=CommonFactor)
+    total_mass: TotalMass | None = None
 
     def by_stated_constants(self) -> Identification:
         """The same with torques and their errors as the stated k_T make them of the currents (`per_stated`)."""

@@ -25,7 +25,7 @@ from exogauge.storage.database import database_now
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab, as_record
-from exogauge.storage.tables import Artifact, Job, Result, WorkerLease
+from exogauge.storage.tables import Artifact, Job, Result, WorkerLease, owner_of
 from exogauge.storage.webhooks import Webhooks
 
 MAX_CRASHES = 4  # of what computes a job: the job is to blame
@@ -135,10 +135,10 @@ def end(session: Session, job_id: str, guard: sa.ColumnElement[bool], values: Ma
     """One job, by a change that sets its last state; whoever wants to know is told in the same transaction."""
     if change(session, guard, values) != 1:
         return False
-    columns = (Job.lab_id, Job.kind, Job.study_id, Job.payload_id)
-    lab_id, kind, study_id, payload_id = session.execute(sa.select(*columns).where(Job.id == job_id)).one()
-    said = {"job_id": job_id, "kind": kind, "state": values["state"], "study_id": study_id, "payload_id": payload_id}
-    Webhooks(Lab(session, lab_id)).tell("job.ended", {key: value for key, value in said.items() if value is not None})
+    job = session.scalars(sa.select(Job).where(Job.id == job_id).execution_options(populate_existing=True)).one()
+    noun, key = owner_of(job)
+    said = {"job_id": job_id, "kind": job.kind, "state": job.state, f"{noun}_id": key}
+    Webhooks(Lab(session, job.lab_id)).tell("job.ended", said)
     return True
 
 
@@ -157,7 +157,8 @@ def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[Pinne
     if not end(session, job.id, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": job.lab_id, "job_id": job.id}
-    session.add(Result(study_id=job.study_id, payload_id=job.payload_id, sha256=main.sha256, size=main.size, **ours))
+    noun, key = owner_of(job)
+    session.add(Result(sha256=main.sha256, size=main.size, **{f"{noun}_id": key}, **ours))
     for file in files:
         kind = media_type(file.path)
         session.add(Artifact(name=file.path, sha256=file.sha256, size=file.size, media_type=kind, **ours))

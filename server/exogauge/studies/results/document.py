@@ -17,6 +17,7 @@ from exogauge.findings.result import Discrepancy
 from exogauge.identification.added_columns import COMPONENTS, MASS
 from exogauge.identification.result import ChannelFit, Identification, Parameter
 from exogauge.identification.settings import Settings
+from exogauge.identification.total_mass import TotalMass
 from exogauge.logs.model import Log
 from exogauge.robots.description import JOINT_PARAMETERS, Robot
 from exogauge.studies.csv_table import csv_table
@@ -150,6 +151,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
             "sensors": sensor_entries(found, evaluation.robot),
             "known_loads": load_entries(found, evaluation.robot),
             "common_factor": {name: getattr(found.factor, name) for name in ("measured", "std", "unweighed", "known")},
+            "total_mass": None if found.total_mass is None else mass_entry(found.total_mass),
             "unidentifiable": list(found.unidentifiable),
             "consistent_links": dict(zip(evaluation.robot.tree.bodies, map(bool, found.consistent_links), strict=True)),
             "prior_strength": found.prior_strength,
@@ -198,6 +200,18 @@ def parameter_entry(parameter: Parameter) -> dict[str, Any]:
     if parameter.combination:
         entry["combination"] = dict(parameter.combination)
     return entry
+
+
+def mass_entry(mass: TotalMass) -> dict[str, Any]:
+    return {
+        "found_kg": mass.found,
+        "found_std_kg": mass.std,
+        "stated_kg": mass.stated,
+        "stated_std_kg": mass.stated_std,
+        "z": mass.z,
+        "limit": mass.limit,
+        "agrees": bool(mass.agrees),
+    }
 
 
 def joint_entries(found: Identification, joints: Sequence[str]) -> list[dict[str, Any]]:

@@ -45,6 +45,8 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.UNDER_SUPPORT: "it is less than the noise and {percent:.0f}{space}% of the support where it shows most",
     Why.AT_FLOOR: "the error is no more than the noise floor without it",
     Why.ONCE: "it happens once, so nothing can be held out, and the evidence is not overwhelming",
+    Why.PARTIAL: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
+    "something else is the cause",
     Why.BETTERED: "with {effects} in the model, another one explains more",
     Why.NOT_NEEDED: "with {effects} in the model it is not needed any more",
     Why.ALIKE: "these data cannot tell it from what was named",

@@ -69,6 +69,11 @@ FORMS: Mapping[About, Form] = {
         "there is not taken for steady motion: it is neither fitted nor judged.",
         each="{name} (below {0:.2g} rad/s)",
     ),
+    About.FEET_AGAINST_MASS: Form(
+        "The contact sensors weigh the robot to be {0:.4g} ± {1:.2g} kg, its maker {2:.4g} ± {3:.2g} kg. Masses, k_T, "
+        "supporting torque and stiffness are all in proportion to what these sensors read: weigh the robot, and state "
+        "the sensors' gain (`uncertainty`), or correct the masses of the URDF."
+    ),
     About.NEGATIVE_MASS: Form(
         "The data ask for a negative mass of {names}, which no body has: what is given is the nearest that can be, and "
         "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",

@@ -3,6 +3,7 @@ import { Stack, Text, Title } from "@mantine/core";
 import { useMemo } from "react";
 
 import { figure, significant } from "../../parts/digits";
+import { Uncertain } from "../../parts/Uncertain";
 import { BeforeAfter } from "./BeforeAfter";
 import { ChannelErrors } from "./ChannelErrors";
 import { ParameterTable } from "./ParameterTable";
@@ -12,6 +13,17 @@ import { SensorZeros } from "./SensorZeros";
 import { SteadyTable } from "./SteadyTable";
 import { Unknowns } from "./Unknowns";
 import { POOLED } from "./words";
+
+/** What the contact sensors weigh, against what the maker says. */
+function TotalMass({ mass }: { mass: NonNullable<Results["identification"]["total_mass"]> }) {
+  return (
+    <Text size="sm" data-total-mass={mass.agrees ? "agrees" : "disagrees"}>
+      The contact sensors weigh the robot to be <Uncertain value={mass.found_kg} std={mass.found_std_kg} unit="kg" />, its maker{" "}
+      <Uncertain value={mass.stated_kg} std={mass.stated_std_kg} unit="kg" />: they {mass.agrees ? "agree" : "disagree"} (
+      {significant(Math.abs(mass.z ?? 0), 2)} of {significant(mass.limit)} standard deviations).
+    </Text>
+  );
+}
 
 /** How well the identified robot explains its logs, its parameters, and what the logs cannot tell of them. */
 export function IdentificationSection({ results, logs }: { results: Results; logs: StudyLog[] }) {
@@ -44,6 +56,7 @@ export function IdentificationSection({ results, logs }: { results: Results; log
       <SteadyTable shares={found.steady ?? []} words={reading?.steady_seconds} />
       <SensorZeros sensors={found.sensors ?? []} />
       <Unknowns found={found} />
+      {found.total_mass && <TotalMass mass={found.total_mass} />}
       <ParameterTable parameters={found.parameters} sources={doubt_sources ?? []} />
       <Text size="sm" c="dimmed">
         From {found.samples.toLocaleString("en").replaceAll(",", "\u202f")} samples of steady motion, signals below{" "}

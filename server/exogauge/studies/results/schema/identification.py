@@ -123,6 +123,19 @@ class KnownLoad(Part):
 
 
 @final
+class WeighedMass(Part):
+    """The whole robot's mass by the contact sensors, against its maker's: two numbers that ought to be one."""
+
+    found_kg: Number = Field(description="by the logs")
+    found_std_kg: Number = Field(description="of that, gains of the sensors in it")
+    stated_kg: Number = Field(description="by the maker")
+    stated_std_kg: Number = Field(description="of that")
+    z: Number = Field(description="difference over its standard deviation")
+    limit: Number = Field(description="of |z|")
+    agrees: bool = Field(description="within the limit")
+
+
+@final
 class CommonFactor(Part):
     """The one factor on all torques, masses and friction that currents alone leave open."""
 
@@ -153,5 +166,6 @@ class Identification(Part):
     cutoff_hz: Number = Field(description="of the low-pass on every signal [Hz]")
     steady: list[SteadySeconds] = later("by joint")
     known_loads: list[KnownLoad] = later("each load of `known` in study.yaml")
+    total_mass: WeighedMass | None = later("null where no contact sensor bears the robot")
     common_factor: CommonFactor = later("whether the scale of torques is known")
     velocity_threshold: list[RestLimit] = Field(description="by joint")

@@ -1,6 +1,6 @@
 """Webhooks and their outbox; labs that are closed.
 
-Revision: 0019, after: 0018.
+Revision: 0020, after: 0019.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from alembic import op
 from exogauge.storage.database import UtcDateTime
 from exogauge.storage.row_security import guard, unguard
 
-revision = "0019"
-down_revision = "0018"
+revision = "0020"
+down_revision = "0019"
 branch_labels = None
 depends_on = None
 
