@@ -37,7 +37,7 @@ LEASE = timedelta(seconds=10)  # of a key, put off three times in it while its r
 LONGEST_KEY = 255
 LONGEST_ANSWER = 1024 * 1024
 SECRET = re.compile(
-    r"/api/v1/(session|set-up|invitations|tokens|lab/invitations|webhooks)\b"
+    r"/api/v1/(session|set-up|invitations|tokens|lab/invitations|webhooks|oidc)\b"
 )  # answers that are kept nowhere
 KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
 
