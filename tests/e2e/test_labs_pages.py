@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from exogauge.storage.store import Installation
 
 WORDS = "three old lamps glow"
+pytestmark = pytest.mark.filterwarnings("ignore:get_jwt_config:DeprecationWarning")  # of the provider, in its thread
 
 
 class Behind:
