@@ -13,7 +13,7 @@ import styles from "../study/PlotsSection.module.css";
 const PlanView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.PlanView })));
 const CaptureView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.CaptureView })));
 const SERIES = "motion";
-const SHOWN_FIRST = ["thorax", "pelvis", "l_foot"];
+const SHOWN_FIRST = ["head", "pelvis", "l_foot"];
 
 /** What a plan does over time, beside the robot and the person. */
 export function PlanOverTime({ plan, jobId }: { plan: Plan; jobId: string }) {
