@@ -19,7 +19,7 @@ const SHOWN_FIRST = ["head", "pelvis", "l_foot"];
 export function PlanOverTime({ plan, jobId }: { plan: Plan; jobId: string }) {
   const trunk = plan.found?.trunk.map(({ joint }) => `trunk.${joint}`) ?? [];
   const widest = [...(plan.found?.trunk ?? [])].sort((one, two) => way(two.asked) - way(one.asked))[0];
-  const first = [widest ? `trunk.${widest.joint}` : trunk[0], "human", "margin.pressure_inside", "bounds"].filter((key) => key !== undefined);
+  const first = [widest ? `trunk.${widest.joint}` : trunk[0], "human", "margin.pressure_inside", "bounds"].filter((key) => key !== undefined); // those that the series has are shown
   return (
     <Shown
       source={{ of: "jobs", id: jobId }}

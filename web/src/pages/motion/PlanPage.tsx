@@ -120,7 +120,10 @@ function Verdict({ plan }: { plan: Plan }) {
   if (found.broken.length === 0)
     return (
       <Alert icon={<IconCircleCheck aria-hidden />} color="teal" variant="default" title="Every bound holds">
-        <Text size="sm">It takes {duration(found.seconds)}, and was judged at {found.rate_hz.toFixed(0)} Hz.</Text>
+        <Text size="sm">
+          It takes {duration(found.seconds)}.{" "}
+          {found.kind === "excite" ? `Nearest bound: ${String(found.told["nearest bound"] ?? "")}.` : `It was judged at ${found.rate_hz.toFixed(0)} Hz.`}
+        </Text>
       </Alert>
     );
   return (
