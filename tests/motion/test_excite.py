@@ -8,20 +8,23 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from scipy.signal import butter, sosfiltfilt
 from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.estimation.statistics import Statistics
+from exogauge.experiment.envelope import random_motion, within
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording
 from exogauge.identification.solution import first_weights
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import information_of
 from exogauge.motion.excite.promise import AS_STATED, planned_log
-from exogauge.motion.excite.search import Task, point, random_motion, within
-from exogauge.motion.excite.task import task_of
+from exogauge.motion.excite.search import Task, point
+from exogauge.motion.excite.task import by_encoders, task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.stance import Standing
@@ -114,6 +117,21 @@ def test_what_a_turning_base_feels_and_its_slopes() -> None:
             assert exact[at] == pytest.approx((total(*parts[0]) - total(*parts[1])) / (2 * h), abs=1e-6)
 
 
+def test_encoders_noise_counts_as_what_it_makes_of_a_torque_below_the_cutoff(arm: Path) -> None:
+    """White noise of the encoders, differentiated twice and low-passed, times inertia at home; beside white noise."""
+    moving, rate, cutoff = load_motion_robot(arm), 1000.0, 10.0
+    order = np.arange(len(moving.joints))
+    said = by_encoders(moving, order, 1e-4, cutoff)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal((200_000, len(order)))
+    low_pass = butter(20, 2.0 * cutoff / rate, output="sos")
+    fast = np.gradient(np.gradient(sosfiltfilt(low_pass, noise, axis=0), axis=0), axis=0) * rate**2
+    M = pin.crba(moving.model, moving.data, moving.home)
+    torque = fast @ (np.triu(M) + np.triu(M, 1).T)
+    white = sosfiltfilt(low_pass, np.random.default_rng(1).standard_normal(200_000)).var()  # what is left of variance 1
+    assert said == pytest.approx(torque.var(axis=0) / white, rel=0.15)  # no filter has an edge
+    assert by_encoders(moving, order, 0.0, cutoff).max() == 0.0
+
+
 def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
     of = bare(task(human, 4.0))
     x = random_motion(of, np.random.default_rng(2))
@@ -127,6 +145,7 @@ def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
     assert planned.at(np.array([0.0]))[0][0] == pytest.approx(of.stance.home, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
     of = bare(task(arm))
     robot = replace(of.stance.robot, home=of.stance.robot.limits.lower.copy())

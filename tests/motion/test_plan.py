@@ -26,7 +26,7 @@ from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged, judge
-from exogauge.motion.plan.outcome import motion_table
+from exogauge.motion.plan.outcome import motion_table, slow
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
@@ -423,6 +423,14 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
     asked, _ = ask(robot, person)
     planned = plan(robot, asked)
     upper = np.array(robot.beyond("thorax") + robot.torso)
+    torso = robot.base + np.array(robot.torso)
+    wanted, given = slow(asked.q[:, torso], asked.step, USUAL.smooth_hz), planned.spline.at_nodes()[0][:, torso]
+    for k, joint in enumerate(robot.torso):
+        borne = np.abs(wanted[:, k]) < robot.limits.upper[joint]
+        off = np.degrees(given - wanted)[borne, k]
+        assert np.sqrt(np.mean(off**2)) <= 0.2
+        far = np.convolve(~borne, np.ones(13), "same")[borne] == 0  # .1 s from where the joint is at its bound
+        assert np.abs(off[far]).max() <= 1.0
     for rate in (200.0, 1000.0):
         seen = ByMuJoCo(robot, planned.spline, rate)
         assert seen.inside.min() >= 0.015

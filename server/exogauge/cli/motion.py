@@ -39,6 +39,12 @@ def add_commands(commands: Commands) -> None:
     fit.add_argument("--out", type=Path, metavar="FILE.mot", help="write the angles there, as OpenSim's tables are")
     fit.set_defaults(command=fit_motion)
 
+    robot = steps.add_parser("robot", help="write the robot.yaml of a known robot, for planning motions, from its URDF")
+    robot.add_argument("urdf", type=Path, help="of Talos, JVRC-1 or ergoCub")
+    robot.add_argument("--preset", metavar="NAME", help="talos, jvrc1 or ergocub, where its links do not tell")
+    robot.add_argument("--out", type=Path, metavar="robot.yaml", help="beside the URDF where none is given")
+    robot.set_defaults(command=write_robot)
+
     plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
     _add_capture(plan, "C3D, TRC, BVH or AMC")
     plan.add_argument("--static", type=Path, metavar="FILE", help="of markers: the same person, standing straight")
@@ -118,6 +124,32 @@ def fit_motion(args: argparse.Namespace) -> int:
     if args.out is not None:
         args.out.write_bytes(angle_table(fit))
     _print(summarise(fit), args.json)
+    return 0
+
+
+def write_robot(args: argparse.Namespace) -> int:
+    """robot.yaml beside its URDF; what of it is not the maker's is said."""
+    import yaml
+
+    from exogauge.errors import BadRobot, Fault
+    from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.motion.robot_presets import preset_of, robot_file_of
+
+    out = args.out or args.urdf.with_name("robot.yaml")
+    if not args.urdf.is_file() or out.resolve().parent != args.urdf.resolve().parent:
+        raise BadRobot(Fault("robot.yaml and its URDF stand side by side", "no_file", "Copy the URDF there first",
+                             args.urdf.name))  # fmt: skip
+    if out.exists():
+        raise BadRobot(Fault("there is such a file", "exists", "Name another one with --out", out.name))
+    urdf = args.urdf.read_bytes()
+    preset = preset_of(urdf, args.urdf.name, args.preset)
+    content = yaml.safe_dump(robot_file_of(preset, urdf, args.urdf.name), sort_keys=False, default_flow_style=None)
+    head = (f"# Preset {preset.name}. Soles and shapes: {preset.source}. Limits of acceleration and jerk: usual ones,\n"
+            "# not the maker's. Look at them before a robot moves.\n")  # fmt: skip
+    out.write_text(head + content)
+    robot = load_motion_robot(out)
+    _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg", "soles and shapes": preset.source,
+            "acceleration, jerk": "usual ones, not the maker's", "written": out.name}, False)  # fmt: skip
     return 0
 
 

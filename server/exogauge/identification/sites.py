@@ -97,7 +97,10 @@ class SensorSite:
         contacts = len(model.robot.contacts) if self.contact else 0
         time = prepared.log.time - prepared.log.time[0]
         signals = SensorSignals(time, expected, -1 if self.component is None else self.component, number, contacts)
-        felt = self._felt(model.equations, prepared) if self.contact else sign * np.eye(6)[None]
+        felt = sign * np.eye(6)[None]
+        if self.contact:  # the same for all of its components
+            found = f"felt {self.sensor}"
+            felt = model.prepared.of(prepared.log, found, lambda: self._felt(model.equations, prepared))
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             read = effect.columns(signals, shape)
