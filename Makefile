@@ -14,6 +14,7 @@ CHROMIUM := command -v chromium >/dev/null || { \
 # A file's tests stay in one process: a study that they share is evaluated in one of the two, not in both.
 TESTS := $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 export OPENBLAS_NUM_THREADS ?= 1
+unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
 .PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz chaos bench coverage tables plain blind same lock clean

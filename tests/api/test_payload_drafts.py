@@ -102,6 +102,7 @@ def test_a_draft_of_nothing_is_refused(client: TestClient, draft: dict[str, Any]
     assert client.post(f"{V1}/payloads/from-draft", json=draft).status_code == status
 
 
+@on_sqlite
 def test_a_plan_without_logs_is_a_payload(client: TestClient, uploaded: Callable[[str, bytes], str]) -> None:
     key = uploaded("arm.urdf", generator.arm_urdf().encode())
     draft = {"upload_ids": [key], "paths": ["arm.urdf"], "text": plan_yaml()}
@@ -110,6 +111,7 @@ def test_a_plan_without_logs_is_a_payload(client: TestClient, uploaded: Callable
     assert wrong["errors"][0]["column"] == "plan.home"
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_what_the_doctor_finds_stands_with_the_payload(client: TestClient, as_form: Callable[..., Any]) -> None:
     files = payload_files()

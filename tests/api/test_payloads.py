@@ -130,6 +130,7 @@ def told(answer: Any) -> list[dict[str, Any]]:
     return errors
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_logs_of_one_name_are_told_apart_and_one_log_twice_is_refused(hand_in: Post) -> None:
     files = payload_files()
@@ -276,6 +277,7 @@ def test_a_payload_whose_pose_was_logged_has_no_robot_to_draw(client: TestClient
     assert "names no robot" in answer.json()["detail"]
 
 
+@pytest.mark.slow
 @on_sqlite
 def test_a_payload_with_a_plan_is_drawn_on_its_robot_once(client: TestClient, hand_in: Post) -> None:
     payload = hand_in({"arm.urdf": generator.arm_urdf().encode(), "payload.yaml": plan_yaml().encode()}).json()

@@ -45,7 +45,10 @@ SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
     "listIdentities", "unlinkIdentity",
 }  # fmt: skip
-ADMIN = {"renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit"}
+ADMIN = {
+    "closeLab", "renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
+    "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
+}  # fmt: skip
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
 NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "identities", "sign_in_tries"}
 SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to another lab; see `filled`
@@ -55,6 +58,9 @@ SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to ano
     "results": "getJobResults", "artifacts": "listArtifacts", "uploads": "getUploadOffset",
     "robot_mappings": "getRobotMapping", "audit": "listAudit", "memberships": "listMembers",
     "api_tokens": "listTokens", "invitations": "listInvitations", "shares": "listShares",
+    "webhooks": "listWebhooks", "deliveries": "listDeliveries",
+    "motions": "listMotions", "motion_files": "getMotionFile", "motion_contacts": "getMotionContacts",
+    "motion_maps": "listMotionMaps", "plans": "listPlans", "plan_files": "getPlanFile",
     "publications": "listPublications", "publication_files": "getPublication",
     "idempotency_keys": None,  # test_one_key_of_two_labs_is_two_requests
 }  # fmt: skip
@@ -93,7 +99,8 @@ def world(people: People, settings: Settings) -> World:
         made.north["token_id"] = store.tokens.add(
             "of the north", "read", made_by=account, account_id=None, expires_at=None
         )[0].id
-    made.words = {*made.north.values(), "Northern", "guest@example.org", "of the north", "ada@example.org"} - {
+    made.words = {*made.north.values(), "Northern", "guest@example.org", "https://north.example/hook", "of the north",
+                  "ada@example.org"} - {
         "north.txt", "id", "csv",
     }  # fmt: skip
     return made
@@ -108,6 +115,13 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
     study, _ = store.studies.add("Northern study", files, {"logs": []})
     payload, _ = store.payloads.add("Northern payload", files, {"pose": "logged", "logs": []})
     store.mappings.keep(robot.id, {"of": "Northern"}, "h")
+    said = store.blobs.put(b"file: north.txt")
+    motion, _ = store.motions.add("Northern motion", [*files, PinnedFile("motion.yaml", said, 15)], {"seconds": 1.0})
+    store.contacts.keep(motion.id, {"left": [[0.0, 0.5]], "right": []}, "h")
+    names, _ = store.maps.keep("Northern map", {"A": "LASI"}, "h")
+    plan, _ = store.plans.add(
+        "Northern plan", files, {"kind": "retarget", "robot": "Northern"}, robot_id=robot.id, motion_id=motion.id
+    )
     job = Job(kind="evaluate", study_id=study.id, request_hash="h", state="succeeded", finished_at=utc_now())
     of_payload = Job(kind="payload", payload_id=payload.id, request_hash="i", state="succeeded", finished_at=utc_now())
     store.session.add_all([job, of_payload])
@@ -122,13 +136,16 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
         study.id, job.id, [PublishedFile("results/north.txt", sha, 18, "text/plain")],
         {"title": "Northern bend", "creators": [{"name": "Ada"}], "licence": "CC0-1.0"},
     )  # fmt: skip
+    webhook, _ = store.webhooks.add("https://north.example/hook", ["job.ended"])
+    store.webhooks.ping(webhook.id)
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
     store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
     return {
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",
-        "format": "csv", "publication_id": publication.id,
+        "format": "csv", "motion_id": motion.id, "plan_id": plan.id, "map_id": names.id,
+        "publication_id": publication.id, "webhook_id": webhook.id,
     }  # fmt: skip
 
 
@@ -151,6 +168,13 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "createPayloadFromUpload": {JSON: uploads},
         "createStudyFromUpload": {JSON: uploads},
         "planPayload": {JSON: {"what": "postures"}},
+        "createMotion": {"files": [file]},
+        "restateMotion": {JSON: {"up": "z"}},
+        "putMotionContacts": {JSON: {"left": [[0.0, 1.0]], "right": []}},
+        "keepMotionMap": {JSON: {"name": "m", "names": {"A": "B"}}},
+        "createPlan": {JSON: {"robot_id": north["robot_id"], "motion_id": north["motion_id"], "retarget": {}}},
+        "listMotions": {"params": {"search": "Northern"}},
+        "getMotionSeriesTiles": {"params": {"channels": ["q"]}},
         "createRobot": {"files": [file]},
         "putRobotMapping": {JSON: {"mapping": {"columns": {}}}},
         "createStudy": {JSON: {"name": "s", "robot_id": north["robot_id"], "logs": logs}},
@@ -170,10 +194,12 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "createToken": {JSON: {"name": "t"}},
         "shareStudy": {JSON: {"lab": None}},
         "publish": {JSON: {"title": "t", "creators": [{"name": "Eve"}], "job_id": north["job_id"]}},
+        "addWebhook": {JSON: {"url": "https://new.example", "events": ["job.ended"]}},
         "revokePublication": {JSON: {"reason": "r"}},
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},
+        "closeLab": {"params": {"name": "not its name"}},
         "compareDevice": {"params": {"model": "Northern"}},
         "compareStudies": {"params": {"jobs": [north["job_id"]]}},
         "listDevices": {"params": {"robot_id": north["robot_id"]}},
@@ -189,7 +215,7 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
 NAMED_ELSEWHERE = {  # what names a thing of a lab not in its path: the other lab gets 404 for it
     "createDevice", "previewLog", "submitJob", "createLog", "createLogFromUpload", "checkPayload",
     "createPayloadFromDraft", "lookAtPayload", "createPayloadFromUpload", "createStudyFromUpload", "createStudy",
-    "compareStudies", "compareDevice", "showLab",
+    "compareStudies", "compareDevice", "showLab", "createPlan",
 }  # fmt: skip
 
 
@@ -329,6 +355,7 @@ def test_the_lab_itself_finds_all_of_it(app: FastAPI, world: World) -> None:
     by_content = {  # 404 for what is in the files, which are none of a robot here
         "getScene", "getPayloadScene", "getSeriesTiles", "exportSeries", "getRawSeries", "getRawSeriesTiles",
         "exportRawSeries", "getArtifact", "getPayloadResults", "exportPayload", "whatIf", "getStudyResults",
+        "exportPlan", "getPlanScene", "getMotionScene",
         "compareDevice",
     }  # fmt: skip
     found = set[str]()

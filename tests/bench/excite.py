@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
+from exogauge.experiment.envelope import random_motion, within
 from exogauge.motion.excite.plan import plan_excitation
-from exogauge.motion.excite.search import Task, random_motion, within
+from exogauge.motion.excite.search import Task
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.studies.intake.robot_file import load_robot

@@ -11,6 +11,7 @@ import pytest
 from tests.discrepancy.test_sensor_effects import BODY, SEEDS, named, searched, swaying
 
 from exogauge.effects.catalogue import sensor_effects, whole_sensor_effects
+from exogauge.findings.verdict import Why
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording, Settings
 from exogauge.identification.sites import SensorSite
@@ -126,6 +127,36 @@ def test_what_an_effect_takes_off_the_rows_is_what_a_changed_reading_does_to_the
         columns = prepared.low_pass.apply(site.see(model, prepared).columns(effect, ())[:, coefficient])
         own = model.equations.layout.in_told(site.kinds(model.equations))
         np.testing.assert_allclose(columns, -(after - before)[:, own] / step, atol=1e-6 * np.abs(columns).max())
+
+
+def test_a_foot_of_which_a_component_was_never_measured_is_not_blamed(robot: Robot) -> None:
+    log = on_two_plates(SEEDS[0])
+    log = replace(log, channels=log.channels | {"ft.left.mx": np.zeros(log.samples)})
+    model = identify(robot, [Recording(log, held_out=False)], Settings()).model
+    prepared = model.prepare(log)
+    for foot, blamed in ((0, False), (1, True)):
+        columns = SensorSite(foot, 2, contact=True).see(model, prepared).columns(sensor_effects()["ft_gain"], ())
+        assert columns.any() == blamed
+
+
+def shunted(_t: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """A cover 0.1 m in front bears a share of the weight past the sensor while that stands in front of its usual place:
+    nothing that the catalogue holds."""
+    out, along = w.copy(), -w[:, 4] / w[:, 2]
+    borne = 3.0 * w[:, 2] * np.maximum(along - np.median(along), 0.0)
+    out[:, 2] -= borne
+    out[:, 4] += 0.1 * borne
+    return out
+
+
+def test_what_no_catalogue_holds_is_unexplained_where_it_is(robot: Robot) -> None:
+    found = searched(robot, [on_two_plates(seed, {"left": shunted}) for seed in SEEDS]).discrepancy
+    assert found.findings == ()
+    assert found.verdict == "unexplained"
+    assert found.unexplained[0].channel.startswith("base.")
+    assert any(each.objection.why is Why.PARTIAL for each in found.rejected), (
+        "the nearest names are told with their share"
+    )
 
 
 def in_amperes(log: Log, alike: float) -> Log:

@@ -99,6 +99,7 @@ def test_standard_deviations_cover_the_truth_over_many_draws_of_the_noise(fitted
     assert np.mean(np.abs(z) < 2.0) > 0.9
 
 
+@pytest.mark.slow
 def test_from_the_two_best_values_of_the_grid_the_summit_is_found_where_one_ends_beside_it(identified, study):
     """Stribeck's friction fitted by an exponent of speed and its levelling off, which trade against each other.
 

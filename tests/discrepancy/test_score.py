@@ -48,7 +48,7 @@ def dense(model, logs, candidate=None):
     rows, right = [], []
     for prepared in logs:
         if candidate:
-            delivered = columns_of([candidate], candidate.site.see(model, prepared), prepared, 1)[:, :, 0]
+            delivered = columns_of([candidate], candidate.site.see(model, prepared), prepared, 1).every[:, :, 0]
         for _, chunks in equations.rows(prepared, np.zeros(equations.size)):
             for chunk in chunks:
                 root = np.sqrt(model.solution.weights[chunk.kind])
@@ -176,7 +176,7 @@ def test_columns_of_all_candidates_are_each_filtered_by_itself(case):
     site, prepared = AxisSite(1), logs[1]
     seen = site.see(model, prepared)
     every = [Candidate(effect, site, shape) for effect in shaped_effects().values() for shape in grid(effect)]
-    together = columns_of(every, seen, prepared, 1)[:, :, 0]
+    together = columns_of(every, seen, prepared, 1).every[:, :, 0]
     start = 0
     for each in every:
         own = prepared.low_pass.apply(np.ascontiguousarray(each.effect.columns(seen.signals, each.shape)))
@@ -192,7 +192,29 @@ def test_two_effects_of_one_name_keep_their_own_columns(case):
     seen, kinds = site.see(model, logs[0]), len(site.kinds(model.equations))
     neighbours = [Candidate(BaseTilt(), site, ()), Candidate(ImuTilt(), site, ())]
     assert neighbours[0].effect.name == neighbours[1].effect.name
-    together = columns_of(neighbours, seen, logs[0], kinds)
-    apart = [columns_of([each], seen, logs[0], kinds) for each in neighbours]
+    together = columns_of(neighbours, seen, logs[0], kinds).every
+    apart = [columns_of([each], seen, logs[0], kinds).every for each in neighbours]
     np.testing.assert_array_equal(together, np.concatenate(apart, axis=1))
     assert together.shape[1] == sum(each.width for each in neighbours)
+
+
+def test_candidates_that_are_alike_in_a_log_have_the_sums_that_each_has_by_itself(case):
+    model, logs, x = case
+    site, kind = AxisSite(2), model.equations.layout.axis(2)
+    effect = shaped_effects()["friction_shift"]
+    every = [Candidate(effect, site, shape) for shape in grid(effect)]
+    for number, prepared in enumerate(logs):
+        sums, columns = Sums(), columns_of(every, site.see(model, prepared), prepared, 1)
+        assert columns.different.shape[1] == (effect.shapes[0].low <= number) * len(effect.coefficients)
+        assert columns.every.shape[1] == len(every) * len(effect.coefficients)
+        sums.take(model.equations, prepared, x, {site: columns})
+        whole = KindSums.empty(columns.every.shape[1], len(model.equations.columns()[kind]))
+        for _, chunks in model.equations.rows(prepared, x):
+            for chunk in chunks:
+                if chunk.kind == kind:
+                    whole.add(chunk.block[:, :-1], columns.every[chunk.samples, :, 0], chunk.residual(x))
+        found = sums.by_site[site][kind]
+        for name in ("cross", "own", "with_residual"):
+            one, other = getattr(found, name), getattr(whole, name)
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-12 * max(np.abs(other).max(), 1e-300))
+        assert (found.square, found.rows) == (whole.square, whole.rows)

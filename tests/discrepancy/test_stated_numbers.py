@@ -26,6 +26,7 @@ def inertia(phi):
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
+@pytest.mark.slow
 def test_doubts_are_those_of_links_with_other_masses_centres_and_inertias(study, identified):
     model = identified(study(seconds=8.0)).model
     own, stated = model.solution.prior, as_stated(model)

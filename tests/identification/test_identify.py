@@ -62,6 +62,7 @@ def test_known_truth_comes_back_without_noise(make_truth, make_log, floating):
             assert abs(parameter.value - true) < allowed, parameter.name
 
 
+@pytest.mark.slow
 def test_most_intervals_hold_the_truth(make_truth, make_log):
     truth = make_truth(floating=True, joints=3, seed=3)
     result = fit(truth, make_log, noise=1.0)
@@ -71,6 +72,7 @@ def test_most_intervals_hold_the_truth(make_truth, make_log):
     assert np.mean(inside) > 0.85
 
 
+@pytest.mark.slow
 def test_held_out_error_shrinks_to_the_noise(make_truth, make_log):
     truth = make_truth(floating=True, seed=4)
     result = fit(truth, make_log, noise=1.0)
@@ -192,6 +194,7 @@ def test_logs_without_steady_motion_are_refused_in_words(make_truth, make_log):
         identify(truth.robot, [Recording(still, False)], Settings(cutoff_hz=8.0))
 
 
+@pytest.mark.slow
 def test_no_bit_depends_on_how_many_processors_there_are(make_truth, make_log, monkeypatch):
     truth = make_truth(True)
     logs = [make_log(truth, seed, seconds=12.0, noise=1.0) for seed in (1, 2, 3, 9)]

@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
+import yaml
+from scipy.signal import butter, sosfiltfilt
 from tests.motion.robots import ARMS, arm_folder, sample_folder
 
 from exogauge.cli import main
 from exogauge.criteria.motion_excite import MotionExcite
 from exogauge.estimation.statistics import Statistics
+from exogauge.experiment.envelope import random_motion, within
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Recording
 from exogauge.identification.solution import first_weights
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import information_of
 from exogauge.motion.excite.promise import AS_STATED, planned_log
-from exogauge.motion.excite.search import Task, point, random_motion, within
-from exogauge.motion.excite.task import task_of
+from exogauge.motion.excite.search import Task, point
+from exogauge.motion.excite.task import by_encoders, task_of
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.base import BaseTurn
 from exogauge.robots.moving.stance import Standing
@@ -114,6 +119,21 @@ def test_what_a_turning_base_feels_and_its_slopes() -> None:
             assert exact[at] == pytest.approx((total(*parts[0]) - total(*parts[1])) / (2 * h), abs=1e-6)
 
 
+def test_encoders_noise_counts_as_what_it_makes_of_a_torque_below_the_cutoff(arm: Path) -> None:
+    """White noise of the encoders, differentiated twice and low-passed, times inertia at home; beside white noise."""
+    moving, rate, cutoff = load_motion_robot(arm), 1000.0, 10.0
+    order = np.arange(len(moving.joints))
+    said = by_encoders(moving, order, 1e-4, cutoff)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal((200_000, len(order)))
+    low_pass = butter(20, 2.0 * cutoff / rate, output="sos")
+    fast = np.gradient(np.gradient(sosfiltfilt(low_pass, noise, axis=0), axis=0), axis=0) * rate**2
+    M = pin.crba(moving.model, moving.data, moving.home)
+    torque = fast @ (np.triu(M) + np.triu(M, 1).T)
+    white = sosfiltfilt(low_pass, np.random.default_rng(1).standard_normal(200_000)).var()  # what is left of variance 1
+    assert said == pytest.approx(torque.var(axis=0) / white, rel=0.15)  # no filter has an edge
+    assert by_encoders(moving, order, 0.0, cutoff).max() == 0.0
+
+
 def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
     of = bare(task(human, 4.0))
     x = random_motion(of, np.random.default_rng(2))
@@ -127,6 +147,7 @@ def test_feet_stay_and_rates_are_derivatives(human: Path) -> None:
     assert planned.at(np.array([0.0]))[0][0] == pytest.approx(of.stance.home, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_robot_whose_home_lies_at_a_bound_can_move(arm: Path) -> None:
     of = bare(task(arm))
     robot = replace(of.stance.robot, home=of.stance.robot.limits.lower.copy())
@@ -193,3 +214,32 @@ def test_what_logs_know_is_what_their_noise_leaves(arm: Path) -> None:
     after = task_of(robot, of.stance.robot, 6.0, QUICK, known)
     assert np.linalg.eigvalsh(after.information.before).min() > 0.0
     assert after.told(planned.x).cost < of.told(planned.x).cost
+
+
+@pytest.mark.slow
+def test_the_command_counts_in_what_a_study_knows(
+    arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A log of a first motion on disk, as a study; then the next motion, from the command alone."""
+    shutil.copytree(arm.parent, tmp_path / "study")
+    of, rng = task(arm), np.random.default_rng(1)
+    first = planned_log(load_robot(arm.parent), Excited(of, within(of, random_motion(of, np.random.default_rng(0)))))
+    noise = {"q": 1e-5, "tau": 0.1}
+    columns = {"t": first.time} | {
+        name: values + noise[name.partition(".")[0]] * rng.standard_normal(len(values))
+        for name, values in first.channels.items()
+    }
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(tmp_path / "study" / "first.csv", table, "%.9g", ",", header=",".join(columns), comments="")
+    logs = [{"file": "first.csv", "role": "identification"}]
+    study = {"version": 1, "name": "first", "robot": "robot.yaml", "logs": logs}
+    (tmp_path / "study" / "study.yaml").write_text(yaml.safe_dump(study))
+    out = tmp_path / "next.csv"
+    robot = str(tmp_path / "study" / "robot.yaml")
+    command = ["motion", "excite", "--robot", robot, "--seconds", "3", "--json", "--out", str(out)]
+    assert main([*command, "--study", str(tmp_path / "study")]) == 0
+    told = [each for each in json.loads(out.with_suffix(".json").read_text())["parameters"] if each["before"] > 0.0]
+    left = np.array([each["std"] / each["before"] for each in told])
+    assert np.median(left) < 1.0
+    assert left.min() < 0.8
+    assert left.max() < 2.0  # of a longer log noise is known better, and may be told as more

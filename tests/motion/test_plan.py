@@ -26,11 +26,12 @@ from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged, judge
-from exogauge.motion.plan.outcome import motion_table
+from exogauge.motion.plan.outcome import motion_table, slow
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
+from exogauge.motion.plan.within import plan_within
 from exogauge.motion.plan.written import read_written
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
@@ -234,6 +235,21 @@ def test_acceleration_and_jerk_are_held_between_nodes_too(robot: MotionRobot, be
     assert judge(lazy, again.spline, asked.place[0], planned=again, rate=1000.0).broken == ()
 
 
+@pytest.mark.slow
+def test_what_breaks_between_the_nodes_alone_is_planned_once_more_with_more_kept(robot: MotionRobot, bent) -> None:
+    """Nodes that may come nearer to the soles' edge than what is judged: they hold, and what is written does not."""
+    asked, _ = bent
+    careless = replace(USUAL, margin_m=USUAL.inside_m - 0.005)
+    first = plan(robot, asked, careless)
+    told = judge(robot, first.spline, asked.place[0], planned=first).broken
+    assert [line.split(":")[0] for line in told] == ["centre of pressure inside the soles"]
+    assert first.excess.max() < careless.over
+    again, judged = plan_within(robot, asked, careless)
+    assert judged.broken == ()
+    assert judged.inside.min() >= USUAL.inside_m
+    assert again.spline.control.shape == first.spline.control.shape
+
+
 def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:
     """The plan is what keeps the balance: the same bend with the pelvis where it is asked presses outside the soles."""
     asked, planned = bent
@@ -423,6 +439,14 @@ def test_a_captured_bend_keeps_its_bounds(folder: Path, robot: MotionRobot, tmp_
     asked, _ = ask(robot, person)
     planned = plan(robot, asked)
     upper = np.array(robot.beyond("thorax") + robot.torso)
+    torso = robot.base + np.array(robot.torso)
+    wanted, given = slow(asked.q[:, torso], asked.step, USUAL.smooth_hz), planned.spline.at_nodes()[0][:, torso]
+    for k, joint in enumerate(robot.torso):
+        borne = np.abs(wanted[:, k]) < robot.limits.upper[joint]
+        off = np.degrees(given - wanted)[borne, k]
+        assert np.sqrt(np.mean(off**2)) <= 0.2
+        far = np.convolve(~borne, np.ones(13), "same")[borne] == 0  # .1 s from where the joint is at its bound
+        assert np.abs(off[far]).max() <= 1.0
     for rate in (200.0, 1000.0):
         seen = ByMuJoCo(robot, planned.spline, rate)
         assert seen.inside.min() >= 0.015

@@ -144,7 +144,6 @@ def test_a_pair_that_is_nearer_at_home_than_is_asked_for_binds_nothing_there(rob
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="arms that cross may end with hands too near; it is told, and not written (docs/motion.md)")
 def test_arms_that_are_asked_into_the_trunk_stay_out(robot: MotionRobot, pairs: Pairs) -> None:
     step = 1.0 / USUAL.nodes_per_s
     s = np.clip(2.0 * np.minimum(np.linspace(0, 1, 181), np.linspace(1, 0, 181)), 0.0, 1.0)[:, None]

@@ -545,6 +545,7 @@ def test_a_real_imu_in_another_unit_is_refused_and_no_real_posture_is_called_tou
         evaluate(payload)
 
 
+@pytest.mark.slow
 def test_a_push_while_exciting_is_left_out_and_told(sample: Path, tmp_path: Path) -> None:
     folder = tmp_path / "pushed"
     shutil.copytree(sample, folder)

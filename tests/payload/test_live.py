@@ -197,6 +197,7 @@ def test_a_push_is_seen_timed_and_measured_and_does_not_change_the_payload() -> 
     assert known[-1].left_out > 250
 
 
+@pytest.mark.slow
 def test_alarms_without_contact_are_as_rare_as_stated() -> None:
     """One sample in a hundred, over seeds: in fast motion after the excitation, and at rest."""
     share, rest = [], []

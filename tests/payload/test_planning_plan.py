@@ -46,6 +46,7 @@ def test_postures_are_written_with_what_they_will_tell(
     assert -rotation[:, 2] == pytest.approx(np.column_stack([table[f"gravity.{axis}"] for axis in "xyz"]), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_excitation_is_written_with_what_it_will_tell(tmp_path: Path) -> None:
     folder = written(tmp_path)
     assert main(["payload", "excite", str(folder), "--out", str(tmp_path / "out")]) == 0

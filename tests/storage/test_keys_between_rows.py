@@ -16,7 +16,7 @@ from exogauge.storage.database import UtcDateTime
 from exogauge.storage.row_security import ALL, see
 from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.store import Storage
-from exogauge.storage.tables import Base
+from exogauge.storage.tables import OWNERS, Base
 
 TABLES = Base.metadata.sorted_tables
 TABLES_BY_NAME = Base.metadata.tables
@@ -25,7 +25,7 @@ KEYS = sorted(
     ((table, key) for table in OWNED for key in table.foreign_key_constraints if key.referred_table in OWNED),
     key=lambda each: str(each[1].name),
 )
-ONE_OF_TWO = ("jobs", "results")  # of a study or of a payload: here of a study, unless the payload is what is tried
+ONE_OWNER = ("jobs", "results")  # of a study or another of `OWNERS`: here of a study, unless another is what is tried
 CHOICES = {"role": "viewer", "scope": "read"}  # where not any word will do
 NUMBERS = count(1)
 
@@ -118,8 +118,10 @@ def row_of(
     row |= {names(key): have[key.referred_table.name] for each, key in KEYS if each is table}
     row |= {name: value for name, value in CHOICES.items() if name in row}
     row |= {"account_id": have["accounts"]} if "account_id" in row else {}
-    if table.name in ONE_OF_TWO:
-        row.pop("study_id" if tried is not None and names(tried) == "payload_id" else "payload_id")
+    if table.name in ONE_OWNER:
+        owners = {f"{noun}_id" for noun in OWNERS}
+        kept = names(tried) if tried is not None and names(tried) in owners else "study_id"
+        row = {name: value for name, value in row.items() if name == kept or name not in owners}
     return row
 
 

@@ -9,7 +9,19 @@ import sqlalchemy as sa
 
 from exogauge.storage import migrate
 from exogauge.storage.database import make_engine
-from exogauge.storage.tables import Artifact, Base, IdempotencyKey, Job, Payload, Result, Study, StudyFile
+from exogauge.storage.tables import (
+    Artifact,
+    Base,
+    IdempotencyKey,
+    Job,
+    Motion,
+    Payload,
+    Plan,
+    Result,
+    Robot,
+    Study,
+    StudyFile,
+)
 
 
 def owner(url: str) -> sa.Engine:
@@ -20,7 +32,7 @@ def owner(url: str) -> sa.Engine:
     return engine
 
 
-OF_NO_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
+OF_NO_LAB = {"identities", "worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "sign_in_tries"}
 
 
 def test_upgrade_check_downgrade_leave_nothing_over(empty_database_url: str) -> None:
@@ -131,6 +143,34 @@ def test_going_back_before_payloads_takes_their_jobs_and_leaves_those_of_studies
         connection.execute(
             sa.insert(Job).values(id="c", lab_id="l", study_id="s", request_hash="c", kind="k", state="odd")
         )
+    engine.dispose()
+
+
+def test_going_back_before_motions_takes_their_jobs_and_leaves_those_of_studies(empty_database_url: str) -> None:
+    migrate.upgrade(empty_database_url)
+    engine = owner(empty_database_url)
+    job = {"lab_id": "l", "kind": "k", "state": "failed"}
+    named = {"lab_id": "l", "name": "n", "content_hash": "c", "summary": {}}
+    with engine.begin() as connection:
+        connection.execute(sa.insert(Study).values(id="s", **named))
+        connection.execute(sa.insert(Robot).values(id="r", version=1, **named))
+        connection.execute(sa.insert(Motion).values(id="m", version=1, **named))
+        connection.execute(sa.insert(Plan).values(id="p", robot_id="r", motion_id="m", **named))
+        for of, key in (("study", "s"), ("motion", "m"), ("plan", "p")):
+            connection.execute(sa.insert(Job).values(id=f"of {of}", request_hash=of, **{f"{of}_id": key}, **job))
+        connection.execute(
+            sa.insert(Result).values(id="x", lab_id="l", job_id="of plan", plan_id="p", sha256="0", size=1)
+        )
+    with pytest.raises(sa.exc.IntegrityError), engine.begin() as connection:
+        connection.execute(sa.insert(Job).values(id="two", request_hash="t", study_id="s", plan_id="p", **job))
+    engine.dispose()
+    migrate.downgrade(empty_database_url, "0018")
+    assert not {"motions", "motion_files", "plans", "plan_files", "motion_maps"} & tables(empty_database_url)
+    migrate.upgrade(empty_database_url)
+    migrate.check(empty_database_url)
+    engine = owner(empty_database_url)
+    with engine.connect() as connection:
+        assert connection.scalars(sa.select(Job.id)).all() == ["of study"]
     engine.dispose()
 
 

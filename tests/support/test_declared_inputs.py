@@ -118,6 +118,7 @@ def test_an_input_moves_the_supporting_torque_as_far_as_logs_that_are_spoilt_by_
     assert np.abs(change - expected)[steady].max() < 0.1 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_zeros_and_motors_of_one_log_move_the_parameters_as_far_as_is_said(biped, robot, logs):
     log, squares = logs[0], {"ft_zero": 0.0, "kt_drift": 0.0}
     model = identified(robot, [log])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 from fastapi import HTTPException, Request
@@ -21,11 +21,12 @@ FORM = "multipart/form-data"
 @dataclass(frozen=True)
 class BundleUpload:
     """files: as they came, spooled, unopened. name: the form's `name`, where given. robot: its `robot`, an id; only
-    devices ask for one."""
+    devices ask for one. said: all other fields that are not blank."""
 
     files: tuple[UploadFile, ...]
     name: str | None
     robot: str | None = None
+    said: Mapping[str, str] = field(default_factory=dict)
 
 
 async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
@@ -36,7 +37,8 @@ async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
         files = tuple(value for _, value in form.multi_items() if isinstance(value, UploadFile))
         if not files:
             raise refused(("body", "files"), "missing", "the form holds no file")
-        yield BundleUpload(files, text_of(form, "name"), text_of(form, "robot"))
+        said = {key: text for key in form if (text := text_of(form, key)) is not None}
+        yield BundleUpload(files, said.pop("name", None), said.pop("robot", None), said)
 
 
 async def device_body(request: Request) -> AsyncIterator[BundleUpload]:
@@ -80,9 +82,11 @@ def refused(place: tuple[str, ...], kind: str, message: str) -> RequestValidatio
 
 
 def bundle_schema(
-    description: str, json_model: type[StudyFromParts] | None = None, needed: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """The OpenAPI of such a body. needed: further fields of the form that must be there, name -> schema."""
+    description: str, json_model: type[StudyFromParts] | None = None, needed: Mapping[str, Any] | None = None,
+    also: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """The OpenAPI of such a body. needed: further fields of the form that must be there, name -> schema; also: that
+    may be."""
     needed = needed or {}
     form = {
         "type": "object",
@@ -92,6 +96,7 @@ def bundle_schema(
                       "description": description},
             "name": {"type": "string", "maxLength": 200},
             **needed,
+            **(also or {}),
         },
     }  # fmt: skip
     content: dict[str, Any] = {FORM: {"schema": form}}

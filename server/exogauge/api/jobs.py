@@ -39,12 +39,14 @@ QueueDep = Annotated[JobQueue, Depends(get_queue)]
 
 @final
 class JobRequest(BaseModel):
-    """What to do with a study or a payload, whichever the kind is of. settings: override those of its study.yaml or
-    payload.yaml."""
+    """What to do with a study, payload, motion or plan, whichever the kind is of. settings: override those of its
+    study.yaml or payload.yaml."""
 
     model_config = ConfigDict(extra="forbid")
     study_id: str | None = Field(default=None, min_length=1, max_length=64)
     payload_id: str | None = Field(default=None, min_length=1, max_length=64)
+    motion_id: str | None = Field(default=None, min_length=1, max_length=64)
+    plan_id: str | None = Field(default=None, min_length=1, max_length=64)
     kind: str = Field(default="evaluate", min_length=1, max_length=64)
     settings: dict[str, Any] = Field(default_factory=dict)
 
@@ -52,7 +54,7 @@ class JobRequest(BaseModel):
     def owner_id(self) -> str:
         """Of what the kind is of. BadInput where that is not named, or something else too."""
         of = recipe_for(self.kind).of
-        named = {"study": self.study_id, "payload": self.payload_id}
+        named = {"study": self.study_id, "payload": self.payload_id, "motion": self.motion_id, "plan": self.plan_id}
         owner = named.pop(of)
         if owner is None or any(named.values()):
             detail, advice = f"a job of this kind is of a {of}", f"Give {of}_id, and no other."
@@ -74,17 +76,19 @@ class JobStep(BaseModel):
 
 @final
 class JobOut(Answer):
-    """study_id, payload_id: one of them says what it is of. progress: 0..1. message: what it does now; stage: where in
-    an evaluation or identification that belongs; steps: what it did before, with times. place: where in the queue it
-    is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the same with file, row,
-    column, value and advice, where what was handed in is to blame; defect: exogauge itself is to blame. code_version:
-    the code that computes or computed it, null while no worker has taken it; requested_code_version: the code that
-    took the request, which a worker of another version does not share. cpu_s: CPU seconds that it took. revision:
-    grows with every change and is the id of its events."""
+    """study_id, payload_id, motion_id, plan_id: one of them says what it is of. progress: 0..1. message: what it does
+    now; stage: where in an evaluation or identification that belongs; steps: what it did before, with times. place:
+    where in the queue it is, in words; ahead: how many start before it. reason: why it did not succeed; problem: the
+    same with file, row, column, value and advice, where what was handed in is to blame; defect: exogauge itself is to
+    blame. code_version: the code that computes or computed it, null while no worker has taken it;
+    requested_code_version: the code that took the request, which a worker of another version does not share. cpu_s:
+    CPU seconds that it took. revision: grows with every change and is the id of its events."""
 
     id: str
     study_id: str | None
     payload_id: str | None
+    motion_id: str | None
+    plan_id: str | None
     kind: str
     settings: dict[str, Any]
     state: State
@@ -162,10 +166,13 @@ def list_jobs(
     limit: Limit = 50,
     study_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
     payload_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
+    motion_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
+    plan_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
     state: State | None = None,
 ) -> JobList:
     """Newest first."""
-    page = store.jobs.page(cursor, limit, study_id=study_id, payload_id=payload_id, state=state)
+    of = {"study_id": study_id, "payload_id": payload_id, "motion_id": motion_id, "plan_id": plan_id}
+    page = store.jobs.page(cursor, limit, state=state, **of)
     return JobList(items=JobOut.of_each(page.items, store.session), next_cursor=encoded_cursor(page.after))
 
 

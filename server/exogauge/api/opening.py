@@ -66,7 +66,8 @@ def robot(folder: str, file: str) -> dict[str, Any]:
     from exogauge.studies.intake.robot_file import read_robot
 
     described, entry, _ = read_robot(Bundle(Path(folder), file), file)
-    return {"urdf": entry.urdf, **about(described), "model": robot_model(described, entry)}
+    planned = {"soles": len(entry.soles), "human_map": sorted(entry.human_map), "home": bool(entry.home)}
+    return {"urdf": entry.urdf, **about(described), "motion": planned, "model": robot_model(described, entry)}
 
 
 def device(folder: str, file: str, robot_folder: str) -> dict[str, Any]:

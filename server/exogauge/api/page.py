@@ -25,7 +25,7 @@ from exogauge.settings import Settings, packaged_folder
 router = APIRouter(include_in_schema=False)
 
 PLACES = (  # the first part of a page's address
-    "", "studies", "import", "robots", "devices", "payloads", "compare",
+    "", "studies", "import", "robots", "devices", "payloads", "motions", "plans", "compare",
     "sign-in", "set-up", "invited", "account", "lab", "published",
 )  # fmt: skip
 BASE, NONCE, LIMITS = '<base href="/" />', 'nonce=""', 'name="limits" content=""'

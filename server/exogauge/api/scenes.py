@@ -20,7 +20,7 @@ from exogauge.api.shapes import Role
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
-from exogauge.scene.drawing import draw_at_rest, draw_log, draw_payload
+from exogauge.scene.drawing import draw_at_rest, draw_captured, draw_log, draw_payload, draw_played
 from exogauge.scene.frames import Frames
 from exogauge.scene.player import POLICY, made_for, player_page
 from exogauge.settings import Settings
@@ -36,6 +36,7 @@ router = APIRouter(tags=["scenes"])
 CREATING = threading.Lock()
 KEPT_BYTES = 512 << 20
 MEDIA_TYPE = "application/gzip"
+MOTION_VIEW = "1"  # of what is drawn of motions and plans
 MOST_PLANS = 50  # looked through for the newest postures
 RECORDING: dict[int | str, dict[str, Any]] = {
     200: {
@@ -155,6 +156,52 @@ def get_payload_scene(payload_id: Id, request: Request, storage: StorageDep, set
             return draw_payload(scratch / "payload", *laid)
 
     return kept(key, draw, payload.name, request, settings)
+
+
+@router.get("/plans/{plan_id}/scene", operation_id="getPlanScene", responses=RECORDING)
+def get_plan_scene(plan_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Response:
+    """The robot that does what was planned, beside the person whose motion it was."""
+    with storage.reading() as store:
+        plan = store.plans.get(str(plan_id))
+        robot = store.robots.get(plan.robot_id)
+        made = {
+            each.name: each.sha256 for each in store.results.artifacts(store.results.newest("plan", plan.id).job_id)
+        }
+    key = hashed(robot.content_hash, made["played.npz"], made.get("human.npz", ""), made_for(), MOTION_VIEW)
+
+    def draw() -> bytes:
+        with scratch_folder(settings) as scratch:
+            lay_out_robot(robot.id, storage, scratch / "robot")
+            laid = {name: scratch / name for name in ("played.npz", "human.npz") if name in made}
+            for name, path in laid.items():
+                copy_out(storage.blobs, made[name], path)
+            return draw_played(scratch / "robot", laid["played.npz"], laid.get("human.npz"))
+
+    return kept(key, draw, plan.name, request, settings)
+
+
+@router.get("/motions/{motion_id}/scene", operation_id="getMotionScene", responses=RECORDING)
+def get_motion_scene(motion_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Response:
+    """The person as it was captured; with the body that was fitted to it, once one was."""
+    with storage.reading() as store:
+        motion = store.motions.get(str(motion_id))
+        try:
+            job = store.results.newest("motion", motion.id).job_id
+            figure: str | None = store.results.artifact(job, "human.npz").sha256
+        except NotFound:
+            figure = None
+    key = hashed(motion.content_hash, figure or "", made_for(), MOTION_VIEW)
+
+    def draw() -> bytes:
+        with scratch_folder(settings) as scratch:
+            with storage.reading() as store:
+                store.motions.write_to(motion.id, scratch / "motion")
+            path = None if figure is None else scratch / "human.npz"
+            if figure is not None and path is not None:
+                copy_out(storage.blobs, figure, path)
+            return draw_captured(scratch / "motion", path)
+
+    return kept(key, draw, motion.name, request, settings)
 
 
 def latest_of(store: Store, payload_id: str) -> tuple[str | None, str | None]:

@@ -73,11 +73,16 @@ def list_studies(
         UUID | Literal["none"] | None,
         Query(description="with the robot.yaml and URDF of this robot, byte for byte; none: of no robot in the list"),
     ] = None,
+    plan_id: Annotated[UUID | None, Query(description="with the motion of this plan, byte for byte")] = None,
 ) -> StudyList:
     if isinstance(robot_id, UUID):
         store.robots.get(str(robot_id))
+    if plan_id is not None:
+        store.plans.get(str(plan_id))
     robot = None if robot_id is None else str(robot_id)
-    page = store.studies.page(cursor, limit, search=search, state=state, robot_id=robot)
+    page = store.studies.page(
+        cursor, limit, search=search, state=state, robot_id=robot, plan_id=None if plan_id is None else str(plan_id)
+    )
     jobs = store.jobs.latest([study.id for study in page.items])
     items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
     return StudyList(items=items, next_cursor=encoded_cursor(page.after))

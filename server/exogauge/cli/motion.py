@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exogauge.cli.endings import Commands
+from exogauge.cli.motion_service import add_server, list_plans, send_capture, send_excite, send_retarget
 
 if TYPE_CHECKING:
+    from exogauge.motion.contract import RetargetEntry
     from exogauge.motion.plan.judge import Judged
     from exogauge.motion.plan.spline import Trajectory
     from exogauge.robots.moving.robot import MotionRobot
@@ -27,6 +29,7 @@ def add_commands(commands: Commands) -> None:
     read.add_argument("--fill", action="store_true", help="close gaps: short ones by splines, others by rigid segments")
     read.add_argument("--json", action="store_true", help="as JSON")
     read.add_argument("--out", type=Path, metavar="FILE.npz", help="write the motion there: metres, z up, seconds")
+    add_server(read)
     read.set_defaults(command=import_motion)
 
     fit = steps.add_parser("fit", help="fit a body to markers or to a skeleton: trunk, hip, knee angles over time")
@@ -36,12 +39,18 @@ def add_commands(commands: Commands) -> None:
     fit.add_argument("--out", type=Path, metavar="FILE.mot", help="write the angles there, as OpenSim's tables are")
     fit.set_defaults(command=fit_motion)
 
+    robot = steps.add_parser("robot", help="write the robot.yaml of a known robot, for planning motions, from its URDF")
+    robot.add_argument("urdf", type=Path, help="of Talos, JVRC-1 or ergoCub")
+    robot.add_argument("--preset", metavar="NAME", help="talos, jvrc1 or ergocub, where its links do not tell")
+    robot.add_argument("--out", type=Path, metavar="robot.yaml", help="beside the URDF where none is given")
+    robot.set_defaults(command=write_robot)
+
     plan = steps.add_parser("retarget", help="make of a captured motion one that a robot on two feet can do")
     _add_capture(plan, "C3D, TRC, BVH or AMC")
     plan.add_argument("--static", type=Path, metavar="FILE", help="of markers: the same person, standing straight")
     plan.add_argument("--robot", type=Path, required=True, metavar="robot.yaml", help="with soles, human_map and home")
     plan.add_argument("--from", dest="begin", type=float, default=0.0, metavar="S", help="where the motion begins")
-    plan.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S", help="where it ends")
+    plan.add_argument("--to", dest="end", type=float, metavar="S", help="where it ends")
     plan.add_argument("--slow", type=float, default=1.0, metavar="FACTOR", help="take that many times the time")
     plan.add_argument("--mirror", action="store_true", help="left and right exchanged")
     plan.add_argument("--repeat", type=int, default=1, metavar="N", help="N times, one after the other")
@@ -51,6 +60,7 @@ def add_commands(commands: Commands) -> None:
     less = "where it cannot be had: how much slower, or which share of the trunk's angle can"
     plan.add_argument("--what-would-do", action="store_true", help=less)
     _add_export(plan)
+    add_server(plan)
     plan.set_defaults(command=retarget_motion)
 
     export = steps.add_parser("export", help="judge a file of joint angles at a rate, and write it in another format")
@@ -77,7 +87,12 @@ def add_commands(commands: Commands) -> None:
     excite.add_argument("--json", action="store_true", help="as JSON")
     beside = "write t and q.<joint> there, at 200 Hz; and FILE.json: how well every parameter will be known"
     excite.add_argument("--out", type=Path, metavar="FILE.csv", help=beside)
+    add_server(excite)
     excite.set_defaults(command=excite_robot)
+
+    listed = steps.add_parser("list", help="plans that a service holds, newest first")
+    add_server(listed, needed=True)
+    listed.set_defaults(command=list_plans)
 
 
 def _add_export(step: argparse.ArgumentParser) -> None:
@@ -112,6 +127,32 @@ def fit_motion(args: argparse.Namespace) -> int:
     return 0
 
 
+def write_robot(args: argparse.Namespace) -> int:
+    """robot.yaml beside its URDF; what of it is not the maker's is said."""
+    import yaml
+
+    from exogauge.errors import BadRobot, Fault
+    from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.motion.robot_presets import preset_of, robot_file_of
+
+    out = args.out or args.urdf.with_name("robot.yaml")
+    if not args.urdf.is_file() or out.resolve().parent != args.urdf.resolve().parent:
+        raise BadRobot(Fault("robot.yaml and its URDF stand side by side", "no_file", "Copy the URDF there first",
+                             args.urdf.name))  # fmt: skip
+    if out.exists():
+        raise BadRobot(Fault("there is such a file", "exists", "Name another one with --out", out.name))
+    urdf = args.urdf.read_bytes()
+    preset = preset_of(urdf, args.urdf.name, args.preset)
+    content = yaml.safe_dump(robot_file_of(preset, urdf, args.urdf.name), sort_keys=False, default_flow_style=None)
+    head = (f"# Preset {preset.name}. Soles and shapes: {preset.source}. Limits of acceleration and jerk: usual ones,\n"
+            "# not the maker's. Look at them before a robot moves.\n")  # fmt: skip
+    out.write_text(head + content)
+    robot = load_motion_robot(out)
+    _print({"robot": robot.name, "mass": f"{robot.mass:.1f} kg", "soles and shapes": preset.source,
+            "acceleration, jerk": "usual ones, not the maker's", "written": out.name}, False)  # fmt: skip
+    return 0
+
+
 def check_motion(args: argparse.Namespace) -> int:
     """1 where a bound is broken."""
     from exogauge.motion.plan.judge import judge
@@ -132,6 +173,8 @@ def check_motion(args: argparse.Namespace) -> int:
 
 def excite_robot(args: argparse.Namespace) -> int:
     """1 where no motion keeps within every bound; then nothing is written."""
+    if args.server:
+        return send_excite(args)
     from exogauge.motion.excite.plan import motion_table, plan_excitation, promise_file, summarise
 
     def tell(start: int, count: int, cost: float, largest: float) -> None:
@@ -159,44 +202,51 @@ def retarget_motion(args: argparse.Namespace) -> int:
     from exogauge.criteria.motion_plan import USUAL
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
-    from exogauge.motion.fit.fit import fit_human
-    from exogauge.motion.person import person_of, person_of_fit
-    from exogauge.motion.plan.judge import judge
     from exogauge.motion.plan.outcome import summarise
-    from exogauge.motion.plan.possible import what_would_do
-    from exogauge.motion.plan.retarget import ask
-    from exogauge.motion.plan.solve import Round, plan
+    from exogauge.motion.plan.solve import Round
+    from exogauge.motion.retargeting import person_in, retargeted
     from exogauge.motion.robot_file import load_motion_robot
 
     def tell(now: Round) -> None:
         print(f"part {now.part + 1} of {now.parts}, round {now.number}: step {now.step:.2g}, feet off by "
               f"{now.strays:.2g}, bounds exceeded by {now.excess:.2g}", file=sys.stderr)  # fmt: skip
 
+    wanted = wanted_of(args)
+    if args.server:
+        return send_retarget(args, wanted.model_dump(exclude_unset=True))
     robot = load_motion_robot(args.robot)
     motion = with_contacts(open_motion(args.file, skeleton=args.skeleton, up=args.up, unit=args.unit))
-    if motion.markers is None:
-        person = person_of(motion)
-    else:
-        static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
-        person = person_of_fit(fit_human(motion, static), motion.contacts)
-    person = person.cut(args.begin, args.end).slowed(args.slow).trunk_share(args.share)
-    for part in args.without:
-        person = person.without(part)
-    person = person.mirrored() if args.mirror else person
-    person = person.repeated(args.repeat, USUAL.approach_s) if args.repeat > 1 else person
-    asked, missed = ask(robot, person)
-    planned = plan(robot, asked, report=tell)
-    judged = judge(robot, planned.spline, asked.place[0], rate=args.rate, planned=planned)
-    said = summarise(robot, person, asked, missed, planned, judged)
-    if judged.broken and args.what_would_do:
-        could = what_would_do(robot, person, tried=lambda what, value, holds: print(
-            f"{what} {value:.2f}: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
+    static = None if args.static is None else open_motion(args.static, up=args.up, unit=args.unit)
+    found = retargeted(robot, person_in(motion, static), wanted, tell, lambda what, value, holds: print(
+        f"{what} {value:.2f}: {'holds' if holds else 'does not hold'}", file=sys.stderr))  # fmt: skip
+    said = summarise(robot, found.person, found.asked, found.missed, found.planned, found.judged)
+    if (could := found.could) is not None:
         said["would do"] = (
             (f"{could.slower:.2f} times the time" if could.slower else f"not {USUAL.slowest:g} times the time")
             + (f", or {100 * could.share:.0f} % of the trunk's angle" if could.share is not None
                else ", nor with the trunk still")
         )  # fmt: skip
-    return _written(args, robot, planned.spline, judged, said)
+    return _written(args, robot, found.planned.spline, found.judged, said)
+
+
+def wanted_of(args: argparse.Namespace) -> RetargetEntry:
+    """Raises BadMotion with the option that is wrong."""
+    from pydantic import ValidationError
+
+    from exogauge.errors import BadMotion, Fault
+    from exogauge.motion.contract import RetargetEntry
+
+    given = {"begin": args.begin, "slow": args.slow, "repeat": args.repeat, "mirror": args.mirror, "share": args.share,
+             "without": args.without, "what_would_do": args.what_would_do}  # fmt: skip
+    given |= {} if args.end is None else {"end": args.end}
+    given |= {} if args.rate is None else {"rate_hz": args.rate}
+    try:
+        return RetargetEntry.model_validate(given)
+    except ValidationError as wrong:
+        raise BadMotion([
+            Fault(each["msg"], each["type"], column=".".join(map(str, each["loc"])), value=str(each["input"])[:200])
+            for each in wrong.errors()
+        ]) from wrong  # fmt: skip
 
 
 def export_motion(args: argparse.Namespace) -> int:
@@ -238,6 +288,8 @@ def _written(
 
 def import_motion(args: argparse.Namespace) -> int:
     """What the file is; with --out the motion itself."""
+    if args.server:
+        return send_capture(args)
     from exogauge.motion.contacts import with_contacts
     from exogauge.motion.files import open_motion
     from exogauge.motion.gaps import fill_gaps

@@ -12,7 +12,10 @@ from pathlib import Path
 from exogauge.cli.endings import Commands
 
 NOT_SOUND = 1  # what the command ends with
-KINDS = {"study": "studies", "robot": "robots", "device": "devices", "log": "logs", "payload": "payloads"}
+KINDS = {
+    "study": "studies", "robot": "robots", "device": "devices", "log": "logs", "payload": "payloads",
+    "motion": "motions", "plan": "plans",
+}  # fmt: skip
 
 
 def add_commands(commands: Commands) -> None:

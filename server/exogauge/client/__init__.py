@@ -7,7 +7,10 @@
 """
 
 from exogauge.client.client import Client
-from exogauge.client.things import Artifact, Device, Job, Log, Payload, Robot, Study, WhatIf
+from exogauge.client.things import Artifact, Device, Job, Log, Motion, Payload, Plan, Robot, Study, WhatIf
 from exogauge.client.transport import ClientProblem
 
-__all__ = ["Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Payload", "Robot", "Study", "WhatIf"]
+__all__ = [
+    "Artifact", "Client", "ClientProblem", "Device", "Job", "Log", "Motion", "Payload", "Plan", "Robot", "Study",
+    "WhatIf",
+]  # fmt: skip

@@ -12,7 +12,20 @@ from urllib.parse import quote
 
 import httpx
 
-from exogauge.client.things import Artifact, Device, Job, Log, Payload, Publication, Robot, Study, WhatIf, thing
+from exogauge.client.things import (
+    Artifact,
+    Device,
+    Job,
+    Log,
+    Motion,
+    Payload,
+    Plan,
+    Publication,
+    Robot,
+    Study,
+    WhatIf,
+    thing,
+)
 from exogauge.client.tokens import token_for
 from exogauge.client.transport import ClientProblem, Transport, problem_of_job
 from exogauge.client.uploading import upload, zipped, zipped_description
@@ -27,7 +40,8 @@ POLL_S = 0.2
 LARGE = 64 << 20  # bytes from which a study goes up in pieces
 STUDY, ROBOT, DEVICE, PAYLOAD = "study.yaml", "robot.yaml", "device.yaml", "payload.yaml"
 PATHS: Mapping[type, str] = {
-    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads",
+    Study: "studies", Robot: "robots", Device: "devices", Log: "logs", Payload: "payloads", Motion: "motions",
+    Plan: "plans",
 }  # fmt: skip
 YAML = (".yaml", ".yml")
 
@@ -119,12 +133,12 @@ class Client:
         carried = {} if known is None else {"known": known}
         return thing(Study, self._http.post("studies", body | worn | carried))
 
-    def delete(self, what: Study | Robot | Device | Log | Payload) -> None:
+    def delete(self, what: Study | Robot | Device | Log | Payload | Motion | Plan) -> None:
         """With its jobs and results. ClientProblem 409 where something else needs it."""
         self.delete_by_id(next(path for kind, path in PATHS.items() if isinstance(what, kind)), what.id)
 
     def delete_by_id(self, nouns: str, key: str) -> None:
-        """nouns: studies, robots, devices, logs or payloads."""
+        """nouns: studies, robots, devices, logs, payloads, motions or plans."""
         self._http.delete(f"{nouns}/{quote(key, safe='')}")
 
     def studies(self) -> Iterator[Study]:
@@ -172,6 +186,61 @@ class Client:
         sensor's pose in it, x, y, z [m], roll, pitch, yaw [°]; without it all is in the sensor's frame."""
         asked = httpx.QueryParams([("flange", repr(float(x))) for x in flange or ()])
         return self._http.download(f"payloads/{id_of(payload)}/exports/{quote(form)}?{asked}", Path(target))
+
+    def upload_motion(
+        self, capture: str | Path, skeleton: str | Path | None = None, static: str | Path | None = None,
+        **said: str | None,
+    ) -> Motion:  # fmt: skip
+        """A capture (C3D, TRC, MOT, STO, BVH; AMC with its ASF as skeleton). static: of markers, the person standing
+        straight. said: up, unit, subject, map, name, where the file is silent or wrong."""
+        given = {"capture": capture, "skeleton": skeleton, "standing": static}
+        files = {field: Path(path) for field, path in given.items() if path is not None}
+        form = {key: value for key, value in said.items() if value is not None}
+        form |= {} if static is None else {"static": Path(static).name}
+        return thing(Motion, self._http.post("motions", files=files, form=form))
+
+    def motions(self, name: str | None = None) -> Iterator[Motion]:
+        """All motions, newest first; the versions of one name, where given."""
+        return self._all("motions", Motion, {} if name is None else {"name": name})
+
+    def fit_motion(self, motion: Motion | str) -> Job:
+        """Ask for the body that fits a motion."""
+        return thing(Job, self._http.post("jobs", {"motion_id": id_of(motion), "kind": "human_fit"}))
+
+    def plan_motion(self, motion: Motion | str, robot: Robot | str, **options: Any) -> Plan:
+        """Ask for the captured motion on a robot. options: begin, end, slow, repeat, mirror, share, without,
+        what_would_do, rate_hz."""
+        body = {"motion_id": id_of(motion), "robot_id": id_of(robot), "retarget": options}
+        return thing(Plan, self._http.post("plans", body))
+
+    def plan_excitation(self, robot: Robot | str, study: Study | str | None = None, **options: Any) -> Plan:
+        """Ask for a motion from which a robot is identified well. study: whose logs are known already. options:
+        seconds, seed."""
+        known = {} if study is None else {"study_id": id_of(study)}
+        return thing(Plan, self._http.post("plans", {"robot_id": id_of(robot), "excite": options} | known))
+
+    def plans(self) -> Iterator[Plan]:
+        """All plans, newest first."""
+        return self._all("plans", Plan)
+
+    def plan(self, plan: Plan | str) -> Plan:
+        return thing(Plan, self._http.get(f"plans/{id_of(plan)}"))
+
+    def wait_plan(self, plan: Plan | str, *, progress: bool = True, timeout_s: float | None = None) -> Plan:
+        """Wait until it is made. Raises ClientProblem unless it was."""
+        job = self.plan(plan).latest_job
+        if job is not None:
+            self.wait(str(job["id"]), progress=progress, timeout_s=timeout_s)
+        return self.plan(plan)
+
+    def export_plan(
+        self, plan: Plan | str, form: str, target: str | Path, rate_hz: float | None = None, *, despite: bool = False
+    ) -> Path:
+        """The motion, written to `target`: the table for csv without a rate, else a zip of the format's files and of
+        what tells of them. despite: although a bound is broken."""
+        asked = {key: value for key, value in {"rate_hz": rate_hz, "despite": despite or None}.items() if value}
+        path = f"plans/{id_of(plan)}/exports/{quote(form)}?{httpx.QueryParams(asked)}"
+        return self._http.download(path, Path(target))
 
     def device(self, device: Device | str) -> Device:
         return thing(Device, self._http.get(f"devices/{id_of(device)}"))
@@ -407,7 +476,7 @@ class Client:
         self.close()
 
 
-def id_of(thing: Robot | Device | Study | Payload | Job | Publication | str) -> str:
+def id_of(thing: Robot | Device | Study | Payload | Motion | Plan | Job | Publication | str) -> str:
     """Records and plain ids are both accepted."""
     return thing if isinstance(thing, str) else thing.id
 

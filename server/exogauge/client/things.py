@@ -71,6 +71,34 @@ class Payload:
 
 @final
 @dataclass(frozen=True)
+class Motion:
+    """One version of what was captured of a person. summary: what it is, as it was read."""
+
+    id: str
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+@final
+@dataclass(frozen=True)
+class Plan:
+    """A motion of a robot. kind: retarget or excite. latest_job: {id, state, …} that makes it. found: what became of
+    it, as plan.json says, None until it is made; found_job_id: the job whose files it is."""
+
+    id: str
+    name: str
+    kind: str
+    robot_id: str
+    motion_id: str | None
+    latest_job: Mapping[str, Any] | None = field(default=None, repr=False)
+    found: Mapping[str, Any] | None = field(default=None, repr=False)
+    found_job_id: str | None = None
+
+
+@final
+@dataclass(frozen=True)
 class Publication:
     """A snapshot that anybody reads at `url`. revoked_at: since when its files are gone."""
 
@@ -89,7 +117,8 @@ class Publication:
 @final
 @dataclass(frozen=True)
 class Job:
-    """study_id, payload_id: one of them is what it is of. state: queued, running, succeeded, failed or cancelled.
+    """study_id, payload_id, motion_id, plan_id: one of them is what it is of. state: queued, running, succeeded,
+    failed or cancelled.
 
     progress: 0..1. place: where in the queue, in words; ahead: how many start before it. stage: of an evaluation,
     what it is at. steps: [{message, progress, stage, started_at, seconds}] of the present attempt.
@@ -106,6 +135,8 @@ class Job:
     message: str
     stage: str | None = None
     payload_id: str | None = None
+    motion_id: str | None = None
+    plan_id: str | None = None
     place: str | None = None
     ahead: int | None = None
     steps: Sequence[Mapping[str, Any]] = field(default=(), repr=False)

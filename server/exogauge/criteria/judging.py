@@ -87,6 +87,20 @@ class Judging:
         judgement(MISSING),
     )
 
+    far_above: float = criterion(
+        3.0,
+        "noise floors",
+        "that a place is left at with all that was named: from here on a name has to explain most of what was there",
+        judgement("docs/decisions/0022-feet.md; formulas that are not quite right leave 2.3 at a joint at most"),
+    )
+    mostly: float = criterion(
+        0.5,
+        "1",
+        "of the square error beyond the noise that was there before anything was named: a name that explains less, "
+        "where far more than noise is left, is no cause",
+        judgement("docs/decisions/0022-feet.md"),
+    )
+
     @property
     def needed_s(self) -> float:
         """[s] of steady held-out motion of a channel, below which nothing is said of it."""

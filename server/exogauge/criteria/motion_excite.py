@@ -27,6 +27,7 @@ class MotionExcite:
     rest, until none is: a step costs at most a twentieth of its size.
     approach_s: from home to the motion's begin, and back. rest_s: at home before and after: what a joint's friction
     holds there is a number too.
+    cutoff_hz: of the low-pass that identification chooses as a rule; encoders' noise counts below it.
     unknown_noise: of a joint's largest torque, where no noise of it is stated; known only so far as ratios go.
     rate_hz: of logs, where none is named.
     """
@@ -55,6 +56,7 @@ class MotionExcite:
     smaller: float = 0.95
     approach_s: float = 2.0
     rest_s: float = 1.0
+    cutoff_hz: float = 10.0
     unknown_noise: float = 0.002
     rate_hz: float = 200.0
 

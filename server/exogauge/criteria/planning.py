@@ -59,6 +59,25 @@ class Planning:
         2, "joints", "that are moved beside the one in question, one after the other", judgement(RULES)
     )
 
+    drawn: int = criterion(
+        3, "motions", "of the whole robot that are drawn within its bounds, where its file tells them", judgement(RULES)
+    )
+    unseen: float = criterion(
+        0.1, "1", "of the top speed, for joints that hardly moved in the logs while others are told", judgement(RULES)
+    )
+    level_m: float = criterion(
+        0.01,
+        "m",
+        "height between corners of soles, above which the feet stood otherwise than the file says",
+        judgement(RULES),
+    )
+    handed_hz: float = criterion(50.0, "Hz", "of the motion that is handed out as a table", judgement(RULES))
+    no_limit: float = criterion(
+        1e6, "N·m, rad/s", "of a joint's largest torque or speed, from which on its maker states none", judgement(RULES)
+    )
+    looked_hz: float = criterion(20.0, "Hz", "at which motions are looked at before they are weighed", judgement(RULES))
+    checked_hz: float = criterion(200.0, "Hz", "at which the one that is told keeps every bound", judgement(RULES))
+
 
 MISSING = "docs/decisions/0005-missing-effects.md"
 

@@ -25,6 +25,7 @@ from exogauge.search.creeping import Creeping
 from exogauge.search.final_numbers import with_doubt_of_shapes, with_final_numbers
 from exogauge.search.judge import refused
 from exogauge.search.locate import located, seen
+from exogauge.search.partial import without_partial_names
 from exogauge.search.residual_correction import Bend, own_curves, remainders
 from exogauge.search.search import searched, taken_back
 from exogauge.search.state import Problem, Search
@@ -95,6 +96,11 @@ def _as_told(search: Search) -> tuple[Search, list[Bend], list[Finding]]:
         bends = own_curves(search)
         bends += remainders(search, bends)
         findings = _with_bends(search, bends)
+        without = without_partial_names(search, bends[-1].found if bends else search.current, findings)
+        if without is not None:
+            search, ground = without.screened(without.current)
+            search = replace(search, last=ground)
+            continue
         objections = (refused(each, judging) for each in findings)
         poor = next(((number, why) for number, why in enumerate(objections) if why), None)
         if poor is None:

@@ -18,6 +18,7 @@ from exogauge.identification.model import Effect
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
 from exogauge.progress import Doing, Progress, unwatched
+from exogauge.robots.moving.robot import MotionRobot
 
 DETECTORS: tuple[Detector, ...] = (stored_filter, contact, missing_effects, contact_again, nominal_values)
 """What spoils logs or moments of them comes first: it looks like effects. What no residual shows comes last."""
@@ -42,26 +43,27 @@ def find_missing_effects(
     effects: Sequence[Effect],
     settings: Settings,
     progress: Progress = unwatched,
+    moving: MotionRobot | None = None,
 ) -> Found:
     """found: identification without them, of the same recordings. effects: what may be missing. Where a detector asks
-    for another question, all begin again with it."""
+    for another question, all begin again with it. moving: the robot as motions are planned for it."""
     so_far, left = SoFar.of(Question(found, tuple(recordings), effects, settings, progress)), DETECTORS
     while left:
         so_far, left = left[0](so_far), left[1:]
         if so_far.anew is not None:
             so_far, left = SoFar.of(so_far.anew), DETECTORS
     progress(1.0, Doing.COMPARED)
-    return Found(_discrepancy(so_far), so_far.current, so_far.recordings, so_far.question.settings)
+    return Found(_discrepancy(so_far, moving), so_far.current, so_far.recordings, so_far.question.settings)
 
 
-def _discrepancy(so_far: SoFar) -> Discrepancy:
+def _discrepancy(so_far: SoFar, moving: MotionRobot | None) -> Discrepancy:
     searched, criteria = so_far.searched, so_far.criteria
     assert searched is not None
     joints = len(so_far.current.model.robot.joints)
     fitted = [each.log for each in searched.recordings if not each.held_out]
     told = by_importance(merged([*so_far.findings, *so_far.beside], joints, criteria.telling))
     return Discrepancy(
-        findings=with_motions(told, searched.undecided, fitted),
+        findings=with_motions(told, searched.undecided, fitted, moving),
         chain=_chain(so_far),
         located=searched.before,
         unexplained=searched.after,

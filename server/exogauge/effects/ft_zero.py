@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from exogauge.effects.effect import Quantity
-from exogauge.effects.order import one_log
+from exogauge.effects.order import one_log, present
 from exogauge.effects.places import Array, SensorSignals
 
 
@@ -26,7 +26,7 @@ class FtZero:
     coordinate = "time"
 
     def columns(self, signals: SensorSignals, shape: tuple[float, ...]) -> Array:
-        here = float(signals.contacts > 0 and (shape[0] < 0.0 or signals.number in (-1, int(shape[0]))))
+        here = float(signals.contacts > 0 and present(self.shapes, shape, signals.number))
         return np.full((len(signals.time), 1), here)
 
     def applies(self, signals: SensorSignals) -> bool:

@@ -7,7 +7,7 @@ complement of both together then says what would be left.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,12 +16,16 @@ from numpy.typing import NDArray
 
 from exogauge.effects.order import LOG
 from exogauge.experiment.motion_choices import Choice, choices
+from exogauge.experiment.moving_choices import Moving, moving_choices
 from exogauge.experiment.planned_rows import NewRows, as_log, new_rows, with_next_log
+from exogauge.experiment.reach import Reach, asked_of, reach_of
 from exogauge.experiment.workspace_limits import Room, room
-from exogauge.findings.planned_motion import Apart, PlannedMotion
+from exogauge.findings.planned_motion import Apart, Bound, PlannedMotion
 from exogauge.findings.result import Finding, Place
+from exogauge.identification.model import RobotModel, Site
 from exogauge.identification.sites import SensorSite
 from exogauge.logs.model import Log
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.search.ambiguity import Undecided
 
 Array = NDArray[np.float64]
@@ -39,9 +43,11 @@ class Outcome:
     motions: tuple[PlannedMotion, ...]
 
 
-def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:
-    """logs: that were fitted. None where no motion can be planned: the joint carries the robot, its feet's sensors are
-    in question, only one log has the effect, or the logs move too little to say what the robot may do."""
+def tell_apart(doubt: Undecided, logs: Sequence[Log], moving: MotionRobot | None = None) -> Outcome | None:
+    """logs: that were fitted. moving: the robot with soles, shapes and home, as far as its file tells them; without it
+    one joint is swept, and within its own bounds alone. None where no motion can be planned: the joint carries the
+    robot, its feet's sensors are in question, only one log has the effect, or the logs move too little to say what the
+    robot may do."""
     if any(_in_one_log(each.candidate.effect.shapes, each.candidate.shape) for each in doubt.contenders):
         return None
     if any(isinstance(each.candidate.site, SensorSite) and each.candidate.site.contact for each in doubt.contenders):
@@ -50,24 +56,30 @@ def tell_apart(doubt: Undecided, logs: Sequence[Log]) -> Outcome | None:
     sites = [each.candidate.site for each in doubt.contenders]
     slow_change = any(each.candidate.effect.coordinate in OVER_TIME for each in doubt.contenders)
     known = _Known.of(doubt)
+    reach = None if moving is None else _reach(moving, doubt.model, here)
     tried = []
-    for choice in choices(model, here, sites, slow_change):
+    for choice in _possible(model, here, sites, slow_change, reach):
         rows = new_rows(doubt, model, here, choice, known.kept)
         if rows is not None:
             tried.append(_Tried.of(known, choice, rows))
     if not tried:
         return None
     everyone, criteria = range(1, len(doubt.contenders)), doubt.model.criteria.planning
-    left = {k for k in everyone if any(each.repeats[k] is not None for each in tried)}
-    apart = {k: known.pair(k, _closest(tried, k), 1) for k in everyone if k not in left}
+    apart: dict[int, Apart] = {}
     motions: list[PlannedMotion] = []
-    while left:
+    closest = {k: known.pair(k, _closest(tried, k), 1) for k in everyone}
+    while left := {k for k in everyone if k not in apart and any(each.repeats[k] is not None for each in tried)}:
         best = min(tried, key=lambda each: each.cost(left, criteria.amply))
         told = {k for k in left if best.repeats[k] is not None}
         repeats = int(np.ceil(max(criteria.shortest_s / best.seconds, *(best.repeats[k] or 0.0 for k in told), 1.0)))
-        apart |= {k: known.pair(k, best, repeats) for k in told}
-        motions.append(_motion(doubt, here, best, repeats, [apart[k] for k in sorted(told)]))
-        left -= told
+        pairs = {k: known.pair(k, best, repeats) for k in told}
+        motion = _motion(doubt, here, best, repeats, [pairs[k] for k in sorted(told)], reach)
+        if reach is not None and not reach.keeps(motion.q, criteria.handed_hz, criteria.checked_hz):
+            tried.remove(best)
+            continue
+        apart |= pairs
+        motions.append(motion)
+    apart = closest | apart
     return Outcome(tuple(apart[k] for k in everyone), tuple(motions))
 
 
@@ -188,14 +200,14 @@ class _Tried:
     """A motion and what it would do. seconds: of one repeat. gain: rival -> evidence of one repeat. repeats: rival ->
     how many until it is sure, or None."""
 
-    choice: Choice
+    choice: Choice | Moving
     seconds: float
     after: _After
     gain: dict[int, float]
     repeats: dict[int, float | None]
 
     @staticmethod
-    def of(known: _Known, choice: Choice, rows: NewRows) -> _Tried:
+    def of(known: _Known, choice: Choice | Moving, rows: NewRows) -> _Tried:
         after, everyone = known.after(rows), range(1, len(known.doubt.contenders))
         gain = {k: known.evidence(k, after.left(1.0)) - known.evidence(k, known.now) for k in everyone}
         repeats = {k: _needed(known, after, rows.seconds, k, gain[k]) for k in everyone}
@@ -239,36 +251,73 @@ def _in_one_log(shapes: Sequence[object], values: Sequence[float]) -> bool:
     return any(getattr(shape, "name", "") == LOG and value >= 0.0 for shape, value in zip(shapes, values, strict=True))
 
 
-def _motion(doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart]) -> PlannedMotion:
-    csv_rate = 50.0  # [Hz] of the motion that is handed out
+def _motion(
+    doubt: Undecided, here: Room, best: _Tried, repeats: int, pairs: Sequence[Apart], reach: Reach | None
+) -> PlannedMotion:
     robot, choice = doubt.model.robot, best.choice
-    log = as_log(doubt.model, here, choice, csv_rate)
+    log = as_log(doubt.model, here, choice, doubt.model.criteria.planning.handed_hz)
     names = tuple(joint.name for joint in robot.joints)
-    body = int(np.flatnonzero(robot.tree.dof == choice.lead)[0])
+    swept = choice.swept if isinstance(choice, Moving) else choice
+    whole = isinstance(choice, Moving)
+    q = log.stack([f"q.{name}" for name in names])
+    slides = swept is not None and robot.tree.prismatic[int(np.flatnonzero(robot.tree.dof == swept.lead)[0])]
     return PlannedMotion(
-        joint=names[choice.lead],
-        companion="" if choice.companion is None else names[choice.companion],
-        companion_range=choice.companion_range,
-        sweep=choice.sweep,
-        unit="m" if robot.tree.prismatic[body] else "rad",
+        joint="" if swept is None else names[swept.lead],
+        companion="" if swept is None or swept.companion is None else names[swept.companion],
+        companion_range=(0.0, 0.0) if swept is None else swept.companion_range,
+        sweep=None if swept is None else swept.sweep,
+        unit="m" if slides else "rad",
         repeats=repeats,
         duration=repeats * best.seconds,
         pairs=tuple(pairs),
-        legs_rest=robot.floating,
+        legs_rest=robot.floating and not whole,
         time=log.time,
         joints=names,
-        q=log.stack([f"q.{name}" for name in names]),
+        q=q,
+        kept=("torque",) if reach is None else reach.kept,
+        unknown=_untold(robot.floating) if reach is None else reach.unknown,
+        others=()
+        if isinstance(choice, Choice)
+        else tuple(
+            name for k, name in enumerate(names) if np.ptp(q[:, k]) > 0.0 and (swept is None or k != swept.lead)
+        ),
     )
 
 
+def _reach(moving: MotionRobot, model: RobotModel, here: Room) -> Reach:
+    return reach_of(moving, model.robot, here, asked_of(model), model.criteria.planning)
+
+
+def _untold(floating: bool) -> tuple[Bound, ...]:
+    return ("touch", "balance") if floating else ("touch",)
+
+
+def _possible(
+    model: RobotModel, here: Room, sites: Sequence[Site], slow_change: bool, reach: Reach | None
+) -> Iterator[Choice | Moving]:
+    """Sweeps of a joint; and, where the robot's file tells its bounds, those that keep them, and motions of the whole
+    robot alone and beside one of them."""
+    sweeps = choices(model, here, sites, slow_change)
+    if reach is None:
+        yield from sweeps
+        return
+    hz = model.criteria.planning.looked_hz
+    kept = [each for each in sweeps if reach.keeps(each.positions(here.posture, hz), hz, hz)]
+    yield from kept
+    yield from moving_choices(reach, kept, hz)
+
+
 def with_motions(
-    findings: Iterable[Finding], undecided: Mapping[tuple[str, Place], Undecided], logs: Sequence[Log]
-) -> tuple[Finding, ...]:
+    findings: Iterable[Finding], undecided: Mapping[tuple[str, Place], Undecided], logs: Sequence[Log],
+    moving: MotionRobot | None = None,
+) -> tuple[Finding, ...]:  # fmt: skip
     """undecided: what tells the finding of an effect at a place from what it may be, too. logs: that were fitted. Some
-    motions cannot be planned; what the effect needs is known in words."""
-    return tuple(_with_motions(each, undecided.get((each.effect, each.named_at)), logs) for each in findings)
+    motions cannot be planned; what the effect needs is known in words. moving: as of `tell_apart`."""
+    return tuple(_with_motions(each, undecided.get((each.effect, each.named_at)), logs, moving) for each in findings)
 
 
-def _with_motions(finding: Finding, doubt: Undecided | None, logs: Sequence[Log]) -> Finding:
-    found = tell_apart(doubt, logs) if doubt is not None and finding.also_possible else None
+def _with_motions(
+    finding: Finding, doubt: Undecided | None, logs: Sequence[Log], moving: MotionRobot | None
+) -> Finding:
+    found = tell_apart(doubt, logs, moving) if doubt is not None and finding.also_possible else None
     return finding if found is None else replace(finding, apart=found.pairs, plans=found.motions)

@@ -9,7 +9,9 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.experiment.felt import felt_channels
 from exogauge.experiment.motion_choices import Choice
+from exogauge.experiment.moving_choices import Moving
 from exogauge.experiment.workspace_limits import Room
 from exogauge.identification.axis_signals import loads
 from exogauge.identification.model import RobotModel
@@ -51,7 +53,9 @@ def _for_one_log(model: RobotModel, order: Mapping[str, int]) -> RobotModel:
     return replace(model, order=order, prepared=PerLog(one_log), computed=PerLog(one_log))
 
 
-def new_rows(doubt: Undecided, model: RobotModel, room: Room, choice: Choice, kept: IntArray) -> NewRows | None:
+def new_rows(
+    doubt: Undecided, model: RobotModel, room: Room, choice: Choice | Moving, kept: IntArray
+) -> NewRows | None:
     """model: as `with_next_log` makes it. kept: (R,) parameters in question. None where a motor could not bear it."""
     log = as_log(model, room, choice)
     prepared = model.prepare(log)
@@ -80,9 +84,16 @@ def new_rows(doubt: Undecided, model: RobotModel, room: Room, choice: Choice, ke
     return NewRows(np.concatenate(A), np.concatenate(c), log.samples / log.rate_hz)
 
 
-def as_log(model: RobotModel, room: Room, choice: Choice, rate_hz: float | None = None) -> Log:
+def as_log(model: RobotModel, room: Room, choice: Choice | Moving, rate_hz: float | None = None) -> Log:
     """Positions of one repeat, everything else as it is while nothing moves."""
     rate = rate_hz or _rate(model, room, choice)
+    if isinstance(choice, Moving):
+        motion = choice.reach.motion(choice.whole(rate))
+        channels = {name: np.full(motion.samples, value) for name, value in room.resting.items()}
+        loads = choice.reach.loads(motion)
+        carried = loads if choice.reach.stance.robot.floating else loads[:, :0]
+        channels |= felt_channels(model.robot, motion, carried)
+        return Log(NAME, np.arange(motion.samples) / rate, channels)
     q = choice.positions(room.posture, rate)
     channels = {name: np.full(len(q), value) for name, value in room.resting.items()}
     channels |= {f"q.{joint.name}": q[:, j] for j, joint in enumerate(model.robot.joints)}
@@ -112,9 +123,9 @@ def _loads(model: RobotModel, prepared: Prepared) -> Array:
     return model.computed.put(prepared.log, "load", load)
 
 
-def _rate(model: RobotModel, room: Room, choice: Choice) -> float:
+def _rate(model: RobotModel, room: Room, choice: Choice | Moving) -> float:
     """[Hz] a whole fraction of the logs' rate, as low as the filters bear."""
-    minutes = choice.sweep.seconds > 100.0
+    minutes = isinstance(choice, Choice) and choice.sweep.seconds > 100.0
     times, least = (4.0, 20.0) if minutes else (6.0, 40.0)  # of the cut-off, and [Hz]
     return room.rate_hz / max(1, int(room.rate_hz / max(times * model.cutoff_hz, least)))
 
@@ -124,7 +135,9 @@ def _kept_rate(model: RobotModel, room: Room) -> float:
     return room.rate_hz / LowPass(model.cutoff_hz, room.rate_hz).decimation()
 
 
-def _too_heavy(model: RobotModel, choice: Choice, load: Array) -> bool:
+def _too_heavy(model: RobotModel, choice: Choice | Moving, load: Array) -> bool:
     limit = model.criteria.planning.of_top * model.robot.tree.effort_limit
-    moved: Sequence[int] = [each for each in (choice.lead, choice.companion) if each is not None]
+    moved: Sequence[int] = range(load.shape[1])
+    if isinstance(choice, Choice):
+        moved = [each for each in (choice.lead, choice.companion) if each is not None]
     return any(float(np.abs(load[:, joint]).max()) > limit[joint] for joint in moved)

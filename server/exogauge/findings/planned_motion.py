@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Kind = Literal["speeds", "sine", "small"]
+Bound = Literal["touch", "torque", "balance"]
 
 PASS_S = 3.0  # [s] in one direction at one speed: slow passes are shorter ways
 PLACES = 4  # of `small`, over the range
@@ -111,17 +112,20 @@ class Apart:
 @final
 @dataclass(frozen=True)
 class PlannedMotion:
-    """What to record next. joint: that is swept. companion: that moves slowly beside it to change its load, or "".
+    """What to record next. joint: that is swept, "" where none is. companion: that moves slowly beside it to change its
+    load, or "". others: joints that move as they were drawn, alone or while `joint` is swept.
 
-    sweep: of the joint. repeats: how often the whole is to be moved; duration: [s] of all repeats. unit: `rad` or `m`.
-    time: (T,) [s] of one repeat; joints: (J,) names; q: (T, J) [rad or m]. pairs: what it tells apart.
-    legs_rest: joints that carry the robot stay as they are, and the base stands still.
+    sweep: of the joint, None where none is. repeats: how often the whole is to be moved; duration: [s] of all repeats.
+    unit: `rad` or `m`. time: (T,) [s] of one repeat; joints: (J,) names; q: (T, J) [rad or m]. pairs: what it tells
+    apart. legs_rest: joints that carry the robot stay as they are, and the base stands still. kept: what holds
+    beside every joint's own limits: the robot does not touch itself, bears the torques, keeps its balance on both feet;
+    unknown: of which that is not known, as its file does not tell enough.
     """
 
     joint: str
     companion: str
     companion_range: tuple[float, float]
-    sweep: Sweep
+    sweep: Sweep | None
     unit: str
     repeats: int
     duration: float
@@ -130,3 +134,6 @@ class PlannedMotion:
     time: Array
     joints: tuple[str, ...]
     q: Array
+    kept: tuple[Bound, ...]
+    unknown: tuple[Bound, ...]
+    others: tuple[str, ...] = ()

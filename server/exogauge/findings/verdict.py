@@ -140,6 +140,7 @@ class Why(StrEnum):
     AT_FLOOR = "at_floor"
     ONCE = "once"
     BETTERED = "bettered"  # of: effects with which another one explains more
+    PARTIAL = "partial"  # share of the excess that it explains, and noise floors that are left; of: channel
     NOT_NEEDED = "not_needed"  # of: effects with which it is not needed
     ALIKE = "alike"
     LESS = "less"

@@ -43,8 +43,8 @@ class Keeps(IntEnum):
 @dataclass(frozen=True)
 class Trial:
     """left: mean over channels of the logarithm of the share of the unfiltered channel, turns and rests included, that
-    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: the same of a
-    log that is held out."""
+    is left unexplained in blocks that were not fitted. keeps_most: see `steady.keeps_most`; keeps_judged: of a log that
+    is held out too."""
 
     left: float
     keeps_most: bool
@@ -136,5 +136,6 @@ def quick_fit(equations: Equations, judged: Log | None, log: Log, cutoff_hz: flo
             residuals.setdefault(channel, []).append(error**2 / size if size > 0.0 else np.full(len(block), np.inf))
     shares = [np.mean(np.concatenate(each)) for each in residuals.values()]
     criteria = equations.criteria.identifying
-    keeps_judged = judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria)
-    return Trial(float(np.mean(0.5 * np.log(shares))), keeps_most(prepared, criteria), keeps_judged)
+    keeps = keeps_most(prepared, criteria)
+    keeps_judged = keeps and (judged is None or keeps_most(prepare(robot, judged, cutoff_hz, at_rest), criteria))
+    return Trial(float(np.mean(0.5 * np.log(shares))), keeps, keeps_judged)

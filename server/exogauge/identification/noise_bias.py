@@ -16,7 +16,6 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from exogauge.estimation.statistics import Statistics
 from exogauge.identification.equations import Equations
@@ -24,6 +23,7 @@ from exogauge.identification.per_log import PerLog
 from exogauge.identification.preparation import Prepared, needed_channels, prepare
 from exogauge.identification.solution import Solution
 from exogauge.identification.turns import RestDetection
+from exogauge.logs.around import around
 from exogauge.logs.model import Log
 from exogauge.logs.noise import noise_before_stored, noise_of
 from exogauge.robots.description import Robot
@@ -94,7 +94,7 @@ def noise_behind_stored(robot: Robot, prepared: Prepared) -> Mapping[str, float 
     assert log.stored is not None
     reach = log.stored.settle_samples(log.rate_hz)
     turns = np.diff(prepared.raw_direction, axis=0, prepend=prepared.raw_direction[:1]) != 0.0
-    free = ~binary_dilation(turns, np.ones((2 * reach + 1, 1), dtype=bool)) & prepared.settled[:, None]
+    free = ~around(turns, reach) & prepared.settled[:, None]
     own = {joint.name: np.abs(robot.axes_from_joints[:, k]) > 0.0 for k, joint in enumerate(robot.joints)}
     found = {}
     for name in needed_channels(robot):

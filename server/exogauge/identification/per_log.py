@@ -10,12 +10,13 @@ from typing import Any, TypeVar, final
 from weakref import finalize
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exogauge.logs.model import Log
 
 V = TypeVar("V")
 
-MOST_BYTES = 400_000_000  # of all that share a room: what twenty logs of 30 s and 34 joints need in one search
+MOST_BYTES = 150_000_000  # of all that share a room: four logs of 50 s and 34 joints; to prepare one takes 40 ms
 
 
 @final
@@ -90,6 +91,12 @@ class _Room:
             self._bytes -= self._kept.pop(key)[2]
 
 
+def _owner(array: NDArray[Any]) -> NDArray[Any]:
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return array
+
+
 def _bytes(value: object) -> int:
     """Of the arrays in a value and in its parts, each counted once; the log is there anyway."""
     found: dict[int, int] = {}
@@ -97,7 +104,8 @@ def _bytes(value: object) -> int:
     while parts:
         part = parts.pop()
         if isinstance(part, np.ndarray):
-            found[id(part)] = part.nbytes if any(part.strides) else part.itemsize  # one number, shown everywhere
+            held = _owner(part)  # several arrays may show the same numbers
+            found[id(held)] = held.nbytes if any(held.strides) else held.itemsize
         elif isinstance(part, tuple):
             parts += part
         elif isinstance(part, Mapping):

@@ -8,13 +8,13 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from exogauge.effects.effect import JointSignals
 from exogauge.errors import BadLog, Fault
 from exogauge.identification.added_columns import load_entries, zeros
 from exogauge.identification.smear import smeared
 from exogauge.identification.turns import WIDEST, RestDetection, TurnsOf
+from exogauge.logs.around import around
 from exogauge.logs.bandwidth import suggest_cutoff
 from exogauge.logs.derivatives import differentiate, differentiate_twice
 from exogauge.logs.filtering import LowPass
@@ -208,9 +208,9 @@ def prepare(robot: Robot, log: Log, cutoff_hz: float, at_rest: RestDetection) ->
     settle = min(_settle_samples(log, low_pass), log.samples // 10)
     kept, left_out = np.arange(settle, log.samples - settle, low_pass.decimation()), left_out_samples(log, alike)
     turning = (np.abs(smooth_direction) < at_rest.criteria.steady) | (np.abs(axis_velocity) < at_rest.creeping)
-    turning = binary_dilation(turning, np.ones((2 * recovery + 1, 1), dtype=bool))
+    turning = around(turning, recovery)
     starting = round(at_rest.criteria.starting * log.rate_hz / cutoff_hz)
-    turning |= binary_dilation(turns.direction == 0.0, np.ones((2 * starting + 1, 1), dtype=bool))
+    turning |= around(turns.direction == 0.0, starting)
     motion = Motion(q, dq, ddq, acc, gyro, gyro_dot)
     added = np.hstack([zeros(robot, log.samples), load_entries(robot, log.recording, motion.rows(own))])
     return Prepared(

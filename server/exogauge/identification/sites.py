@@ -97,7 +97,10 @@ class SensorSite:
         contacts = len(model.robot.contacts) if self.contact else 0
         time = prepared.log.time - prepared.log.time[0]
         signals = SensorSignals(time, expected, -1 if self.component is None else self.component, number, contacts)
-        felt = self._felt(model.equations, prepared) if self.contact else sign * np.eye(6)[None]
+        felt = sign * np.eye(6)[None]
+        if self.contact:  # the same for all of its components
+            found = f"felt {self.sensor}"
+            felt = model.prepared.of(prepared.log, found, lambda: self._felt(model.equations, prepared))
 
         def columns(effect: Any, shape: tuple[float, ...]) -> Array:
             read = effect.columns(signals, shape)
@@ -108,10 +111,13 @@ class SensorSite:
         return Seen(signals, columns)
 
     def _felt(self, equations: Equations, prepared: Prepared) -> Array:
-        """(T, 6, kinds) what a reading that is too much by one in each component takes off the rows."""
+        """(T, 6, kinds) what a reading that is too much by one in each component takes off the rows; nothing where a
+        component is a constant, as nobody measured it: what is missing then is that one."""
         sign, contacts = self.of(equations.robot).sign, len(equations.robot.contacts)
         own = equations.layout.in_told(self.kinds(equations))
         felt = np.zeros((prepared.log.samples, 6, len(own)))
+        if not np.all(np.ptp(prepared.raw_wrenches[:, self.sensor], axis=0) > 0.0):
+            return felt
         for component in range(6):
             one = np.zeros((prepared.log.samples, contacts, 6))
             one[:, self.sensor, component] = sign

@@ -29,6 +29,7 @@ from exogauge.storage.files import PinnedFile, keep_folder
 from exogauge.storage.orphans import BlobGone
 from exogauge.storage.records import JobRecord
 from exogauge.storage.store import Installation, Storage, Store
+from exogauge.storage.tables import owner_of
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -198,10 +199,8 @@ class Runner:
 
     def _load(self, job: JobRecord, folder: Path) -> None:
         with self._of(job).reading() as store:
-            if job.payload_id is not None:
-                store.payloads.write_to(job.payload_id, folder)
-            elif job.study_id is not None:
-                store.studies.write_to(job.study_id, folder)
+            noun, key = owner_of(job)
+            store.owners(noun).write_with_all(key, folder)
 
     def _watch(self, job: JobRecord, progress: float | None, message: str | None, stage: str | None) -> None:
         """Called while the child computes. Best effort: a database that is away stops no computation."""

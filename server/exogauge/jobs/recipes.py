@@ -1,6 +1,6 @@
 """What kinds of jobs there are: what is computed, and for how long at most.
 
-The worker lays the pinned files of the study or payload out in a folder, the compute child calls
+The worker lays the pinned files of what the job is of out in a folder, the compute child calls
 `compute(folder, out, progress, settings)`, and the worker keeps every file that appeared below `out`.
 The computation knows neither database nor blob store.
 """
@@ -18,7 +18,7 @@ from exogauge.payload.contract import SettingsEntry as PayloadSettings
 from exogauge.studies.device_pages.change_entries import WhatIfSettings
 from exogauge.studies.intake.contract import SettingsEntry
 
-Owner = Literal["study", "payload"]
+Owner = Literal["study", "payload", "motion", "plan"]
 
 
 @final
@@ -86,6 +86,30 @@ def a_plan(summary: Mapping[str, Any]) -> list[Fault]:
     return [Fault("nothing says what may be planned", "no_plan", advice, "payload.yaml", column="plan")]
 
 
+def a_body(summary: Mapping[str, Any]) -> list[Fault]:
+    if summary.get("holds") in (None, "markers", "skeleton"):
+        return []
+    advice = "Hand in the markers or the skeleton."
+    return [Fault("no body can be fitted to joint angles", "no_markers", advice, "motion.yaml", column="file")]
+
+
+def a_plan_to(kind: str) -> Callable[[Mapping[str, Any]], Sequence[Fault]]:
+    def lacking(summary: Mapping[str, Any]) -> list[Fault]:
+        if summary.get("kind") == kind:
+            return []
+        asked = str(summary.get("kind"))
+        return [Fault(f"the plan is to {asked}", "wrong_kind", f"Ask for {asked!r}.", "plan.yaml", None, "kind", kind)]
+
+    return lacking
+
+
+@final
+class Nothing(BaseModel):
+    """No settings: what is asked stands in the bundle."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
 @final
 class PlanSettings(BaseModel):
     """What is planned."""
@@ -107,7 +131,11 @@ PAYLOAD = Recipe(
 PAYLOAD_PLAN = Recipe(
     "payload_plan", "exogauge.payload.compute:plan", SIX_HOURS_S, PlanSettings, a_plan, "plan.json", "payload"
 )
-KINDS = (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF, PAYLOAD, PAYLOAD_PLAN)
+MOVING = "exogauge.motion.compute"
+HUMAN_FIT = Recipe("human_fit", f"{MOVING}:fit", 3600.0, Nothing, a_body, "fit.json", "motion")
+RETARGET = Recipe("retarget", f"{MOVING}:retarget", SIX_HOURS_S, Nothing, a_plan_to("retarget"), "plan.json", "plan")
+EXCITE = Recipe("excite", f"{MOVING}:excite", SIX_HOURS_S, Nothing, a_plan_to("excite"), "plan.json", "plan")
+KINDS = (EVALUATE, SUPPORT, STIFFNESS, WHAT_IF, PAYLOAD, PAYLOAD_PLAN, HUMAN_FIT, RETARGET, EXCITE)
 RECIPES: dict[str, Recipe] = {recipe.kind: recipe for recipe in KINDS}
 
 

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict
-from exogauge.jobs.claims import change
+from exogauge.jobs.claims import change, end
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
@@ -24,13 +24,13 @@ from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import OF_ALL_LABS
 from exogauge.storage.store import Store
-from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease
+from exogauge.storage.tables import LIVE_STATES, Base, Job, WorkerLease, owner_of
 
 log = logging.getLogger(__name__)
 
 
 def request_hash(content_hash: str, kind: str, settings: Mapping[str, Any], code_version: str) -> str:
-    """What makes two requests the same: content of study or payload, kind, settings and code version."""
+    """What makes two requests the same: content of what it is of, kind, settings and code version."""
     text = json.dumps([content_hash, kind, settings, code_version], sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -39,13 +39,13 @@ def submit(
     store: Store, queue: JobQueue, owner_id: str, kind: str, settings: Mapping[str, Any]
 ) -> tuple[JobRecord, bool]:
     """The job of this request, and whether it is new; a failed or cancelled one does not count. BadStudy when the
-    summary already says that this kind has nothing to compute. owner_id: of the study or payload that the kind is of.
+    summary already says that this kind has nothing to compute. owner_id: of what the kind is of.
 
     The row and its entry in the queue are written in the transaction of `store`: both or neither.
     """
     recipe = recipe_for(kind)
     wanted = recipe.checked(settings)
-    owner = (store.payloads if recipe.of == "payload" else store.studies).get(owner_id)
+    owner = store.owners(recipe.of).get(owner_id)
     recipe.refuse_unsuited(owner.summary)
     asked = request_hash(owner.content_hash, kind, wanted, code_version())
     lab = Lab(store.session, store.lab_id)
@@ -69,7 +69,7 @@ def try_again(store: Store, queue: JobQueue, job_id: str) -> tuple[JobRecord, bo
     job = store.jobs.get(job_id)
     if job.state not in ("failed", "cancelled"):
         raise Conflict(f"only a failed or cancelled job can be tried again; this one is {job.state}")
-    return submit(store, queue, job.payload_id or job.study_id or "", job.kind, job.settings)
+    return submit(store, queue, owner_of(job)[1], job.kind, job.settings)
 
 
 def cancel(store: Store, job_id: str) -> JobRecord:
@@ -78,7 +78,7 @@ def cancel(store: Store, job_id: str) -> JobRecord:
     this = sa.and_(Job.id == job_id, Job.lab_id == store.lab_id)
     now = database_now(store.session)
     ended = {"state": "cancelled", "reason": "cancelled before it started", "finished_at": now}
-    if not change(store.session, this & (Job.state == "queued"), {"cancel_requested": True, **ended}):
+    if not end(store.session, job_id, this & (Job.state == "queued"), {"cancel_requested": True, **ended}):
         change(store.session, this & (Job.state == "running"), {"cancel_requested": True})
     Lab(store.session, store.lab_id).audit("cancel", "job", job_id)
     return store.jobs.get(job_id)

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, final
 
-from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy, DiskFull, Fault, TooLarge, Unavailable
+from exogauge.errors import BadInput, BadLog, BadMotion, BadRobot, BadStudy, DiskFull, Fault, TooLarge, Unavailable
 from exogauge.sandbox.limits import Limits
 from exogauge.sandbox.protocol import ANSWER, NO_ROOM
 
@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 MAX_ANSWER = 8 << 20
 KERNELS = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")
 ERRORS: Mapping[str, type[BadInput]] = {
-    each.__name__: each for each in (BadInput, BadLog, BadRobot, BadStudy, TooLarge)
+    each.__name__: each for each in (BadInput, BadLog, BadMotion, BadRobot, BadStudy, TooLarge)
 }
 
 

@@ -33,6 +33,18 @@ def draw_payload(folder: Path, results: Path | None, postures: Path | None) -> b
     return _drawn("payload", {"folder": str(folder), **given}, folder, "payload")
 
 
+def draw_played(robot: Path, played: Path, figure: Path | None) -> bytes:
+    """robot: folder of robot.yaml; what a job of a plan left to draw. Raises BadInput, Unavailable."""
+    given = {"played": str(played), "figure": None if figure is None else str(figure)}
+    return _drawn("played", {"robot_folder": str(robot), **given}, robot, "plan")
+
+
+def draw_captured(folder: Path, figure: Path | None) -> bytes:
+    """folder: the motion's files; figure: of a body that was fitted. Raises BadInput, Unavailable."""
+    options = {"folder": str(folder), "figure": None if figure is None else str(figure)}
+    return _drawn("captured", options, folder, "motion")
+
+
 def _drawn(task: str, options: dict[str, Any], folder: Path, what: str) -> bytes:
     limits = Limits.for_bytes(sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()))
     with TemporaryDirectory(prefix="exogauge-") as own:

@@ -81,5 +81,34 @@ def payload(folder: str, results: str | None, postures: str | None) -> dict[str,
     return {}
 
 
+def played(robot_folder: str, played: str, figure: str | None) -> dict[str, Any]:
+    """A plan: robot_folder/robot.yaml, what its job left to draw, and of the person, where one was captured."""
+    from exogauge.motion.figure import read_figure
+    from exogauge.motion.played import Played
+    from exogauge.motion.robot_file import load_motion_robot
+    from exogauge.scene.motion_view import draw_played
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.mesh_files import mesh_opener
+    from exogauge.studies.intake.robot_file import read_robot
+
+    folder = Path(robot_folder)
+    robot, _, urdf = read_robot(Bundle(folder, "robot.yaml"), "robot.yaml")
+    joints = load_motion_robot(folder / "robot.yaml").joints
+    person = None if figure is None else read_figure(Path(figure))
+    Path(SCENE).write_bytes(draw_played(robot, urdf, mesh_opener(folder), Played.read(Path(played)), joints, person))
+    return {}
+
+
+def captured(folder: str, figure: str | None) -> dict[str, Any]:
+    """The motion in `folder`. figure: of a body that was fitted to it."""
+    from exogauge.motion.figure import figure_of, read_figure
+    from exogauge.motion.intake import open_capture
+    from exogauge.scene.motion_view import draw_captured
+
+    shown = figure_of(open_capture(Path(folder)).motion) if figure is None else read_figure(Path(figure))
+    Path(SCENE).write_bytes(draw_captured(shown))
+    return {}
+
+
 if __name__ == "__main__":
-    serve({"recording": recording, "still": still, "payload": payload})
+    serve({"recording": recording, "still": still, "payload": payload, "played": played, "captured": captured})

@@ -17,7 +17,7 @@ from exogauge.identification.sites import AxisSite, seen_by
 from exogauge.progress import Doing, Progress
 from exogauge.search.candidates import Candidate, columns_of, grid, place_kind, sites
 from exogauge.search.score import Score, residual_memory, score_all
-from exogauge.search.sums import Sums
+from exogauge.search.sums import Columns, Sums
 from exogauge.side_by_side import each as side_by_side
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ def lay_ground(
         axes = [site for site in sites(model) if isinstance(site, AxisSite)]
         needed = axes if recording.held_out else [*axes, *(site for site in everywhere if site not in axes)]
         seen = seen_by(model, prepared, needed)
-        columns: dict[Site, Array] = {}
+        columns: dict[Site, Columns] = {}
         applying: dict[Site, set[str]] = {}
         for site in () if recording.held_out else everywhere:
             applying[site] = {each.effect.name for each in everywhere[site] if _applies(each.effect, seen[site])}

@@ -23,6 +23,7 @@ from exogauge.identification.sites import (
     neighbours,
 )  # fmt: skip
 from exogauge.logs.filtering import low_passed_at
+from exogauge.search.sums import Columns
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,8 @@ def sites(model: RobotModel) -> tuple[Site, ...]:
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     of_cuts = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
-    contacts = range(len(model.robot.contacts))
+    tree = model.robot.tree
+    contacts = [index for index, sensor in enumerate(model.robot.contacts) if tree.frames[sensor.frame][0] >= 0]
     of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), None)]
     return (*axes, *neighbours(model.robot), *of_cuts, *of_contacts, *end_links(model.equations), BaseSite())
 
@@ -70,32 +72,32 @@ def grid(effect: Effect) -> Iterator[tuple[float, ...]]:
     yield from itertools.product(*(shape.grid for shape in effect.shapes))
 
 
-def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, kinds: int) -> Array:
-    """(n, C, kinds) what they take off the site's rows per unit of each coefficient, at the log's kept samples,
-    low-passed as the rows are. What differs in the log alone that it begins with is computed once; two effects may
-    share a name (`ImuTilt`)."""
-    not_there = -1  # the last of all columns, which is nothing
+def columns_of(candidates: Sequence[Candidate], seen: Seen, prepared: Prepared, kinds: int) -> Columns:
+    """What they take off the site's rows per unit of each coefficient, at the log's kept samples, low-passed as the
+    rows are. Two effects may share a name (`ImuTilt`)."""
     held = 500_000  # values of columns that are filtered at once: 4 MB
     number = int(getattr(seen.signals, "number", -1))
-    raw, asked, filtered, waiting = list[Array](), list[NDArray[np.intp]](), list[Array](), 0
+    raw, which, filtered, waiting = list[Array](), list[NDArray[np.intp]](), [np.zeros((len(prepared.kept), 0))], 0
+    last = 0  # of the different ones
     for _, alike in itertools.groupby(candidates, key=lambda each: id(each.effect)):
         those = list(alike)
-        effect, high = those[0].effect, those[0].width * kinds
+        effect, width = those[0].effect, those[0].width
         here = [(whatever_log(effect.shapes, each.shape), present(effect.shapes, each.shape, number)) for each in those]
         first = {each: those[here.index(each)].shape for each in dict.fromkeys(here) if each[1]}
-        start = sum(each.shape[1] for each in filtered) + waiting
-        place = {each: start + k * high for k, each in enumerate(first)}
-        asked += [place[each] + np.arange(high) if each[1] else np.full(high, not_there) for each in here]
-        if first:
-            raw.append(seen.channels(effect, list(first.values())))
+        place = {each: last + k * width for k, each in enumerate(first)}
+        which += [place[each] + np.arange(width) if each[1] else np.full(width, -1) for each in here]
+        last += len(first) * width
+        shapes, together = list(first.values()), max(1, held // (width * kinds * prepared.log.samples))
+        for some in (shapes[k : k + together] for k in range(0, len(shapes), together)):
+            raw.append(seen.channels(effect, some))
             waiting += len(raw[-1])
-        if waiting * prepared.log.samples > held:
-            filtered.append(_filtered(np.concatenate(raw), prepared))
-            raw, waiting = [], 0
+            if waiting * prepared.log.samples > held:
+                filtered.append(_filtered(np.concatenate(raw), prepared))
+                raw, waiting = [], 0
     if raw:
         filtered.append(_filtered(np.concatenate(raw), prepared))
-    kept = np.concatenate([*filtered, np.zeros((len(prepared.kept), 1))], axis=1)
-    return kept[:, np.concatenate(asked)].reshape(len(kept), -1, kinds) if asked else np.zeros((len(kept), 0, kinds))
+    different = np.concatenate(filtered, axis=1).reshape(len(prepared.kept), last, kinds)
+    return Columns(different, np.concatenate([*which, np.zeros(0, dtype=np.intp)]) % (last + 1))
 
 
 def _filtered(channels: Array, prepared: Prepared) -> Array:

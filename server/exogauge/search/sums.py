@@ -58,12 +58,34 @@ class KindSums:
         self.square += other.square
         self.rows += other.rows
 
+    def chosen(self, which: IntArray) -> KindSums:
+        """Of the columns `which`, each as often as it is named; one beyond the last is nothing."""
+        cross, own, with_residual = (np.pad(each, (0, 1)) for each in (self.cross, self.own, self.with_residual))
+        return KindSums(cross[which, :-1], own[np.ix_(which, which)], with_residual[which], self.square, self.rows)
+
     def of(self, columns: IntArray) -> tuple[Array, Array, Array]:
         """`cross`, `with_residual` and `own` of some of the columns."""
         return self.cross[columns], self.with_residual[columns], self.own[np.ix_(columns, columns)]
 
 
 SiteSums = dict[int, KindSums]  # row kind -> sums
+
+
+@final
+@dataclass(frozen=True)
+class Columns:
+    """Of a site's candidates in one log. Those that differ in nothing but the log that they begin with are the same.
+
+    different: (n_kept, U, kinds of the site). which: (C,) the place of each in it; U: it is nothing in this log.
+    """
+
+    different: Array
+    which: IntArray
+
+    @property
+    def every(self) -> Array:
+        """(n_kept, C, kinds)"""
+        return np.pad(self.different, ((0, 0), (0, 1), (0, 0)))[:, self.which]
 
 
 @final
@@ -81,15 +103,16 @@ class Sums:
                 mine.setdefault(kind, KindSums.empty(*sums.cross.shape)).join(sums)
 
     def take(
-        self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[Site, Array]
+        self, equations: Equations, prepared: Prepared, x: Array, columns: Mapping[Site, Columns]
     ) -> Mapping[int, Array]:
         """Add one log; its residuals by kind (n_kept,), NaN where there is no row.
 
-        x: (P,). columns: site -> (n_kept, C, kinds of the site).
+        x: (P,).
         """
         at_rest = equations.layout.numbers(RowType.AT_REST)
         at = {site: {kind: place for place, kind in enumerate(site.kinds(equations))} for site in columns}
         residuals: dict[int, Array] = {}
+        found: dict[Site, SiteSums] = {site: {} for site in columns}
         for _, chunks in equations.rows(prepared, x):
             for chunk in chunks:
                 kind = chunk.kind
@@ -98,10 +121,11 @@ class Sums:
                 A, e = chunk.block[:, :-1], chunk.residual(x)
                 residuals.setdefault(kind, np.full(len(prepared.kept), np.nan))[chunk.samples] = e
                 for site, places in at.items():
-                    if kind in places and columns[site].shape[1]:
-                        c = columns[site][chunk.samples, :, places[kind]]
-                        sums = self.by_site.setdefault(site, {})
-                        sums.setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
+                    if kind in places and len(columns[site].which):
+                        c = columns[site].different[chunk.samples, :, places[kind]]
+                        found[site].setdefault(kind, KindSums.empty(c.shape[1], A.shape[1])).add(A, c, e)
+        self.join(Sums({site: {kind: sums.chosen(columns[site].which) for kind, sums in by_kind.items()}
+                        for site, by_kind in found.items() if by_kind}))  # fmt: skip
         return residuals
 
 

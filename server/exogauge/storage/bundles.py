@@ -1,6 +1,6 @@
 """Bundles: files that were handed in together, pinned by their content and never changed after.
 
-Robots, devices, studies and payloads are bundles; a `Sort` says in what they differ.
+Robots, devices, studies, payloads, motions and plans are bundles; a `Sort` says in what they differ.
 """
 
 from __future__ import annotations
@@ -18,15 +18,24 @@ from exogauge.storage import tables
 from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.jobs import latest_state
-from exogauge.storage.records import DeviceRecord, Page, PayloadRecord, RobotRecord, StudyRecord
+from exogauge.storage.records import (
+    DeviceRecord,
+    MotionRecord,
+    Page,
+    PayloadRecord,
+    PlanRecord,
+    RobotRecord,
+    StudyRecord,
+)
 from exogauge.storage.rows import Lab
 from exogauge.storage.search import found_by, words_of
 
-Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord)
+Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord | MotionRecord | PlanRecord)
 Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
 Needs = tuple[str, str] | None
 NONE = "none"
 DESCRIPTION = "robot.yaml"
+PLANNED = "motion.csv"  # what a job of a plan writes: t and q.<joint>
 
 
 @final
@@ -36,7 +45,8 @@ class Sort(Generic[Record]):
 
     same_by: columns that are alike in one and the same bundle. versioned: other content under a name is its next
     version. filters: what a page may be narrowed to. needed_by: what keeps one from being deleted, in words, and what
-    can be done. gone_before: rows that refer to one and go with it, where the database does not let them.
+    can be done. gone_before: rows that refer to one and go with it, where the database does not let them. beside: sorts
+    of what one may refer to by `<noun>_id`; its files are laid out below a folder of that name.
     """
 
     noun: str
@@ -48,6 +58,7 @@ class Sort(Generic[Record]):
     filters: Mapping[str, Filter] = field(default_factory=dict)
     needed_by: Callable[[Lab, str], Needs] = lambda *_: None
     gone_before: tuple[Any, ...] = ()
+    beside: tuple[Sort[Any], ...] = ()
 
     @property
     def of(self) -> str:
@@ -64,12 +75,13 @@ class Bundles(Generic[Record]):
     sort: Sort[Record]
 
     def add(
-        self, name: str, files: Sequence[PinnedFile], summary: Mapping[str, Any], **facts: str
+        self, name: str, files: Sequence[PinnedFile], summary: Mapping[str, Any], **facts: str | None
     ) -> tuple[Record, bool]:
         """The one with this content, and whether it is new. facts: further columns, for a device its robot_id."""
         table, pinned = self.sort.table, content_hash(files)
-        if (robot_id := facts.get("robot_id")) is not None:
-            self.lab.get(RobotRecord, tables.Robot, robot_id, "robot")
+        for sort in self.sort.beside:
+            if (other := facts.get(sort.of)) is not None:
+                self.lab.get(sort.record, sort.table, other, sort.noun)
         known = {"name": name, "content_hash": pinned, **facts}
         same = self.lab.select(table).where(*(getattr(table, each) == known[each] for each in self.sort.same_by))
 
@@ -113,6 +125,14 @@ class Bundles(Generic[Record]):
         found = self.get(key)
         for file in self.files(key):
             copy_out(self.blobs, file.sha256, folder / file.path)
+        return found
+
+    def write_with_all(self, key: str, folder: Path) -> Record:
+        """The same, and beside them what it refers to, each sort below a folder named by its noun."""
+        found = self.write_to(key, folder)
+        for sort in self.sort.beside:
+            if (other := getattr(found, sort.of)) is not None:
+                Bundles(self.lab, self.blobs, sort).write_to(other, folder / sort.noun)
         return found
 
     def delete(self, key: str) -> None:
@@ -160,13 +180,30 @@ def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnEle
     return sa.and_(sa.exists().where(of_robot).correlate(robot), ~lacks)
 
 
+def _with_motion_of_plan(lab: Lab, plan_id: str) -> sa.ColumnElement[bool]:
+    """Studies that hold the motion that a job of this plan wrote, byte for byte."""
+    written = sa.select(tables.Artifact.sha256).join(tables.Job, tables.Job.id == tables.Artifact.job_id)
+    mine = written.where(
+        tables.Job.lab_id == lab.lab_id, tables.Job.plan_id == plan_id, tables.Artifact.name == PLANNED
+    )
+    held = tables.StudyFile
+    return sa.exists().where(held.study_id == tables.Study.id, held.sha256.in_(mine))
+
+
 MOST_NAMED = 5  # of what still needs a thing, in one message
 
 
-def _devices_of(lab: Lab, robot_id: str) -> Needs:
+def _of_robot(lab: Lab, robot_id: str) -> Needs:
     found = lab.session.scalars(lab.select(tables.Device).where(tables.Device.robot_id == robot_id).limit(MOST_NAMED))
     worn = [f"{device.name!a} version {device.version}" for device in found]
-    return (f"it wears {', '.join(worn)}", "Delete these devices first.") if worn else None
+    if worn:
+        return f"it wears {', '.join(worn)}", "Delete these devices first."
+    return _plans_of(lab, tables.Plan.robot_id == robot_id)
+
+
+def _plans_of(lab: Lab, theirs: sa.ColumnElement[bool]) -> Needs:
+    found = [f"{plan.name!a}" for plan in lab.session.scalars(lab.select(tables.Plan).where(theirs).limit(MOST_NAMED))]
+    return (f"plans were made of it: {', '.join(found)}", "Delete these plans first.") if found else None
 
 
 def _jobs_of(lab: Lab, owner: sa.ColumnElement[bool]) -> Needs:
@@ -183,7 +220,7 @@ def _of_payload(lab: Lab, payload_id: str) -> Needs:
     return _jobs_of(lab, tables.Job.payload_id == payload_id)
 
 
-ROBOTS = Sort("robot", RobotRecord, tables.Robot, tables.RobotFile, ("name", "content_hash"), needed_by=_devices_of)
+ROBOTS = Sort("robot", RobotRecord, tables.Robot, tables.RobotFile, ("name", "content_hash"), needed_by=_of_robot)
 DEVICES = Sort(
     "device",
     DeviceRecord,
@@ -194,6 +231,7 @@ DEVICES = Sort(
         "name": lambda _, name: tables.Device.name == name,
         "robot_id": lambda _, robot_id: tables.Device.robot_id == robot_id,
     },
+    beside=(ROBOTS,),
 )
 STUDIES = Sort(
     "study",
@@ -205,8 +243,11 @@ STUDIES = Sort(
     filters={  # state: of the latest job, `none` where there is none
         "state": lambda _, state: sa.func.coalesce(latest_state(tables.Study.id), NONE) == state,
         "robot_id": _with_files_of_robot,
+        "plan_id": _with_motion_of_plan,
     },
-    needed_by=lambda lab, study_id: _jobs_of(lab, tables.Job.study_id == study_id),
+    needed_by=lambda lab, study_id: (
+        _jobs_of(lab, tables.Job.study_id == study_id) or _plans_of(lab, tables.Plan.study_id == study_id)
+    ),
 )
 PAYLOADS = Sort(
     "payload",
@@ -217,4 +258,30 @@ PAYLOADS = Sort(
     filters={"name": lambda _, name: tables.Payload.name == name},
     needed_by=_of_payload,
     gone_before=(tables.LiveStream,),
+)
+MOTIONS = Sort(
+    "motion",
+    MotionRecord,
+    tables.Motion,
+    tables.MotionFile,
+    ("name", "content_hash"),
+    filters={"name": lambda _, name: tables.Motion.name == name},
+    needed_by=lambda lab, motion_id: (
+        _jobs_of(lab, tables.Job.motion_id == motion_id) or _plans_of(lab, tables.Plan.motion_id == motion_id)
+    ),
+)
+PLANS = Sort(
+    "plan",
+    PlanRecord,
+    tables.Plan,
+    tables.PlanFile,
+    ("content_hash",),
+    versioned=False,
+    filters={
+        "robot_id": lambda _, robot_id: tables.Plan.robot_id == robot_id,
+        "motion_id": lambda _, motion_id: tables.Plan.motion_id == motion_id,
+        "state": lambda _, state: sa.func.coalesce(latest_state(tables.Plan.id, tables.Job.plan_id), NONE) == state,
+    },
+    needed_by=lambda lab, plan_id: _jobs_of(lab, tables.Job.plan_id == plan_id),
+    beside=(ROBOTS, MOTIONS, STUDIES),
 )

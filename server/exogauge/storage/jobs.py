@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import final
+from typing import Any, final
 
 import sqlalchemy as sa
 from sqlalchemy.orm import InstrumentedAttribute
@@ -35,16 +35,15 @@ class Jobs:
         after: tuple[datetime, str] | None,
         limit: int,
         *,
-        study_id: str | None = None,
-        payload_id: str | None = None,
         kind: str | None = None,
         state: str | None = None,
+        **owner: str | None,
     ) -> Page[JobRecord]:
+        """owner: `study_id` or another of `tables.OWNERS`, where given."""
         query = self.lab.select(Job)
-        if study_id is not None:
-            query = query.where(Job.study_id == study_id)
-        if payload_id is not None:
-            query = query.where(Job.payload_id == payload_id)
+        for column, key in owner.items():
+            if key is not None:
+                query = query.where(getattr(Job, column) == key)
         if kind is not None:
             query = query.where(Job.kind == kind)
         if state is not None:
@@ -52,21 +51,22 @@ class Jobs:
         return self.lab.page(JobRecord, Job, query, after, limit)
 
     def latest(self, owner_ids: Sequence[str], state: str | None = None) -> dict[str, JobRecord]:
-        """id of a study or a payload -> its newest job (in `state`, where given) that says where it stands."""
-        owner = sa.func.coalesce(Job.study_id, Job.payload_id)
-        theirs = sa.or_(Job.study_id.in_(owner_ids), Job.payload_id.in_(owner_ids))
+        """id of what jobs are of -> its newest job (in `state`, where given) that says where it stands."""
+        columns = [getattr(Job, f"{noun}_id") for noun in tables.OWNERS]
+        owner = sa.func.coalesce(*columns)
+        theirs = sa.or_(*(column.in_(owner_ids) for column in columns))
         mine = sa.and_(Job.lab_id == self.lab.lab_id, theirs, Job.kind.not_in(ASIDE))
         chosen = mine if state is None else sa.and_(mine, Job.state == state)
         rank = sa.func.row_number().over(partition_by=owner, order_by=(Job.created_at.desc(), Job.id.desc()))
         ranked = sa.select(Job.id, rank.label("rank")).where(chosen).subquery()
         newest = sa.select(ranked.c.id).where(ranked.c.rank == 1)
         rows = self.lab.session.scalars(self.lab.select(Job).where(Job.id.in_(newest)))
-        return {row.study_id or row.payload_id: as_record(JobRecord, row) for row in rows}
+        return {tables.owner_of(row)[1]: as_record(JobRecord, row) for row in rows}
 
 
-def latest_state(study_id: InstrumentedAttribute[str]) -> sa.ScalarSelect[str]:
-    """The state of the newest job of a row's study, as part of a larger query."""
-    mine = sa.select(Job.state).where(Job.study_id == study_id, Job.kind.not_in(ASIDE))
+def latest_state(key: InstrumentedAttribute[str], owner: Any = Job.study_id) -> sa.ScalarSelect[str]:
+    """The state of the newest job of a row, by default a study, as part of a larger query."""
+    mine = sa.select(Job.state).where(owner == key, Job.kind.not_in(ASIDE))
     return mine.order_by(Job.created_at.desc(), Job.id.desc()).limit(1).scalar_subquery()
 
 
@@ -88,6 +88,16 @@ class Results:
     def of_study(self, study_id: str) -> ResultRecord:
         """results.json of the study's latest job that made one."""
         return self._latest(tables.Result.study_id == study_id, f"study {study_id}")
+
+    def newest(self, noun: str, key: str) -> ResultRecord:
+        """The result, whatever its file, of the newest job that succeeded of one of `tables.OWNERS`."""
+        theirs = getattr(tables.Job, f"{noun}_id") == key
+        query = self.lab.select(tables.Result).join(tables.Job, tables.Job.id == tables.Result.job_id)
+        query = query.where(theirs, tables.Job.state == "succeeded")
+        found = self.lab.one(ResultRecord, query.order_by(tables.Job.created_at.desc(), tables.Job.id.desc()))
+        if found is None:
+            raise NotFound(f"no job of {noun} {key} has succeeded yet")
+        return found
 
     def of_payload(self, payload_id: str) -> ResultRecord:
         """results.json of the payload's latest job that made one; no plan."""

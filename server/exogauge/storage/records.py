@@ -80,6 +80,32 @@ class PayloadRecord:
 
 @final
 @dataclass(frozen=True)
+class MotionRecord:
+    id: str
+    created_at: datetime
+    name: str
+    version: int
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
+class PlanRecord:
+    """robot_id: for which; motion_id: what is retargeted; study_id: whose logs are known already."""
+
+    id: str
+    created_at: datetime
+    name: str
+    robot_id: str
+    motion_id: str | None
+    study_id: str | None
+    content_hash: str
+    summary: Mapping[str, Any]
+
+
+@final
+@dataclass(frozen=True)
 class LiveStreamRecord:
     """job_id: whose results compensated it. sha256, size: of the raw stream, None while it is open."""
 
@@ -102,7 +128,8 @@ class LiveStreamRecord:
 @final
 @dataclass(frozen=True)
 class JobRecord:
-    """study_id, payload_id: one of them is what the job is of. progress: 0..1. reason: why it failed.
+    """study_id, payload_id, motion_id, plan_id: one of them is what the job is of. progress: 0..1. reason: why it
+    failed.
 
     failure: {class, faults, defect} of the error that ended it; defect: exogauge itself is to blame, not what was
     handed in. stage: of an evaluation, what it is at. steps: {message, progress, stage, at} of the present attempt.
@@ -116,6 +143,8 @@ class JobRecord:
     kind: str
     study_id: str | None
     payload_id: str | None
+    motion_id: str | None
+    plan_id: str | None
     request_hash: str
     settings: Mapping[str, Any]
     requested_code_version: str
@@ -165,12 +194,40 @@ class MappingRecord:
 
 @final
 @dataclass(frozen=True)
+class ContactsRecord:
+    """content: {left, right: [[begin, end] [s]]}, when each foot stands."""
+
+    id: str
+    created_at: datetime
+    motion_id: str
+    content: Mapping[str, Any]
+    content_hash: str
+    changed_at: datetime
+
+
+@final
+@dataclass(frozen=True)
+class MapRecord:
+    """content: {own name: known name} of labels or bones."""
+
+    id: str
+    created_at: datetime
+    name: str
+    content: Mapping[str, Any]
+    content_hash: str
+    changed_at: datetime
+
+
+@final
+@dataclass(frozen=True)
 class ResultRecord:
     id: str
     created_at: datetime
     job_id: str
     study_id: str | None
     payload_id: str | None
+    motion_id: str | None
+    plan_id: str | None
     sha256: str
     size: int
 
@@ -190,9 +247,12 @@ class ArtifactRecord:
 @final
 @dataclass(frozen=True)
 class LabRecord:
+    """closed_at: since when nobody comes in."""
+
     id: str
     created_at: datetime
     name: str
+    closed_at: datetime | None
 
 
 @final
@@ -318,6 +378,34 @@ class PublicationRecord:
     lab_name: str
     revoked_at: datetime | None
     revoked_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class WebhookRecord:
+    id: str
+    created_at: datetime
+    url: str
+    events: Sequence[str]
+    disabled_at: datetime | None
+    disabled_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class DeliveryRecord:
+    """state: waiting, delivered or failed. status, said: of the last try."""
+
+    id: str
+    created_at: datetime
+    webhook_id: str
+    event: str
+    state: str
+    attempts: int
+    due_at: datetime
+    ended_at: datetime | None
+    status: int | None
+    said: str
 
 
 @final

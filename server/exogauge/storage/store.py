@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import final
+from typing import Any, final
 
 import sqlalchemy as sa
 from sqlalchemy.engine import Engine
@@ -25,7 +25,7 @@ from sqlalchemy.orm import Session
 from exogauge.errors import NotFound
 from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
-from exogauge.storage.bundles import DEVICES, PAYLOADS, ROBOTS, STUDIES, Bundles
+from exogauge.storage.bundles import DEVICES, MOTIONS, PAYLOADS, PLANS, ROBOTS, STUDIES, Bundles
 from exogauge.storage.database import READONLY, database_now, make_engine, serving
 from exogauge.storage.held_files import own_folder
 from exogauge.storage.jobs import Jobs, Results
@@ -37,11 +37,13 @@ from exogauge.storage.members import Audit, Invitations, Members, Tokens
 from exogauge.storage.publications import Publications
 from exogauge.storage.quotas import NO_LIMIT, Quotas, bytes_on_their_way, refuse_bytes
 from exogauge.storage.records import JobRecord, StudyRecord
+from exogauge.storage.remembered import contacts_of, maps_of
 from exogauge.storage.rows import Lab
 from exogauge.storage.scope import AllLabsSession, LabSession
 from exogauge.storage.shares import Shares
-from exogauge.storage.tables import WorkerLease
+from exogauge.storage.tables import WorkerLease, owner_of
 from exogauge.storage.uploads import Uploads
+from exogauge.storage.webhooks import Webhooks
 
 LOCAL = "local"  # who does what where there are no accounts
 
@@ -61,6 +63,9 @@ class Store:
         self.logs = Logs(lab)
         self.studies = Bundles(lab, blobs, STUDIES)
         self.payloads = Bundles(lab, blobs, PAYLOADS)
+        self.motions = Bundles(lab, blobs, MOTIONS)
+        self.contacts, self.maps = contacts_of(lab), maps_of(lab)
+        self.plans = Bundles(lab, blobs, PLANS)
         self.live_streams = LiveStreams(lab)
         self.jobs = Jobs(lab)
         self.results = Results(lab)
@@ -73,15 +78,23 @@ class Store:
         self.audit = Audit(lab)
         self.shares = Shares(lab)
         self.publications = Publications(lab)
+        self.webhooks = Webhooks(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
         """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""
         refuse_bytes(self.lab, self.quotas, more + (bytes_on_their_way(self.lab) if coming else 0))
 
+    def owners(self, noun: str) -> Bundles[Any]:
+        """All of a sort that jobs can be of: one of `tables.OWNERS`."""
+        of: dict[str, Bundles[Any]] = {
+            "study": self.studies, "payload": self.payloads, "motion": self.motions, "plan": self.plans,
+        }  # fmt: skip
+        return of[noun]
+
     def study_of(self, job: JobRecord) -> StudyRecord:
-        """NotFound for a job of a payload."""
+        """NotFound for a job of anything else."""
         if job.study_id is None:
-            raise NotFound(f"job {job.id} is of a payload, not of a study")
+            raise NotFound(f"job {job.id} is of a {owner_of(job)[0]}, not of a study")
         return self.studies.get(job.study_id)
 
 

@@ -17,8 +17,10 @@ NAME = sa.String(200)
 PATH = sa.String(500)
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
 LIVE_STATES = ("queued", "running", "succeeded")  # what makes an equal request the same job
+DELIVERY_STATES = ("waiting", "delivered", "failed")
 STREAM_STATES = ("open", "ended", "lost")  # lost: whoever sent or took it went without a word
-ONE_OWNER = "(study_id IS NULL) <> (payload_id IS NULL)"
+OWNERS = ("study", "payload", "motion", "plan")  # what a job can be of
+ONE_OWNER = " + ".join(f"(CASE WHEN {noun}_id IS NULL THEN 0 ELSE 1 END)" for noun in OWNERS) + " = 1"
 
 
 def new_id() -> str:
@@ -27,6 +29,12 @@ def new_id() -> str:
 
 def utc_now() -> datetime:
     return datetime.now(UTC)
+
+
+def owner_of(row: Any) -> tuple[str, str]:
+    """What a job or a result is of: one of `OWNERS`, and its id."""
+    named = ((noun, getattr(row, f"{noun}_id")) for noun in OWNERS)
+    return next((noun, key) for noun, key in named if key is not None)
 
 
 def one_of(column: str, values: tuple[str, ...]) -> str:
@@ -62,6 +70,14 @@ def referred() -> sa.UniqueConstraint:
 def within_lab(column: str, table: str, ondelete: str | None = "CASCADE") -> sa.ForeignKeyConstraint:
     """The row that `column` names is one of `table`, of the same lab; the row goes when that one goes."""
     return sa.ForeignKeyConstraint(["lab_id", column], [f"{table}.lab_id", f"{table}.id"], ondelete=ondelete)
+
+
+class Remembered(Owned):
+    """Columns of what is kept one to a key and may change. content_hash: of the canonical JSON of content."""
+
+    content: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    content_hash: Mapped[str] = mapped_column(SHA256)
+    changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
 @final
@@ -201,6 +217,90 @@ class PayloadFile(Owned, Base):
 
 
 @final
+class Motion(Named, Base):
+    """One version of what was captured of a person, as it was handed in: motion.yaml and the files that it names."""
+
+    __tablename__ = "motions"
+    __table_args__ = (
+        referred(),
+        sa.UniqueConstraint("lab_id", "name", "version"),
+        sa.UniqueConstraint("lab_id", "name", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    version: Mapped[int]
+
+
+@final
+class MotionFile(Owned, Base):
+    """One file of a motion: motion.yaml, the capture, its skeleton, a static trial."""
+
+    __tablename__ = "motion_files"
+    __table_args__ = (
+        sa.UniqueConstraint("motion_id", "path"),
+        within_lab("motion_id", "motions"),
+    )
+    motion_id: Mapped[str] = mapped_column(UUID, index=True)
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
+class MotionContacts(Remembered, Base):
+    """When each foot of a motion stands, as somebody said it. content: {left, right: [[begin, end] [s]]}."""
+
+    __tablename__ = "motion_contacts"
+    __table_args__ = (
+        sa.UniqueConstraint("motion_id"),
+        within_lab("motion_id", "motions"),
+    )
+    motion_id: Mapped[str] = mapped_column(UUID)
+
+
+@final
+class MotionMap(Remembered, Base):
+    """What a lab's own labels or bones are called elsewhere. content: {own name: known name}."""
+
+    __tablename__ = "motion_maps"
+    __table_args__ = (sa.UniqueConstraint("lab_id", "name"), sa.Index(None, "lab_id", "created_at", "id"))
+    name: Mapped[str] = mapped_column(NAME)
+
+
+@final
+class Plan(Named, Base):
+    """A motion that was asked for of a robot: plan.yaml says how. motion_id: what is retargeted; study_id: whose logs
+    are known already. What they name stays as long as the plan does."""
+
+    __tablename__ = "plans"
+    __table_args__ = (
+        within_lab("robot_id", "robots", None),
+        within_lab("motion_id", "motions", None),
+        within_lab("study_id", "studies", None),
+        referred(),
+        sa.UniqueConstraint("lab_id", "content_hash"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    robot_id: Mapped[str] = mapped_column(UUID, index=True)
+    motion_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    study_id: Mapped[str | None] = mapped_column(UUID, index=True)
+
+
+@final
+class PlanFile(Owned, Base):
+    """One file of a plan: plan.yaml."""
+
+    __tablename__ = "plan_files"
+    __table_args__ = (
+        sa.UniqueConstraint("plan_id", "path"),
+        within_lab("plan_id", "plans"),
+    )
+    plan_id: Mapped[str] = mapped_column(UUID, index=True)
+    path: Mapped[str] = mapped_column(PATH)
+    sha256: Mapped[str] = mapped_column(SHA256, index=True)
+    size: Mapped[int] = mapped_column(sa.BigInteger)
+
+
+@final
 class LiveStream(Owned, Base):
     """What arrived live from the sensor of a payload.
 
@@ -233,7 +333,7 @@ class LiveStream(Owned, Base):
 
 @final
 class Job(Owned, Base):
-    """What the page and the API read about a job of a study or of a payload; the engine keeps its own tables.
+    """What the page and the API read about a job of one of `OWNERS`; the engine keeps its own tables.
 
     Change it only with guarded updates (`store.jobs.move`). revision grows with every update: an event id.
     request_hash is unique among the jobs that are not failed or cancelled, so that an equal request runs once.
@@ -250,6 +350,8 @@ class Job(Owned, Base):
     __table_args__ = (
         within_lab("study_id", "studies"),
         within_lab("payload_id", "payloads"),
+        within_lab("motion_id", "motions"),
+        within_lab("plan_id", "plans"),
         referred(),
         sa.CheckConstraint(one_of("state", STATES), name="state"),
         sa.CheckConstraint("progress >= 0 AND progress <= 1", name="progress"),
@@ -269,6 +371,8 @@ class Job(Owned, Base):
     kind: Mapped[str] = mapped_column(sa.String(64))
     study_id: Mapped[str | None] = mapped_column(UUID, index=True)
     payload_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    motion_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    plan_id: Mapped[str | None] = mapped_column(UUID, index=True)
     request_hash: Mapped[str] = mapped_column(SHA256)
     settings: Mapped[dict[str, Any]] = mapped_column(sa.JSON, default=dict)
     requested_code_version: Mapped[str] = mapped_column(sa.String(64), default="")
@@ -302,10 +406,14 @@ class Result(Owned, Base):
         within_lab("job_id", "jobs"),
         within_lab("study_id", "studies"),
         within_lab("payload_id", "payloads"),
+        within_lab("motion_id", "motions"),
+        within_lab("plan_id", "plans"),
     )
     job_id: Mapped[str] = mapped_column(UUID)
     study_id: Mapped[str | None] = mapped_column(UUID, index=True)
     payload_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    motion_id: Mapped[str | None] = mapped_column(UUID, index=True)
+    plan_id: Mapped[str | None] = mapped_column(UUID, index=True)
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
 
@@ -373,6 +481,41 @@ class PublicationFile(Owned, Base):
 
 
 @final
+class Webhook(Owned, Base):
+    """An address that is told what happens in the lab. secret: with which each delivery is signed."""
+
+    __tablename__ = "webhooks"
+    __table_args__ = (referred(), sa.Index(None, "lab_id", "created_at", "id"))
+    url: Mapped[str] = mapped_column(sa.String(2000))
+    events: Mapped[list[str]] = mapped_column(sa.JSON)
+    secret: Mapped[str] = mapped_column(sa.String(100))
+    disabled_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    disabled_because: Mapped[str | None] = mapped_column(sa.String(500))
+
+
+@final
+class Delivery(Owned, Base):
+    """What a webhook is to be told, or was. due_at: of the next try; status, said: of the last one."""
+
+    __tablename__ = "deliveries"
+    __table_args__ = (
+        within_lab("webhook_id", "webhooks"),
+        sa.CheckConstraint(one_of("state", DELIVERY_STATES), name="state"),
+        sa.Index(None, "state", "due_at"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    webhook_id: Mapped[str] = mapped_column(UUID, index=True)
+    event: Mapped[str] = mapped_column(sa.String(64))
+    data: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    state: Mapped[str] = mapped_column(sa.String(16))
+    attempts: Mapped[int]
+    due_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    status: Mapped[int | None]
+    said: Mapped[str] = mapped_column(sa.String(500), default="")
+
+
+@final
 class Upload(Owned, Base):
     """A file that is being received. size: bytes it will have; those that arrived are on disk and nowhere else."""
 
@@ -384,7 +527,7 @@ class Upload(Owned, Base):
 
 
 @final
-class RobotMapping(Owned, Base):
+class RobotMapping(Remembered, Base):
     """How the logs of a robot are read, remembered from the last import. content: as in mapping.yaml."""
 
     __tablename__ = "robot_mappings"
@@ -393,9 +536,6 @@ class RobotMapping(Owned, Base):
         within_lab("robot_id", "robots"),
     )
     robot_id: Mapped[str] = mapped_column(UUID)
-    content: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
-    content_hash: Mapped[str] = mapped_column(SHA256)
-    changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
 @final

@@ -16,7 +16,7 @@ from exogauge.detect.pipeline import find_missing_effects
 from exogauge.detect.stored_filter.stored_pass import filtered_alike
 from exogauge.devices.result import StiffnessResult
 from exogauge.effects.catalogue import missing_effects
-from exogauge.errors import BadInput, BadLog, PhysicallyImpossible
+from exogauge.errors import BadInput, BadLog, BadRobot, PhysicallyImpossible
 from exogauge.findings.as_told import by_importance
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
@@ -24,9 +24,11 @@ from exogauge.identification.result import Identification, Prediction
 from exogauge.progress import Doing, Progress, Stage
 from exogauge.remarks import About, Remark
 from exogauge.robots.export import export_urdf
+from exogauge.robots.moving.robot import MotionRobot
 from exogauge.side_by_side import each as side_by_side
 from exogauge.studies.intake.admit import admit
 from exogauge.studies.intake.contract import STEPS, DeviceFile
+from exogauge.studies.intake.moving_robot import moving_robot
 from exogauge.studies.intake.open import Study, open_study
 from exogauge.studies.intake.yaml_file import MAX_BYTES, read_yaml
 from exogauge.studies.report.summary_page import summary_page
@@ -115,7 +117,7 @@ def _evaluate(
         if "discrepancy" in doing:
             with keeping(failed, "discrepancy"):
                 missing = find_missing_effects(
-                    first, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY]
+                    first, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY], _moving(study)
                 )
                 alike = filtered_alike(worn, missing.recordings, missing.settings.criteria.stored_filter)
                 discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
@@ -157,6 +159,15 @@ def _evaluate(
         write(study, evaluation, out)
     writing(1.0, Doing.DONE)
     return tuple(failed)
+
+
+def _moving(study: Study) -> MotionRobot | None:
+    """The robot as motions are planned for it; None where its file tells something of it that it is not."""
+    try:
+        path = study.bundle.root / study.file.robot
+        return moving_robot(study.robot, study.robot_file, study.urdf, path)
+    except BadRobot:
+        return None
 
 
 def _with_wear(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import final
 
 import numpy as np
@@ -344,6 +344,7 @@ class Profiles:
         share = float(curvature[index, index]) * size[index] ** 2 / std**2
         shift = value - float(coarse.wear.springs[index])
 
+        @cache  # both ends, and both of a search for either, ask for the same values again
         def excess(candidate: float) -> float:
             held = fit(few, coarse.wear, {index: max(candidate - shift, SHORTEST)})
             return float(share * (held.cost - coarse.cost) - Z95**2)

@@ -43,6 +43,7 @@ def hidden_in(folder):
     return each
 
 
+@pytest.mark.slow
 def test_where_nothing_is_hidden_nothing_is_missing(tmp_path):
     missing = found_in(tmp_path / "p", 3).missing
     assert missing.decision.verdict == "none"
@@ -51,6 +52,7 @@ def test_where_nothing_is_hidden_nothing_is_missing(tmp_path):
     assert all(np.all(np.abs(ratios - 1.0) < 0.15) for ratios in missing.after.values())
 
 
+@pytest.mark.slow
 def test_a_late_wrench_is_named_and_no_longer_taken_for_a_touch(tmp_path):
     evaluation = found_in(tmp_path / "p", 3, ["delay"])
     finding = one(evaluation.missing)
@@ -112,6 +114,7 @@ def test_the_estimates_come_with_what_was_named(tmp_path, hidden):
     assert not [each for each in found.warnings if "residual" in each]
 
 
+@pytest.mark.slow
 def test_the_doubt_of_what_was_named_is_in_the_estimates(tmp_path):
     """A body that takes a gain's doubt along is less certain than one whose gain is known."""
     evaluation = found_in(tmp_path / "p", 4, ["gain@fz"])

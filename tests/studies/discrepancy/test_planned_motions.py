@@ -25,7 +25,20 @@ def plan(joint: str) -> PlannedMotion:
     q = np.zeros((200, 2))
     q[:, 1] = sweep.position(50.0)[:200]
     return PlannedMotion(
-        joint, "", (0.0, 0.0), sweep, "rad", 2, 40.0, (TOLD,), True, np.arange(200) / 50.0, ("torso_yaw", joint), q
+        joint,
+        "",
+        (0.0, 0.0),
+        sweep,
+        "rad",
+        2,
+        40.0,
+        (TOLD,),
+        True,
+        np.arange(200) / 50.0,
+        ("torso_yaw", joint),
+        q,
+        ("torque",),
+        ("touch", "balance"),
     )
 
 
@@ -68,7 +81,8 @@ def test_the_sentence_says_what_to_do_what_for_and_what_is_not_known() -> None:
     assert "presliding friction" in said
     assert "for 40 s" in said
     assert "stay still" in said
-    assert "touch itself is not known" in said
+    assert "Every joint's own limits and every motor's torque are kept" in said
+    assert "touch itself and whether the robot keeps its balance is not known" in said
 
 
 def test_nothing_planned_leaves_no_file(discrepancy: Discrepancy) -> None:

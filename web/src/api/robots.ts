@@ -46,6 +46,8 @@ export type RobotSummary = {
   joints: string[];
   sensors: string[];
   mass_kg: number;
+  /** What of robot.yaml is for planned motions; nothing of a robot that was handed in before this was told. */
+  motion?: { soles: number; human_map: string[]; home: boolean };
   model?: RobotModel;
 };
 export type Robot = Omit<Schemas["RobotOut"], "summary"> & { summary: RobotSummary };
@@ -97,6 +99,6 @@ export function bundle(files: Map<string, Blob>, fields: Record<string, string> 
   return form;
 }
 
-export function fileAddress(kind: "robots" | "devices" | "studies" | "payloads", id: string, path: string): string {
+export function fileAddress(kind: "robots" | "devices" | "studies" | "payloads" | "motions" | "plans", id: string, path: string): string {
   return address(`api/v1/${kind}/${id}/files/${path.split("/").map(encodeURIComponent).join("/")}`);
 }

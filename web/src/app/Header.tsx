@@ -11,6 +11,7 @@ const PLACES = [
   ["/robots", "Robots"],
   ["/devices", "Devices"],
   ["/payloads", "Payloads"],
+  ["/motions", "Motions"],
   ["/import", "Import"],
   ["/compare", "Compare"],
 ] as const;

@@ -61,5 +61,6 @@ export function ExportMenu({ source, log, panels, hidden, doubts, window }: Prop
 function rows({ of, id }: Source, log: string, shown: { lines: Panel["lines"] }[], window: Window, format: string): string {
   const asked = new URLSearchParams({ start: String(window.from), end: String(window.to), format });
   for (const channel of shown.flatMap(({ lines }) => needed(lines))) asked.append("channels", channel);
-  return address(`api/v1/${of}/${id}/series/${encodeURIComponent(log)}/window?${asked}`);
+  const series = of === "motions" ? "series" : `series/${encodeURIComponent(log)}`;
+  return address(`api/v1/${of}/${id}/${series}/window?${asked}`);
 }

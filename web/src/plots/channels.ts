@@ -4,6 +4,7 @@ Names are those of `docs/study.md`: `measured.tau.torso_pitch`, `support_a.torso
 as it was read those of its channels.
 */
 
+import { motionLine } from "./motion";
 import { ofJoint, rawLine } from "./raw";
 import type { SeriesFacts } from "./series";
 
@@ -51,6 +52,10 @@ export const GROUPS = [
   "IMU",
   "Sensors",
   "Bands",
+  "Trunk",
+  "Margins",
+  "Shares of bounds",
+  "Person",
   "Other",
 ] as const;
 
@@ -68,7 +73,7 @@ export function panelsOf(series: SeriesFacts): Panel[] {
     const model = MODELS.find(([part]) => part === head);
     const approach = APPROACHES.find(([part]) => part === head);
     const band = BAND.exec(channel.name);
-    const raw = rawLine(channel.name);
+    const raw = motionLine(channel.name) ?? rawLine(channel.name);
     if (model) add(channel, bodyPanel(rest), { words: model[1], look: model[2] });
     else if (approach) {
       const ends = { std: `${head}_std.${rest}`, low: `${head}_low.${rest}`, high: `${head}_high.${rest}` };

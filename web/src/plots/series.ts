@@ -9,8 +9,8 @@ export type Tiles = Schemas["TilesOut"];
 export type SeriesFacts =
   paths["/api/v1/jobs/{job_id}/series"]["get"]["responses"]["200"]["content"]["application/json"]["items"][number];
 
-/** A job that made series, or a study, whose logs are series as they were read. */
-export type Source = { of: "jobs" | "studies"; id: string };
+/** A job that made series; a study, whose logs are series as they were read; a motion, which is one. */
+export type Source = { of: "jobs" | "studies" | "motions"; id: string };
 
 /** What one series holds; null where the job made none of that name. */
 export function useSeries(source: Source, name: string | undefined) {
@@ -26,6 +26,7 @@ async function factsOf({ of, id }: Source, name: string, signal: AbortSignal): P
   if (of === "studies") {
     return answer(api.GET("/api/v1/studies/{study_id}/series/{name}", { params: { path: { study_id: id, name } }, signal }));
   }
+  if (of === "motions") return answer(api.GET("/api/v1/motions/{motion_id}/series", { params: { path: { motion_id: id } }, signal }));
   const asked = { path: { job_id: id }, query: { name } };
   const { items } = await answer(api.GET("/api/v1/jobs/{job_id}/series", { params: asked, signal }));
   return items[0] ?? null;
@@ -57,6 +58,10 @@ function tilesOf({ source, name, channels, start, end, width }: TilesAsked, sign
   if (source.of === "studies") {
     const path = { study_id: source.id, name };
     return answer(api.GET("/api/v1/studies/{study_id}/series/{name}/tiles", { params: { path, query }, signal }));
+  }
+  if (source.of === "motions") {
+    const path = { motion_id: source.id };
+    return answer(api.GET("/api/v1/motions/{motion_id}/series/tiles", { params: { path, query }, signal }));
   }
   const path = { job_id: source.id, name };
   return answer(api.GET("/api/v1/jobs/{job_id}/series/{name}/tiles", { params: { path, query }, signal }));

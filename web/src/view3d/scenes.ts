@@ -52,6 +52,30 @@ export function usePayloadScene(payloadId: string, about: string) {
   });
 }
 
+/** What is planned, on its robot beside the person. */
+export function usePlanScene(planId: string, jobId: string) {
+  return useQuery({
+    queryKey: ["plans", planId, "scene", jobId],
+    queryFn: ({ signal }) => {
+      const params = { path: { plan_id: planId } };
+      return answer(api.GET("/api/v1/plans/{plan_id}/scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
+    },
+    ...KEPT,
+  });
+}
+
+/** The person as it was captured. about: what the drawing depends on. */
+export function useMotionScene(motionId: string, about: string) {
+  return useQuery({
+    queryKey: ["motions", motionId, "scene", about],
+    queryFn: ({ signal }) => {
+      const params = { path: { motion_id: motionId } };
+      return answer(api.GET("/api/v1/motions/{motion_id}/scene", { params, parseAs: "arrayBuffer", signal }) as Packed);
+    },
+    ...KEPT,
+  });
+}
+
 /** A device on its robot at rest, whose via points can be dragged. */
 export function useDeviceScene(deviceId: string) {
   return useQuery({

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
 from exogauge.errors import BadMotion, Fault
+from exogauge.experiment.envelope import within
 from exogauge.motion.excite.excited import Excited
 from exogauge.motion.excite.known import Known, of_result, of_study
 from exogauge.motion.excite.promise import Promise, promised
-from exogauge.motion.excite.search import Report, best_motion, within
+from exogauge.motion.excite.search import Report, best_motion
 from exogauge.motion.excite.task import task_of
 from exogauge.motion.plan.judge import judge
 from exogauge.motion.robot_file import load_motion_robot

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import MotionExcite
-from exogauge.experiment.information import Information
+from exogauge.experiment.felt import borne_by_feet, felt_channels
 from exogauge.identification.identify import identify
 from exogauge.identification.noise_bias import noise_kind
-from exogauge.identification.preparation import wrench_channels
 from exogauge.identification.prior import joint_prior
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
@@ -22,12 +21,9 @@ from exogauge.logs.model import Log
 from exogauge.motion.excite.excited import Excited
 from exogauge.progress import Progress, unwatched
 from exogauge.robots.description import Robot
-from exogauge.robots.motion import Motion
-from exogauge.robots.regressor import contact_effect
 
 Array = NDArray[np.float64]
 
-SHARES = np.tile([1.0, 1.0, 1.0, 0.01, 0.01, 0.01], 2)  # of feet's forces and moments, as `plan.judge` shares them
 NAME = "planned"
 AS_STATED = Settings(prior_strength=1.0)  # of a robot that is as it is stated, held-out data would have it weigh more
 
@@ -67,14 +63,14 @@ def promised(
     found = identify(robot, [Recording(log, False) for log in (*logs, *made)], settings, progress)
     decided = found.model.criteria.identifying.decided
     certain = []
-    for each, white in zip(found.parameters, _white(found).tolist(), strict=True):
+    for each, white in zip(found.parameters, white_std(found).tolist(), strict=True):
         std = max(each.std, white)
         known = each.prior_std if before is None else before.get(each.name, each.prior_std)
         certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
     return Promise(tuple(certain), found.cutoff_hz)
 
 
-def _white(found: Identification) -> Array:
+def white_std(found: Identification) -> Array:
     """(parameters,) what the noise that the weights state leaves: of a log of seconds, few stretches of which count as
     independent, the scatter of its residuals says too little."""
     model = found.model
@@ -105,52 +101,12 @@ def planned_log(robot: Robot, planned: Excited, name: str = NAME) -> Log:
     time = np.arange(int(planned.duration * rate)) / rate
     whole = planned.at(time)
     motion = task.motion(whole)
-    channels = {f"q.{joint.name}": motion.q[:, k] for k, joint in enumerate(robot.joints)}
-    told = task.information.of(motion, planned.duration, _borne(task.information, motion))
+    loads = task.information.loads(motion)
+    channels = felt_channels(robot, motion, loads)
+    told = task.information.of(motion, planned.duration, borne_by_feet(robot, motion, loads))
     for k, joint in enumerate(robot.joints):
         if joint.actuation == "current":
             channels[f"i.{joint.name}"] = told.motor[:, k] / told.gain[k]
         elif joint.actuation == "torque":
             channels[f"tau.{joint.name}"] = (told.motor @ robot.axes_from_joints)[:, k]
-    if robot.floating and robot.T_base_imu is not None:
-        R, r = robot.T_base_imu.rotation, robot.T_base_imu.translation
-        felt = motion.acc + np.cross(motion.gyro_dot, r) + np.cross(motion.gyro, np.cross(motion.gyro, r))
-        for axis, name_ in enumerate("xyz"):
-            channels[f"acc.{name_}"] = (felt @ R)[:, axis]
-            channels[f"gyro.{name_}"] = (motion.gyro @ R)[:, axis]
-        for sensor, wrench in zip(robot.contacts, _feet(task.information, motion), strict=True):
-            for name_, column in zip(wrench_channels(sensor.name), sensor.sign * wrench.T, strict=True):
-                channels[name_] = column
     return Log(name, time, channels)
-
-
-def _paths(information: Information, motion: Motion) -> Array:
-    """(T, 6 + J, 6 S) what unit wrenches at the contact sensors do to base and joints."""
-    robot, columns = information.equations.robot, []
-    for sensor in robot.contacts:
-        for k in range(6):
-            unit = np.zeros((motion.samples, 6))
-            unit[:, k] = 1.0
-            columns.append(contact_effect(robot.tree, motion.q, sensor.frame, unit))
-    return np.stack(columns, axis=2)
-
-
-def _feet(information: Information, motion: Motion) -> list[Array]:
-    """(T, 6) of each contact sensor: the smallest that carry and move the robot."""
-    paths = _paths(information, motion)[:, :6]
-    share = SHARES[: paths.shape[2]]
-    driven = np.einsum("tik,k,tjk->tij", paths, share, paths)
-    carried = np.linalg.solve(driven, information.loads(motion)[:, :6, None])
-    wrench = share * np.einsum("tik,ti->tk", paths, carried[..., 0])
-    return list(np.moveaxis(wrench.reshape(motion.samples, -1, 6), 1, 0))
-
-
-def _borne(information: Information, motion: Motion) -> Array | None:
-    """(T, A) [N·m] of the axes' loads that the feet bear."""
-    robot = information.equations.robot
-    if not robot.floating:
-        return None
-    paths = _paths(information, motion)
-    wrench = np.concatenate(_feet(information, motion), axis=1)
-    joints = np.einsum("tjk,tk->tj", paths[:, 6:], wrench)
-    return np.asarray(joints @ np.linalg.inv(robot.axes_from_joints))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from exogauge.criteria.motion_excite import USUAL, MotionExcite
@@ -23,6 +24,7 @@ from exogauge.robots.row_blocks import RowBlocks
 from exogauge.robots.series import Series
 
 Array = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 
 def task_of(
@@ -50,7 +52,7 @@ def task_of(
     fast = np.where(np.isfinite(limits.acceleration[order]), limits.acceleration[order], 10.0)
     prior = per_parameter(robot, base, equations.effects, Scales(0.3 * heavy, 0.3 * velocity, 0.3 * mixing @ fast))
     information = Information(
-        equations, prior, _weights(robot, stance, heavy, criteria), criteria.rate_hz, criteria.turn_s,
+        equations, prior, _weights(robot, stance, heavy, order, criteria), criteria.rate_hz, criteria.turn_s,
         criteria.slow_share * velocity, known,
     )  # fmt: skip
     corners = np.zeros((0, 3))
@@ -61,11 +63,12 @@ def task_of(
     top_hz = criteria.standing_hz if robot.floating else criteria.top_hz
     harmonics = max(3, round(top_hz * seconds))
     bounds = Bounds(moving, order, criteria, Pairs(moving, criteria.clearance_m), corners)
-    return Task(stance, Series(seconds, harmonics), information, bounds, criteria)
+    return Task(stance, Series(seconds, harmonics), bounds, criteria, information=information)
 
 
-def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: MotionExcite) -> Array:
-    """(rows,) 1/variance of a sample: of feet and IMU, carried to the base; of currents or torques."""
+def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, order: IntArray, criteria: MotionExcite) -> Array:
+    """(rows,) 1/variance of a sample: of feet and IMU, carried to the base; of currents or torques; and of
+    encoders, whose noise sits in the regressor as inertia times acceleration."""
     noise = robot.noise
     std = []
     for k, joint in enumerate(robot.joints):
@@ -76,7 +79,8 @@ def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: Mot
             std.append(noise.get("tau", unknown))
         else:
             std.append(np.inf)
-    axes = 1.0 / np.square(std)
+    encoders = by_encoders(stance.robot, order, noise.get("q", 0.0), criteria.cutoff_hz)
+    axes = 1.0 / (np.square(std) + encoders)
     if not robot.floating or not isinstance(stance, Standing):
         return np.asarray(axes)
     feet, mass = len(robot.contacts), robot.tree.mass
@@ -84,3 +88,12 @@ def _weights(robot: Robot, stance: Fixed | Standing, heavy: Array, criteria: Mot
     force = feet * noise.get("force", 1.0) ** 2 + (mass * noise.get("acc", 0.05)) ** 2
     moment = feet * noise.get("moment", 0.1) ** 2 + lever**2 * feet * noise.get("force", 1.0) ** 2
     return np.concatenate([np.full(3, 1.0 / force), np.full(3, 1.0 / moment), axes])
+
+
+def by_encoders(moving: MotionRobot, order: IntArray, noise: float, cutoff_hz: float) -> Array:
+    """(J,) variance that white noise [rad] of every encoder makes of a sample of each joint's torque at home, as white
+    noise that is as large below the cut-off: (2 π f)⁴ of it, averaged from 0 to there."""
+    inertia = np.asarray(pin.crba(moving.model, moving.model.createData(), moving.home))
+    inertia = np.triu(inertia) + np.triu(inertia, 1).T
+    own = inertia[np.ix_(moving.base + order, moving.base + order)]
+    return np.asarray(np.sum(own**2, axis=1) * noise**2 * (2.0 * np.pi * cutoff_hz) ** 4 / 5.0)

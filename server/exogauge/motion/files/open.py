@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,12 +22,13 @@ UNITS = {name: METRES[name] for name in ("m", "cm", "mm", "in")}
 
 def open_motion(
     path: Path, *, skeleton: Path | None = None, up: str | None = None, unit: str | None = None,
-    subject: str | None = None,
+    subject: str | None = None, names: Mapping[str, str] | None = None,
 ) -> HumanMotion:  # fmt: skip
     """C3D, TRC, MOT/STO, BVH, or AMC with its ASF as `skeleton`. Raises BadMotion.
 
     up: x, y, z or -x, -y, -z, unit: m, cm, mm or in, where the file is silent or wrong. subject: the prefix of one of
-    several people. `told`: format, unit, up, prefix, preset, unknown, duplicates, unit_doubt, as far as there is one.
+    several people. names: own label or bone -> the name it is known by. `told`: format, unit, up, prefix, preset,
+    unknown, duplicates, unit_doubt, renamed, as far as there is one.
     """
     if not path.is_file():
         raise fault(path, "there is no such file", "no_file", "Look at its name")
@@ -41,7 +43,7 @@ def open_motion(
         raise fault(path, detail, "damaged", "Export it again, from the program that captured it") from problem
     if isinstance(captured, HumanMotion):
         return captured
-    return _canonical(path, _one_person(path, captured, subject), up, unit)
+    return _canonical(path, _renamed(path, _one_person(path, captured, subject), names or {}), up, unit)
 
 
 def _read(path: Path, head: bytes, skeleton: Path | None) -> Captured | HumanMotion:
@@ -93,6 +95,26 @@ def _one_person(path: Path, captured: Captured, subject: str | None) -> Captured
         seen[label] += 1
         single.append(label if seen[label] == 1 and label not in twice else f"{label} #{seen[label]}")
     return replace(captured, labels=tuple(single), position=position, told=told)
+
+
+def _renamed(path: Path, captured: Captured, names: Mapping[str, str]) -> Captured:
+    """What is not in the file is told; two of one name are refused."""
+    body = captured.skeleton
+    labels = captured.labels if body is None else body.names
+    if not names:
+        return captured
+    told, now = dict(captured.told), tuple(names.get(label, label) for label in labels)
+    twice = sorted(label for label, times in Counter(now).items() if times > 1)
+    if twice:
+        raise fault(path, "two would have the same name", "same_name", "Map each to a name of its own", column="names",
+                    value=twice[0])  # fmt: skip
+    known = set(labels)
+    if lost := [name for name in names if name not in known]:
+        told["not in the file"] = ", ".join(lost)
+    told["renamed"] = ", ".join(f"{own} = {names[own]}" for own in labels if own in names)
+    if body is None:
+        return replace(captured, labels=now, told=told)
+    return replace(captured, skeleton=replace(body, names=now), told=told)
 
 
 def _canonical(path: Path, captured: Captured, up: str | None, unit: str | None) -> HumanMotion:

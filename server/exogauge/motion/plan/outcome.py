@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
 
+from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.person import Person
 from exogauge.motion.plan.asked import Asked
 from exogauge.motion.plan.judge import Judged
@@ -20,12 +22,15 @@ Told = dict[str, str | float | list[str]]
 
 
 def summarise(
-    robot: MotionRobot, person: Person, asked: Asked, missed: NDArray[np.float64], planned: Planned, judged: Judged
-) -> Told:
-    """Trunk asked and given, margins, what breaks; missed: (N,) [rad] of `ask`."""
+    robot: MotionRobot, person: Person, asked: Asked, missed: NDArray[np.float64], planned: Planned, judged: Judged,
+    smooth_hz: float = USUAL.smooth_hz,
+) -> Told:  # fmt: skip
+    """Trunk asked and given, margins, what breaks; missed: (N,) [rad] of `ask`. smooth_hz: below which the plan
+    follows; what a recording holds above it is its own jitter, and is told apart from what the plan is off."""
     torso = robot.base + np.array(robot.torso)
     given = planned.spline.at_nodes()[0]
-    off = np.degrees(given[:, torso] - asked.q[:, torso])
+    wanted = slow(asked.q[:, torso], asked.step, smooth_hz)
+    off, fast = np.degrees(given[:, torso] - wanted), np.degrees(asked.q[:, torso] - wanted)
     said: Told = {
         "robot": robot.name, "motion": person.name, "seconds": round(float(judged.time[-1]), 3),
         "rounds": planned.rounds,
@@ -38,7 +43,8 @@ def summarise(
         said[f"trunk {robot.joints[j]}"] = (
             f"asked {low:.1f} to {high:.1f}°, the joint bears {bound[0]:.1f} to {bound[1]:.1f}° "
             f"({100 * outside.mean():.2g} % of nodes lie beyond); given to {np.sqrt(np.mean(within**2)):.2g}° rms, "
-            f"{np.abs(within).max():.2g}° at most where it bears them"
+            f"{np.abs(within).max():.2g}° at most where it bears them; "
+            f"{np.sqrt(np.mean(fast[:, k] ** 2)):.2g}° rms lie above {smooth_hz:g} Hz and are left out"
         )
     said["trunk not expressed"] = (
         f"{np.degrees(np.sqrt(np.mean(missed**2))):.3g}° rms, {np.degrees(missed.max()):.3g}° at most, "
@@ -48,6 +54,13 @@ def summarise(
         lifts = 100.0 * float((person.contacts.left ^ person.contacts.right).mean())
         said["person's feet"] = f"one is up in {lifts:.2g} % of frames; the robot's stay where they are"
     return said | margins(robot, judged)
+
+
+def slow(angles: NDArray[np.float64], step: float, smooth_hz: float) -> NDArray[np.float64]:
+    """(N, K) without what is faster: 1 / (1 + (f / smooth_hz)⁴) of it is left, as the plan's own cost leaves of what is
+    asked."""
+    low_pass = butter(2, 2.0 * step * smooth_hz, output="sos")
+    return np.asarray(sosfiltfilt(low_pass, angles, axis=0))
 
 
 def margins(robot: MotionRobot, judged: Judged) -> Told:

@@ -16,6 +16,7 @@ from scipy.sparse import coo_matrix, csc_matrix, diags
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.plan.asked import Asked, on_its_feet
+from exogauge.motion.plan.clear import cleared
 from exogauge.motion.plan.rows import bounds, equations, shares, slopes
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.robots.moving.robot import MotionRobot
@@ -69,6 +70,7 @@ def plan(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report:
     Raises BadMotion where no posture keeps the feet where they stand.
     """
     pairs = Pairs(robot, criteria.clearance_m)
+    asked = cleared(robot, asked, pairs, criteria)
     last = len(asked.q) - 1
     long, ahead = (round(each / asked.step) for each in (criteria.stretch_s, criteria.ahead_s))
     parts = max(1, math.ceil((last - ahead) / long))
@@ -106,7 +108,9 @@ def _stretch(
 ) -> Planned:
     """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all."""
     rough = asked.every(criteria.coarse)
-    q = np.stack([on_its_feet(robot, rough.q[t], rough.place[t], rough.stands[t]) for t in range(len(rough.q))])
+    begin = rough.q.copy()
+    begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
+    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, rough.place, rough.stands, strict=True)])
     spline = through(q, rough.step)
     starts = ends
     if ends.before is not None:

@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import final
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
 
 from exogauge.errors import BadMotion, Fault
 from exogauge.logs.open_table import open_table
 from exogauge.logs.tables import read_names
 from exogauge.robots.moving.robot import MotionRobot
-from exogauge.robots.moving.standing import home_of, standing
+from exogauge.robots.moving.standing import base_on, home_of
 
 Array = NDArray[np.float64]
 
@@ -70,20 +68,5 @@ def read_written(robot: MotionRobot, path: Path) -> Written:
     q = np.tile(home_of(robot), (len(time), 1))
     for name in known:
         q[:, robot.base + robot.joints.index(name)] = columns[f"q.{name}"]
-    q[:, : robot.base] = _base(robot, q)
+    q[:, : robot.base] = base_on(robot, q)
     return Written(time - time[0], q, tuple(name for name in robot.joints if name not in known))
-
-
-def _base(robot: MotionRobot, q: Array) -> Array:
-    """(T, 6) coordinates of the base with the left foot where it stands at home."""
-    model, data, frame = robot.model, robot.data, robot.frame(robot.soles[0].link)
-    place, still = standing(robot)[0], q.copy()
-    still[:, : robot.base] = 0.0
-    out = np.empty((len(q), robot.base))
-    turns = np.empty((len(q), 3, 3))
-    for t, posture in enumerate(still):
-        pin.forwardKinematics(model, data, posture)
-        pose = place * pin.updateFramePlacement(model, data, frame).inverse()
-        out[t, :3], turns[t] = pose.translation, pose.rotation
-    out[:, 3:] = np.unwrap(Rotation.from_matrix(turns).as_euler("ZXY"), axis=0)
-    return out

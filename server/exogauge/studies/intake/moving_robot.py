@@ -36,6 +36,10 @@ def moving_robot(robot: Robot, entry: RobotFile, urdf: bytes, path: Path) -> Mot
     def fault(detail: str, rule: str, advice: str, column: str, value: str) -> BadRobot:
         return BadRobot(Fault(detail, rule, advice, path.name, None, column, value))
 
+    if model.nq != model.nv:
+        turning = next(name for name, joint in zip(model.names, model.joints, strict=True) if joint.nq != joint.nv)
+        raise fault("a joint without ends has no coordinate of its own", "continuous_joint",
+                    "Give it limits: type revolute in the URDF", "urdf", turning)  # fmt: skip
     ignored = tuple(entry.collision.left_out)
     for key, named in (
         ("soles", [sole.link for sole in entry.soles]), ("human_map", list(entry.human_map.values())),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import final
 
 import numpy as np
@@ -16,6 +16,7 @@ from exogauge.findings.verdict import Caveat, Objection, Why
 from exogauge.studies.words.names import (
     NO_BREAK,
     at_place,
+    capital,
     channel,
     effect_words,
     listed,
@@ -45,6 +46,8 @@ OBJECTIONS: Mapping[Why, str] = {
     Why.UNDER_SUPPORT: "it is less than the noise and {percent:.0f}{space}% of the support where it shows most",
     Why.AT_FLOOR: "the error is no more than the noise floor without it",
     Why.ONCE: "it happens once, so nothing can be held out, and the evidence is not overwhelming",
+    Why.PARTIAL: "it would explain {percent:.0f}{space}% of what is there and leave {beside:.2g} noise floors: "
+    "something else is the cause",
     Why.BETTERED: "with {effects} in the model, another one explains more",
     Why.NOT_NEEDED: "with {effects} in the model it is not needed any more",
     Why.ALIKE: "these data cannot tell it from what was named",
@@ -170,9 +173,24 @@ def motion_words(finding: Finding) -> str:
 
 def planned_sentence(plan: PlannedMotion) -> str:
     """`Move torso_pitch to and fro by ±0.3 rad …: of what tells them apart 12 % was left in these logs, 64 % …`"""
+    moved = _swept(plan) if plan.sweep is not None else f"Move {_listed(plan.others)} as the file says"
+    beside = ""
+    if plan.companion:
+        low, high = (told(each, ".2f") for each in plan.companion_range)
+        beside = f", while {plan.companion} moves slowly from {low} to {high} and back"
+    elif plan.sweep is not None and plan.others:
+        beside = f", while {_listed(plan.others)} move as the file says"
+    why = [f"{_shares(each)}{_evidence(each)}" for each in plan.pairs]
+    legs = "The base and the joints that carry it stay still. " if plan.legs_rest else ""
+    given = f"Record it twice and hold one of the two out. {legs}{_held(plan)}"
+    return " ".join([f"{moved}{beside}, for {told(plan.duration, '.0f', 's')}.", *why, given])
+
+
+def _swept(plan: PlannedMotion) -> str:
     sweep, unit = plan.sweep, plan.unit
+    assert sweep is not None
     span = f"±{told(sweep.amplitude, '.2f', unit)} about {told(sweep.offset, '.2f', unit)}"
-    how = {
+    return {
         "speeds": f"Move {plan.joint} to and fro by {span} at steady speeds from {told(sweep.slowest, '.2g')} to "
         f"{told(sweep.fastest, '.2g', f'{unit}/s')} (shorter ways where it is slow)",
         "sine": f"Swing {plan.joint} by {span} with a period of {told(sweep.period, '.2g', 's')}, "
@@ -180,15 +198,31 @@ def planned_sentence(plan: PlannedMotion) -> str:
         "small": f"Move {plan.joint} to and fro by small ways at {told(sweep.slowest, '.2g', f'{unit}/s')}, at several "
         f"places within {span}",
     }[sweep.kind]
-    low, high = (told(each, ".2f") for each in plan.companion_range)
-    beside = f", while {plan.companion} moves slowly from {low} to {high} and back" if plan.companion else ""
-    why = [f"{_shares(each)}{_evidence(each)}" for each in plan.pairs]
-    legs = "The base and the joints that carry it stay still. " if plan.legs_rest else ""
-    given = (
-        f"Record it twice and hold one of the two out. {legs}Every joint's own limits are kept; whether the robot "
-        "would touch itself is not known."
-    )
-    return " ".join([f"{how}{beside}, for {told(plan.duration, '.0f', 's')}.", *why, given])
+
+
+def _listed(joints: Sequence[str]) -> str:
+    """`torso_yaw and torso_pitch`, `24 joints`."""
+    return listed(joints) if len(joints) <= 3 else f"{len(joints)} joints"
+
+
+BOUND_KEPT = {
+    "touch": "the links' distance from each other",
+    "torque": "every motor's torque",
+    "balance": "the balance on both feet",
+}
+BOUND_UNKNOWN = {
+    "touch": "whether the robot would touch itself",
+    "torque": "whether every motor bears it",
+    "balance": "whether the robot keeps its balance",
+}
+
+
+def _held(plan: PlannedMotion) -> str:
+    """What a motion keeps within, and what of it is not known."""
+    kept = ["every joint's own limits", *(BOUND_KEPT[each] for each in plan.kept)]
+    unknown = [BOUND_UNKNOWN[each] for each in plan.unknown]
+    doubt = f"; {' and '.join(unknown)} is not known" if unknown else ""
+    return f"{capital(listed(kept))} are kept{doubt}."
 
 
 def where_words(excess: Excess) -> str:

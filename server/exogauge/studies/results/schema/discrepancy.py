@@ -99,8 +99,10 @@ class Planned(Part):
     """A motion to record."""
 
     file: str = Field(description="of every joint's position over it")
-    joint: str = Field(description="that is swept")
-    kind: Literal["speeds", "sine", "small"] = Field(description="how")
+    joint: str = Field(description="that is swept; empty where none is")
+    kind: Literal["speeds", "sine", "small", "drawn"] = Field(
+        description="how; drawn: several joints as the file says, amplitude, offset and speeds are null then"
+    )
     amplitude: Number = Field(description="[unit]")
     offset: Number = Field(description="[unit]")
     slowest: Number = Field(description="[unit/s]")
@@ -108,6 +110,11 @@ class Planned(Part):
     period_s: Number = Field(description="of a sine [s]; else null")
     unit: Literal["rad", "m"] = Field(description="m of a joint that slides")
     companion: Companion | None = Field(description="null where nothing moves beside it")
+    others: list[str] = later("joints that move as the file says, alone or beside the swept one")
+    kept: list[Literal["touch", "torque", "balance"]] = later(
+        "what holds beside every joint's own limits: it does not touch itself, bears the torques, keeps its balance"
+    )
+    unknown: list[Literal["touch", "torque", "balance"]] = later("which of these is not known")
     repeats: int = Field(description="how often the whole is moved")
     duration_s: Number = Field(description="of all repeats [s]")
     tells_from: list[str] = Field(description="effects that it tells from the finding")

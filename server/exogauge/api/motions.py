@@ -1,0 +1,426 @@
+"""Motions: what was captured of a person, how it is read, and when its feet stand."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from datetime import datetime
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import Annotated, Any, Literal, Self, final
+
+import yaml
+from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi.responses import StreamingResponse
+from pydantic import BaseModel, Field, ValidationError
+
+from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
+from exogauge.api.bundles import give_files, keep, let_go
+from exogauge.api.dependencies import (
+    NO_NUL,
+    Cursor,
+    Id,
+    Limit,
+    ReaderDep,
+    Search,
+    SettingsDep,
+    StorageDep,
+    StoreDep,
+    encoded_cursor,
+)
+from exogauge.api.raw_series import opened, shelf_of
+from exogauge.api.scenes import hashed
+from exogauge.api.series import (
+    FILE,
+    NEVER_CHANGES,
+    Channels,
+    End,
+    SeriesOut,
+    Start,
+    TilesOut,
+    Width,
+    described,
+    tiled,
+    windowed,
+)
+from exogauge.api.shapes import Answer, FileOut, LatestJob, ListOf, Part
+from exogauge.api.uploads import lay_out, scratch_folder
+from exogauge.errors import BadMotion, Fault
+from exogauge.jobs.recipes import as_fault
+from exogauge.motion.contract import Axis, CaptureFile, ContactsEntry, Unit
+from exogauge.sandbox.asking import ask
+from exogauge.sandbox.limits import Limits
+from exogauge.storage.files import PinnedFile
+from exogauge.storage.records import JobRecord, MapRecord, MotionRecord
+from exogauge.storage.store import Storage, Store
+
+router = APIRouter(tags=["motions"])
+MOTION = "motion.yaml"
+CHILD = "exogauge.api.opening_capture"
+CAPTURES, SKELETON = (".c3d", ".trc", ".mot", ".sto", ".bvh", ".amc"), ".asf"
+SERIES, VERSION = "motion.parquet", "1"
+TEXT = {"type": "string", "maxLength": 200}
+FORM = bundle_schema(
+    "the capture (C3D, TRC, MOT, STO, BVH, or AMC with its ASF), a static trial; or motion.yaml with what it names",
+    also={
+        "up": {**TEXT, "description": "x, y, z, -x, -y, -z, where the file is silent or wrong"},
+        "unit": {**TEXT, "description": "m, cm, mm, in, where the file is silent or wrong"},
+        "subject": {**TEXT, "description": "prefix of one of several people"},
+        "static": {**TEXT, "description": "which of the files is the static trial"},
+        "map": {**TEXT, "description": "name of a map that is kept: what own labels are called elsewhere"},
+    },
+)
+
+
+@final
+class LabelOut(BaseModel):
+    """segment: part of the body, null where none is known. gaps: share of samples in which it is not seen."""
+
+    name: str
+    segment: str | None
+    gaps: float
+
+
+@final
+class MotionSummary(BaseModel):
+    """What a capture is. told: what was read or guessed, by key, in words: `up`, `unit`, `preset`, `unknown`, `gaps` …
+    contacts: stretches [s] in which each foot stands, as they were read; null where the feet are not known."""
+
+    name: str
+    frames: int
+    rate_hz: float
+    seconds: float
+    holds: Literal["markers", "skeleton", "angles"]
+    static: bool
+    labels: list[LabelOut]
+    told: dict[str, str | float | int]
+    contacts: ContactsEntry | None
+
+
+@final
+class MotionOut(Answer):
+    """One version of a motion. content_hash covers every file; files and the summary's labels and contacts are given
+    when one motion is asked for."""
+
+    id: str
+    name: str
+    version: int
+    created_at: datetime
+    content_hash: str
+    summary: dict[str, Any]
+    latest_job: LatestJob | None = None
+    files: list[FileOut] | None = None
+    capture: CaptureFile | None = None
+
+    @classmethod
+    def of(cls, motion: MotionRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+        answer = cls.model_validate({name: getattr(motion, name) for name in ANSWERED})
+        answer.latest_job = None if job is None else LatestJob.of(job)
+        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
+        if files is None:
+            answer.summary = {key: value for key, value in motion.summary.items() if key not in ("labels", "contacts")}
+        return answer
+
+
+ANSWERED = ("id", "name", "version", "created_at", "content_hash", "summary")
+
+
+@final
+class MotionList(ListOf):
+    items: list[MotionOut]
+
+
+@final
+class Restated(Part):
+    """How a motion is to be read from now on; what is not given is as the file says. map: that is kept."""
+
+    name: str | None = Field(default=None, min_length=1, max_length=200)
+    up: Axis | None = None
+    unit: Unit | None = None
+    subject: str | None = Field(default=None, max_length=200)
+    map: str | None = Field(default=None, max_length=200, pattern=NO_NUL)
+    names: dict[str, str] | None = Field(default=None, max_length=1000)
+
+
+@final
+class ContactsOut(BaseModel):
+    """said: by hand, null where nobody has; read: from the capture, null where the feet are not known."""
+
+    said: ContactsEntry | None
+    read: ContactsEntry | None
+    seconds: float
+
+
+@final
+class MapIn(Part):
+    """names: own label or bone -> the name it is known by."""
+
+    name: str = Field(min_length=1, max_length=200, pattern=NO_NUL)
+    names: dict[str, str] = Field(min_length=1, max_length=1000)
+
+
+@final
+class MapOut(BaseModel):
+    id: str
+    name: str
+    names: dict[str, str]
+    changed_at: datetime
+
+    @classmethod
+    def of(cls, kept: MapRecord) -> Self:
+        return cls(id=kept.id, name=kept.name, names=dict(kept.content), changed_at=kept.changed_at)
+
+
+@final
+class MapList(BaseModel):
+    items: list[MapOut]
+
+
+@router.post(
+    "/motions",
+    operation_id="createMotion",
+    status_code=201,
+    responses={200: {"model": MotionOut, "description": "The same files were there already"}},
+    openapi_extra=FORM,
+)
+def create_motion(
+    upload: Annotated[BundleUpload, Depends(bundle_body)],
+    storage: StorageDep,
+    settings: SettingsDep,
+    response: Response,
+) -> MotionOut:
+    """Read and store a capture. Other files under the same name, or read otherwise, become its next version."""
+    with scratch_folder(settings) as scratch:
+        lay_out(upload.files, scratch, settings)
+        if not any(scratch.rglob(MOTION)):
+            write_description(described_by(scratch, upload, storage), scratch)
+        motion, new = keep_motion(scratch, storage, upload.name)
+    response.status_code = 201 if new else 200
+    return motion
+
+
+@router.get("/motions", operation_id="listMotions")
+def list_motions(
+    store: ReaderDep,
+    cursor: Cursor,
+    limit: Limit = 50,
+    search: Search = "",
+    name: Annotated[
+        str | None, Query(max_length=200, pattern=NO_NUL, description="only this motion: its versions")
+    ] = None,
+) -> MotionList:
+    page = store.motions.page(cursor, limit, search=search, name=name)
+    jobs = store.jobs.latest([motion.id for motion in page.items])
+    items = [MotionOut.of(motion, jobs.get(motion.id)) for motion in page.items]
+    return MotionList(items=items, next_cursor=encoded_cursor(page.after))
+
+
+@router.get("/motions/{motion_id}", operation_id="getMotion")
+def get_motion(motion_id: Id, store: ReaderDep) -> MotionOut:
+    return shown(store, str(motion_id))
+
+
+@router.post(
+    "/motions/{motion_id}/versions",
+    operation_id="restateMotion",
+    status_code=201,
+    responses={200: {"model": MotionOut, "description": "It is read like this already"}},
+)
+def restate_motion(
+    motion_id: Id, wanted: Restated, storage: StorageDep, settings: SettingsDep, response: Response
+) -> MotionOut:
+    """The same files read otherwise: its next version."""
+    with scratch_folder(settings) as scratch:
+        with storage.reading() as store:
+            motion = store.motions.write_to(str(motion_id), scratch)
+            names = wanted.names if wanted.map is None else dict(store.maps.get(wanted.map).content)
+        said = yaml.safe_load((scratch / MOTION).read_bytes())
+        kept = {key: said[key] for key in ("file", "skeleton", "static") if said.get(key) is not None}
+        stated = wanted.model_dump(exclude={"map", "names"}, exclude_none=True)
+        (scratch / MOTION).unlink()
+        write_description(CaptureFile(**{"name": motion.name, **kept, **stated, "names": names or {}}), scratch)
+        again, new = keep_motion(scratch, storage, wanted.name or motion.name)
+    response.status_code = 201 if new else 200
+    return again
+
+
+give_files(router, "motion", "motions", lambda store: store.motions)
+let_go(
+    router,
+    "motion",
+    "motions",
+    lambda store: store.motions,
+    "Its jobs, results, contacts and files go. 409 while a job waits or runs, or a plan is made of it.",
+)
+
+
+@router.get("/motions/{motion_id}/contacts", operation_id="getMotionContacts")
+def get_contacts(motion_id: Id, store: ReaderDep) -> ContactsOut:
+    """When each foot stands."""
+    return contacts_of(store, str(motion_id))
+
+
+@router.put("/motions/{motion_id}/contacts", operation_id="putMotionContacts")
+def put_contacts(motion_id: Id, wanted: ContactsEntry, store: StoreDep) -> ContactsOut:
+    """Say when each foot stands; plans that are asked from now on take it so."""
+    store.motions.get(str(motion_id))
+    content = wanted.model_dump()
+    store.contacts.keep(str(motion_id), content, hash_of(content))
+    return contacts_of(store, str(motion_id))
+
+
+@router.delete("/motions/{motion_id}/contacts", operation_id="deleteMotionContacts")
+def delete_contacts(motion_id: Id, store: StoreDep) -> ContactsOut:
+    """Take them as they were read."""
+    store.motions.get(str(motion_id))
+    store.contacts.forget(str(motion_id))
+    return contacts_of(store, str(motion_id))
+
+
+@router.get("/motion-maps", operation_id="listMotionMaps")
+def list_maps(store: ReaderDep) -> MapList:
+    """All that the lab keeps, by name."""
+    return MapList(items=[MapOut.of(kept) for kept in store.maps.all()])
+
+
+@router.post("/motion-maps", operation_id="keepMotionMap")
+def keep_map(wanted: MapIn, store: StoreDep) -> MapOut:
+    """Keep what own labels or bones are called elsewhere, in place of what is kept under this name."""
+    return MapOut.of(store.maps.keep(wanted.name, wanted.names, hash_of(wanted.names))[0])
+
+
+@router.delete("/motion-maps/{map_id}", operation_id="deleteMotionMap", status_code=204, response_class=Response)
+def delete_map(map_id: Id, store: StoreDep) -> Response:
+    """Motions that were read with it stay as they are."""
+    store.maps.forget(store.maps.by_id(str(map_id)).name)
+    return Response(status_code=204)
+
+
+def series_file(motion_id: Id, request: Request, storage: StorageDep, settings: SettingsDep) -> Path:
+    """The capture as a series file, read now where it is not kept."""
+    with storage.reading() as store:
+        motion = store.motions.get(str(motion_id))
+
+    def read(path: Path) -> None:
+        with scratch_folder(settings) as scratch:
+            folder, own = scratch / "motion", scratch / "own"
+            own.mkdir()
+            with storage.reading() as store:
+                store.motions.write_to(motion.id, folder)
+            asked("series", folder, own)
+            os.replace(own / SERIES, path)
+
+    return shelf_of(request, settings).filled(hashed("motion", motion.content_hash, VERSION), read)
+
+
+SeriesPath = Annotated[Path, Depends(series_file)]
+
+
+@router.get("/motions/{motion_id}/series", operation_id="getMotionSeries")
+def get_series(motion_id: Id, path: SeriesPath, response: Response) -> SeriesOut:
+    """What the capture holds, by the names of its channels: `marker.LASI.x`, `bone.lowerback.z`, `stands.left`."""
+    response.headers["Cache-Control"] = NEVER_CHANGES
+    return described("motion", opened(path))
+
+
+@router.get("/motions/{motion_id}/series/tiles", operation_id="getMotionSeriesTiles")
+def get_series_tiles(
+    motion_id: Id,
+    path: SeriesPath,
+    channels: Channels,
+    request: Request,
+    response: Response,
+    start: Start = None,
+    end: End = None,
+    width: Width = 1200,
+) -> TilesOut:
+    """As the tiles of a job's series."""
+    response.headers["Cache-Control"] = NEVER_CHANGES
+    return tiled(opened(path), path.name, channels, start, end, width, request)
+
+
+@router.get(
+    "/motions/{motion_id}/series/window", operation_id="exportMotionSeries", responses=FILE, response_class=Response
+)
+def export_series(
+    motion_id: Id,
+    path: SeriesPath,
+    channels: Channels = (),
+    start: Start = None,
+    end: End = None,
+    form: Annotated[Literal["csv", "parquet"], Query(alias="format")] = "csv",
+) -> StreamingResponse:
+    """Every sample of the window as a file; all channels where none is named."""
+    return windowed(opened(path), "motion", channels, start, end, form)
+
+
+def shown(store: Store, motion_id: str) -> MotionOut:
+    motion = store.motions.get(motion_id)
+    answer = MotionOut.of(motion, store.jobs.latest([motion_id]).get(motion_id), store.motions.files(motion_id))
+    with store.blobs.open(store.motions.file(motion_id, MOTION).sha256) as stream:
+        answer.capture = CaptureFile.model_validate(yaml.safe_load(stream.read()))
+    return answer
+
+
+def contacts_of(store: Store, motion_id: str) -> ContactsOut:
+    summary = store.motions.get(motion_id).summary
+    kept, read = store.contacts.find(motion_id), summary.get("contacts")
+    return ContactsOut(
+        said=None if kept is None else ContactsEntry.model_validate(dict(kept.content)),
+        read=None if read is None else ContactsEntry.model_validate(read),
+        seconds=float(summary.get("seconds", 0.0)),
+    )
+
+
+def described_by(folder: Path, upload: BundleUpload, storage: Storage) -> CaptureFile:
+    """motion.yaml of files that came without one. Raises BadMotion, NotFound."""
+    paths = [path.relative_to(folder).as_posix() for path in sorted(folder.rglob("*")) if path.is_file()]
+    static = upload.said.get("static")
+    kinds = {path: PurePosixPath(path).suffix.lower() for path in paths}
+    captures = [path for path, kind in kinds.items() if kind in CAPTURES and path != static]
+    bones = [path for path, kind in kinds.items() if kind == SKELETON]
+    if len(captures) != 1 or len(bones) > 1:
+        found = ", ".join(captures) or "none"
+        advice = (
+            "Hand in one capture at a time, with its skeleton; name a static trial as `static`, or add motion.yaml."
+        )
+        detail = f"{len(captures)} captures and {len(bones)} skeletons are there"
+        raise BadMotion(Fault(detail, "which_capture", advice, None, None, "files", found))
+    said: dict[str, Any] = {key: upload.said[key] for key in ("up", "unit", "subject", "static") if key in upload.said}
+    if "map" in upload.said:
+        with storage.reading() as store:
+            said["names"] = dict(store.maps.get(upload.said["map"]).content)
+    try:
+        return CaptureFile(name=upload.name or PurePosixPath(captures[0]).stem, file=captures[0],
+                           skeleton=next(iter(bones), None), **said)  # fmt: skip
+    except ValidationError as error:
+        raise BadMotion([as_fault(each["loc"], each["msg"], each["type"]) for each in error.errors()]) from error
+
+
+def write_description(file: CaptureFile, folder: Path) -> None:
+    content = file.model_dump(exclude_none=True, exclude_defaults=True)
+    (folder / MOTION).write_text(yaml.safe_dump({"version": 1, **content}, allow_unicode=True, sort_keys=False))
+
+
+def keep_motion(folder: Path, storage: Storage, name: str | None) -> tuple[MotionOut, bool]:
+    """The motion below `folder`, read and stored, and whether it is new."""
+    motion, _, new = keep(folder, MOTION, examined, storage, lambda store: store.motions, name)
+    with storage.reading() as store:
+        return shown(store, motion.id), new
+
+
+def examined(folder: Path) -> dict[str, Any]:
+    with TemporaryDirectory(prefix="exogauge-") as own:
+        return asked("capture", folder, Path(own))
+
+
+def asked(task: str, folder: Path, own: Path, **options: Any) -> dict[str, Any]:
+    """What the child says of the motion in `folder`; files that it leaves are in `own`. Raises BadInput."""
+    limits = Limits.for_bytes(sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()))
+    return ask(CHILD, task, {"folder": str(folder), **options}, own, limits, BadMotion, what="motion")
+
+
+def hash_of(content: Any) -> str:
+    return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

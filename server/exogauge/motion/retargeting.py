@@ -1,0 +1,65 @@
+"""The recipe from a capture to a robot's motion: the person, what is asked, the plan, its judgement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.criteria.motion_plan import USUAL
+from exogauge.motion.contract import RetargetEntry
+from exogauge.motion.fit.fit import fit_human
+from exogauge.motion.human import HumanMotion
+from exogauge.motion.person import Person, person_of, person_of_fit
+from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.judge import Judged
+from exogauge.motion.plan.possible import Possible, Tried, what_would_do
+from exogauge.motion.plan.retarget import ask
+from exogauge.motion.plan.solve import Planned, Report
+from exogauge.motion.plan.within import plan_within
+from exogauge.robots.moving.robot import MotionRobot
+
+Array = NDArray[np.float64]
+
+
+@final
+@dataclass(frozen=True)
+class Retargeted:
+    """person: as asked for. missed: (N,) [rad] of the trunk's turn that no joints express. could: what would do, None
+    where nobody asked or nothing is broken."""
+
+    robot: MotionRobot
+    person: Person
+    asked: Asked
+    missed: Array
+    planned: Planned
+    judged: Judged
+    could: Possible | None
+
+
+def person_in(motion: HumanMotion, static: HumanMotion | None) -> Person:
+    """Of a skeleton as it is, of markers by a body that is fitted to them. Raises BadMotion."""
+    return person_of(motion) if motion.markers is None else person_of_fit(fit_human(motion, static), motion.contacts)
+
+
+def changed(person: Person, wanted: RetargetEntry) -> Person:
+    """Cut, slowed, shared, left out, mirrored, repeated: in this order."""
+    person = person.cut(wanted.begin, np.inf if wanted.end is None else wanted.end)
+    person = person.slowed(wanted.slow).trunk_share(wanted.share)
+    for part in wanted.without:
+        person = person.without(part)
+    person = person.mirrored() if wanted.mirror else person
+    return person.repeated(wanted.repeat, USUAL.approach_s) if wanted.repeat > 1 else person
+
+
+def retargeted(
+    robot: MotionRobot, person: Person, wanted: RetargetEntry, report: Report | None = None, tried: Tried | None = None
+) -> Retargeted:
+    """person: as captured. Raises BadMotion, BadRobot."""
+    person = changed(person, wanted)
+    asked, missed = ask(robot, person)
+    planned, judged = plan_within(robot, asked, report=report, rate=wanted.rate_hz)
+    could = what_would_do(robot, person, tried=tried) if judged.broken and wanted.what_would_do else None
+    return Retargeted(robot, person, asked, missed, planned, judged, could)

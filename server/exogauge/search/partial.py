@@ -1,0 +1,72 @@
+"""Names that leave most of what is there: the catalogue's nearest shape of something that it does not hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from exogauge.findings.result import Finding
+from exogauge.findings.verdict import Objection, Why
+from exogauge.identification.result import Identification
+from exogauge.search.finding import channel_of
+from exogauge.search.locate import pooled
+from exogauge.search.search import taken_out
+from exogauge.search.state import Search
+
+
+def without_partial_names(search: Search, found: Identification, findings: Sequence[Finding]) -> Search | None:
+    """The search without findings that explain the lesser part of what was there before anything was named, at places
+    that still stand far above their noise with all of it; None where there are none. found: with all of that, bends
+    too. findings: of all steps.
+
+    Two effects at one place, each with its share, together reach the floor: then both stay. What is told of one log
+    alone is judged there.
+    """
+    poor = [number for number in range(len(findings)) if _objection(search, found, findings[number], number)]
+    if not poor:
+        return None
+    for number in reversed(poor):
+        why = _objection(search, found, findings[number], number)
+        assert why is not None
+        search = taken_out(search, number, why)
+    return search
+
+
+def _objection(search: Search, found: Identification, finding: Finding, number: int) -> Objection | None:
+    criteria = search.problem.settings.criteria.judging
+    if finding.held_out.log:
+        return None
+    equations = search.problem.base.model.equations
+    channels = [channel_of(equations, kind) for kind in search.steps[number].added.site.kinds(equations)]
+    share = _share(search, finding, number, channels)
+    if share >= criteria.mostly:
+        return None
+    known = 1e-3  # of what is left: a lower floor is that of rounding
+    for channel in channels:
+        left, floor = _held_out(found, channel)
+        if np.isfinite(left) and left >= criteria.far_above * floor >= known * left:
+            return Objection(Why.PARTIAL, max(share, 0.0), left / floor, of=(channel,))
+    return None
+
+
+def _share(search: Search, finding: Finding, number: int, channels: Sequence[str]) -> float:
+    """Of the square error beyond the noise that was there before anything was named, in units of each row's noise."""
+    base, held = search.problem.base, finding.held_out
+    if len(channels) == 1:  # with its own curve and the shape that was sought again
+        there, floor = _held_out(base, held.channel)
+        return (held.rmse_before**2 - held.rmse_after**2) / max(there**2 - floor**2, 1e-300)
+    before = search.steps[number - 1].found if number else base
+    first, then, now = (_beyond(each, channels) for each in (base, before, search.steps[number].found))
+    return (then - now) / max(first, 1e-300)
+
+
+def _beyond(found: Identification, channels: Sequence[str]) -> float:
+    squares = [
+        (rmse / floor) ** 2 - 1.0 for rmse, floor in (_held_out(found, each) for each in channels) if floor > 0.0
+    ]
+    return float(np.nansum(np.maximum(squares, 0.0)))
+
+
+def _held_out(found: Identification, channel: str) -> tuple[float, float]:
+    return pooled([fit for fit in found.validation if fit.held_out and fit.channel == channel])

@@ -1,0 +1,84 @@
+"""What is kept one to a key and may change: how a robot's logs are read, when the feet of a motion stand, what a lab's
+own labels are called elsewhere. The audit tells each change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar, final
+
+import sqlalchemy as sa
+
+from exogauge.errors import Conflict, NotFound
+from exogauge.storage import tables
+from exogauge.storage.records import ContactsRecord, MappingRecord, MapRecord
+from exogauge.storage.rows import Lab
+
+Record = TypeVar("Record", bound=MappingRecord | ContactsRecord | MapRecord)
+
+
+@final
+@dataclass(frozen=True)
+class Remembered(Generic[Record]):
+    """by: the column that is the key, of which a lab has one row. noun: what one is called."""
+
+    lab: Lab
+    record: type[Record]
+    table: Any
+    by: str
+    noun: str
+
+    def find(self, key: str) -> Record | None:
+        return self.lab.one(self.record, self.lab.select(self.table).where(getattr(self.table, self.by) == key))
+
+    def get(self, key: str) -> Record:
+        found = self.find(key)
+        if found is None:
+            raise NotFound(f"there is no {self.noun} {key[:64]!a}")
+        return found
+
+    def by_id(self, key: str) -> Record:
+        return self.lab.get(self.record, self.table, key, self.noun)
+
+    def all(self) -> tuple[Record, ...]:
+        """In the order of their keys."""
+        rows = self.lab.session.scalars(self.lab.select(self.table).order_by(getattr(self.table, self.by)))
+        return tuple(found for row in rows if (found := self.find(getattr(row, self.by))) is not None)
+
+    def keep(self, key: str, content: Mapping[str, Any], content_hash: str) -> tuple[Record, bool]:
+        """The content as it is now kept, and whether it is the first of its key."""
+        values = {"content": dict(content), "content_hash": content_hash}
+
+        def make() -> list[tables.Base]:
+            return [self.table(lab_id=self.lab.lab_id, **{self.by: key}, **values)]
+
+        kept, new = self.lab.find_or_add(lambda: self.find(key), make, self.noun)
+        if not new and kept.content_hash != content_hash:
+            mine = [self._of(key), self.table.content_hash == kept.content_hash]
+            statement = sa.update(self.table).where(*mine).values(**values, changed_at=tables.utc_now())
+            if not getattr(self.lab.session.execute(statement), "rowcount", 0):
+                raise Conflict(f"the {self.noun} is being changed by someone else; try again")
+        if new or kept.content_hash != content_hash:
+            self._audit("keep", kept, None if new else kept.content_hash, content_hash)
+        return self.find(key) or kept, new
+
+    def forget(self, key: str) -> None:
+        kept = self.get(key)
+        gone = sa.delete(self.table).where(self._of(key))
+        self.lab.session.execute(gone, execution_options={"synchronize_session": False})
+        self._audit("delete", kept, kept.content_hash, None)
+
+    def _of(self, key: str) -> sa.ColumnElement[bool]:
+        return sa.and_(self.table.lab_id == self.lab.lab_id, getattr(self.table, self.by) == key)
+
+    def _audit(self, action: str, kept: Record, before: str | None, after: str | None) -> None:
+        subject = getattr(kept, self.by) if self.by.endswith("_id") else kept.id
+        self.lab.audit(action, self.noun, subject, before=before, after=after)
+
+
+def contacts_of(lab: Lab) -> Remembered[ContactsRecord]:
+    return Remembered(lab, ContactsRecord, tables.MotionContacts, "motion_id", "contacts")
+
+
+def maps_of(lab: Lab) -> Remembered[MapRecord]:
+    return Remembered(lab, MapRecord, tables.MotionMap, "name", "map")
