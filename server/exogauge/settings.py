@@ -52,6 +52,10 @@ class Settings(BaseSettings):
     oidc_client_id: str = Field(default="", max_length=300, description="of this service, as registered there")
     oidc_client_secret: str = Field(default="", repr=False, description="the provider's, for this service")
     oidc_name: str = Field(default="", max_length=60, description="of the provider, on the page; its host")
+    webhook_private_hosts: str = Field(
+        default="",
+        description="names to which webhooks may go although their addresses are private, with commas between",
+    )
     workers: int = Field(default=2, ge=0, le=64, description="worker processes started with the server; 0: elsewhere")
     max_connections: int = Field(default=256, ge=8, description="at once; one that waits without a request gives way")
     silence_s: float = Field(default=30.0, gt=0.0, description="within a request or stream, after which it is given up")
@@ -65,6 +69,7 @@ class Settings(BaseSettings):
     lab_bytes: int = Field(default=0, ge=0, description="most that a lab may keep, as handed in and made; 0: no limit")
     lab_jobs: int = Field(default=1000, ge=0, description="most jobs of a lab that wait or run; 0: no limit")
     lab_cpu_s_per_day: float = Field(default=0.0, ge=0.0, description="that jobs of a lab may compute; 0: no limit")
+    lab_kept_days: float = Field(default=30.0, ge=0.0, description="for which a closed lab can be opened again")
     max_upload_bytes: int = Field(default=2048 * MIB, ge=1024, description="largest request body")
     max_bundle_bytes: int = Field(default=8192 * MIB, ge=1024, description="largest bundle once unpacked")
     upload_kept_hours: float = Field(default=168.0, gt=0.0, description="after which an untouched upload is removed")

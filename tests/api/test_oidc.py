@@ -6,6 +6,7 @@ import base64
 import hashlib
 import io
 import json
+import secrets
 from collections.abc import Callable, Iterator
 from typing import Any
 from urllib.parse import parse_qs, parse_qsl, urlsplit
@@ -79,7 +80,8 @@ def go(browser: TestClient) -> Go:
     """To the provider, in as `subject`, and back; the answer of our own callback."""
 
     def walk(subject: str, change: Callable[[str], str] = str, deny: bool = False, **wanted: Any) -> httpx.Response:
-        begun = browser.post(f"{V1}/oidc/begin", json=wanted)
+        keyed = {"Idempotency-Key": secrets.token_hex(8)}  # as the page sends one with every POST
+        begun = browser.post(f"{V1}/oidc/begin", json=wanted, headers=keyed)
         assert begun.status_code == 200, begun.text
         form = {"action": "deny"} if deny else {"sub": subject}
         came = httpx.post(begun.json()["url"], data=form, follow_redirects=False)

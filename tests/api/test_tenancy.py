@@ -45,7 +45,10 @@ SESSION = {  # of one's own account, in whichever lab or none
     "changePassword", "signOutElsewhere", "showLab", "createLab", "listTokens", "createToken", "revokeToken",
     "listIdentities", "unlinkIdentity",
 }  # fmt: skip
-ADMIN = {"renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit"}
+ADMIN = {
+    "closeLab", "renameLab", "setRole", "removeMember", "listInvitations", "invite", "withdrawInvitation", "listAudit",
+    "listWebhooks", "addWebhook", "deleteWebhook", "enableWebhook", "pingWebhook", "listDeliveries",
+}  # fmt: skip
 ASKS = {"whatIf"}  # POSTs that change nothing, which a viewer may
 NOT_OF_A_LAB = {"worker_leases", "orphans", "chores", "labs", "accounts", "sessions", "identities", "sign_in_tries"}
 SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to another lab; see `filled`
@@ -55,6 +58,7 @@ SEEN_BY_ROUTES = {  # table -> where its rows would show, were they shown to ano
     "results": "getJobResults", "artifacts": "listArtifacts", "uploads": "getUploadOffset",
     "robot_mappings": "getRobotMapping", "audit": "listAudit", "memberships": "listMembers",
     "api_tokens": "listTokens", "invitations": "listInvitations", "shares": "listShares",
+    "webhooks": "listWebhooks", "deliveries": "listDeliveries",
     "motions": "listMotions", "motion_files": "getMotionFile", "motion_contacts": "getMotionContacts",
     "motion_maps": "listMotionMaps", "plans": "listPlans", "plan_files": "getPlanFile",
     "publications": "listPublications", "publication_files": "getPublication",
@@ -95,7 +99,8 @@ def world(people: People, settings: Settings) -> World:
         made.north["token_id"] = store.tokens.add(
             "of the north", "read", made_by=account, account_id=None, expires_at=None
         )[0].id
-    made.words = {*made.north.values(), "Northern", "guest@example.org", "of the north", "ada@example.org"} - {
+    made.words = {*made.north.values(), "Northern", "guest@example.org", "https://north.example/hook", "of the north",
+                  "ada@example.org"} - {
         "north.txt", "id", "csv",
     }  # fmt: skip
     return made
@@ -131,6 +136,8 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
         study.id, job.id, [PublishedFile("results/north.txt", sha, 18, "text/plain")],
         {"title": "Northern bend", "creators": [{"name": "Ada"}], "licence": "CC0-1.0"},
     )  # fmt: skip
+    webhook, _ = store.webhooks.add("https://north.example/hook", ["job.ended"])
+    store.webhooks.ping(webhook.id)
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
     store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
@@ -138,7 +145,7 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",
         "format": "csv", "motion_id": motion.id, "plan_id": plan.id, "map_id": names.id,
-        "publication_id": publication.id,
+        "publication_id": publication.id, "webhook_id": webhook.id,
     }  # fmt: skip
 
 
@@ -187,10 +194,12 @@ def bodies(north: dict[str, str]) -> dict[str, dict[str, Any]]:
         "createToken": {JSON: {"name": "t"}},
         "shareStudy": {JSON: {"lab": None}},
         "publish": {JSON: {"title": "t", "creators": [{"name": "Eve"}], "job_id": north["job_id"]}},
+        "addWebhook": {JSON: {"url": "https://new.example", "events": ["job.ended"]}},
         "revokePublication": {JSON: {"reason": "r"}},
         "createLab": {JSON: {"name": "Another"}},
         "showLab": {JSON: {"lab_id": "north"}},
         "changePassword": {JSON: {"current": "x", "new": "x"}},
+        "closeLab": {"params": {"name": "not its name"}},
         "compareDevice": {"params": {"model": "Northern"}},
         "compareStudies": {"params": {"jobs": [north["job_id"]]}},
         "listDevices": {"params": {"robot_id": north["robot_id"]}},

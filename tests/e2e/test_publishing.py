@@ -143,6 +143,7 @@ def test_what_is_shared_published_and_revoked_is_read_by_those_who_may_and_is_go
     page.goto(f"/studies/{made['id']}")
     page.get_by_role("button", name="Delete").click()
     page.get_by_role("dialog").get_by_role("button", name="Keep it").click()
+    expect(page.get_by_role("dialog")).to_have_count(0)
     expect(page.get_by_role("heading", name=made["name"], level=1)).to_be_visible()
     page.get_by_role("button", name="Delete").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()

@@ -61,6 +61,7 @@ def test_one_lab_alone_leaves_it_undecided(values: list[float]) -> None:
 def test_equal_values_leave_no_spread_and_tell_what_could_be_hidden() -> None:
     found = agreement([5.0, 5.0, 5.0], [1.0, 1.0, 1.0])
     assert (found.q, found.i_squared, found.birge_ratio, found.tau) == (0.0, 0.0, 0.0, 0.0)
+    assert found.tau_interval is None, "so alike they are by chance in fewer than 25 of 1000 cases: no spread fits"
     assert agreement([4.0, 5.0, 6.0], [1.0, 1.0, 1.0]).tau_interval == pytest.approx(
         (0.0, np.sqrt(2 / 0.0506356 - 1)), rel=1e-4
     )

@@ -42,6 +42,7 @@ from exogauge.api import (
     shares,
     studies,
     uploads_resumable,
+    webhooks,
     what_if,
 )
 from exogauge.api.access import Access
@@ -60,6 +61,7 @@ from exogauge.storage.held_files import own_folder
 from exogauge.storage.migrate import prepare
 from exogauge.storage.store import Installation, open_installation
 from exogauge.upkeep.hourly import Housekeeping
+from exogauge.upkeep.postman import Postman
 
 PREFIX = "/api/v1"
 ABOUT = "Identify a robot from its logs: hand in a study, run it, read the result. Errors are RFC 9457 problems."
@@ -72,14 +74,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     installation = open_installation(settings)
     at_once.bound(settings.readers)
     hub, housekeeping = Hub(installation, settings), Housekeeping(installation, settings)
+    postman = Postman(installation, settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         hub.begin()
         housekeeping.start()
+        postman.start()
         yield
         hub.close()
         await run_in_threadpool(housekeeping.stop)
+        await run_in_threadpool(postman.stop)
         own_folder(settings.scratch).close()
         installation.close()
 
@@ -138,6 +143,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         shares.router,
         publications.router,
         published.router,
+        webhooks.router,
         *job_routers(),
     ):
         app.include_router(router, prefix=PREFIX)

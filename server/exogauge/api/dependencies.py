@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Depends, Path, Query, Request
+from fastapi import Depends, Header, Path, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.requests import HTTPConnection
 from starlette.exceptions import HTTPException
@@ -56,6 +56,12 @@ def storage_of(connection: HTTPConnection) -> Storage:
 
 def get_caller(request: Request) -> Caller:
     return caller_of(request)
+
+
+def refuse_changed(if_match: str | None, etag: str, what: str) -> None:
+    """412 where whoever asks has seen another state than the present one."""
+    if if_match is not None and etag not in [part.strip() for part in if_match.split(",")] and if_match.strip() != "*":
+        raise HTTPException(412, f"{what} has been changed meanwhile; read it again")
 
 
 def public_address(request: Request) -> str:
@@ -129,4 +135,5 @@ StorageDep = Annotated[Storage, Depends(get_storage)]
 StoreDep = Annotated[Store, Depends(get_store, scope="function")]
 ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]
 PublicAddress = Annotated[str, Depends(public_address)]
+IfMatch = Annotated[str | None, Header(alias="If-Match", max_length=100, description="ETag of what is replaced")]
 AccountsOn = Depends(accounts_are_on)

@@ -36,7 +36,9 @@ log = logging.getLogger(__name__)
 LEASE = timedelta(seconds=10)  # of a key, put off three times in it while its request is served
 LONGEST_KEY = 255
 LONGEST_ANSWER = 1024 * 1024
-SECRET = re.compile(r"/api/v1/(session|set-up|invitations|tokens|lab/invitations)\b")  # answers that are kept nowhere
+SECRET = re.compile(
+    r"/api/v1/(session|set-up|invitations|tokens|lab/invitations|webhooks|oidc)\b"
+)  # answers that are kept nowhere
 KEPT_HEADERS = (b"content-type", b"location", b"etag", b"upload-expires")
 
 

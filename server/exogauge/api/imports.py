@@ -12,14 +12,14 @@ from datetime import datetime
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Literal, final
+from typing import Any, Literal, final
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, Header, HTTPException, Response
+from fastapi import APIRouter, HTTPException, Response
 from pydantic import BaseModel, ConfigDict
 
-from exogauge.api.dependencies import Id, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.dependencies import Id, IfMatch, ReaderDep, SettingsDep, StorageDep
 from exogauge.api.from_uploads import MappingGiven, mapping_text
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.problems import ProblemError, of_fault
@@ -35,7 +35,6 @@ from exogauge.storage.store import Storage
 
 router = APIRouter(tags=["import"])
 CHILD, MAPPING = "exogauge.api.opening_log", "mapping.yaml"
-IfMatch = Annotated[str | None, Header(alias="If-Match", max_length=100, description="ETag of what is replaced")]
 
 
 @final

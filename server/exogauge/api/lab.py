@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from typing import Annotated, Literal, final
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
@@ -16,6 +16,7 @@ from exogauge.api.dependencies import (
     CallerDep,
     Cursor,
     Id,
+    IfMatch,
     InstallationDep,
     Limit,
     ReaderDep,
@@ -23,6 +24,7 @@ from exogauge.api.dependencies import (
     SettingsDep,
     StoreDep,
     encoded_cursor,
+    refuse_changed,
 )
 from exogauge.api.session import (
     Code,
@@ -39,6 +41,7 @@ from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import Conflict, NotFound
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.callers import RANK, Caller
+from exogauge.storage.closing import close_lab
 from exogauge.storage.rows import record
 from exogauge.storage.secrets import hashed
 from exogauge.storage.store import Store
@@ -188,23 +191,51 @@ class AuditList(ListOf):
 
 
 @router.get("/lab", operation_id="getLab")
-def get_lab(caller: CallerDep, installation: InstallationDep) -> LabOut:
+def get_lab(caller: CallerDep, installation: InstallationDep, response: Response) -> LabOut:
     """The lab whose things are shown."""
     with installation.reading() as session:
-        return LabOut(
-            id=caller.lab_id or "", name=Accounts(session).lab(caller.lab_id or "").name, role=caller.role or "viewer"
-        )
+        name = Accounts(session).lab(caller.lab_id or "").name
+    response.headers["ETag"] = lab_etag(name)
+    return LabOut(id=caller.lab_id or "", name=name, role=caller.role or "viewer")
 
 
 @router.put("/lab", operation_id="renameLab")
-def rename_lab(wanted: NewLab, caller: CallerDep, installation: InstallationDep) -> LabOut:
+def rename_lab(
+    wanted: NewLab, caller: CallerDep, installation: InstallationDep, response: Response, if_match: IfMatch = None
+) -> LabOut:
     key = caller.lab_id or ""
     with installation.session() as session:
         before = Accounts(session).lab(key).name
+        refuse_changed(if_match, lab_etag(before), "the lab")
         lab = Accounts(session).rename_lab(key, wanted.name)
         said = f"{before} → {lab.name}"
         record(session, key, caller.actor, "rename", "lab", key, hashed(before), hashed(lab.name), said)
+    response.headers["ETag"] = lab_etag(lab.name)
     return LabOut(id=lab.id, name=lab.name, role="admin")
+
+
+def lab_etag(name: str) -> str:
+    return f'"{hashed(name)}"'
+
+
+@router.delete("/lab", operation_id="closeLab", status_code=204, response_class=Response)
+def close(
+    name: Annotated[str, Query(max_length=200, description="of the lab, once more: it closes for all of it")],
+    caller: CallerDep,
+    installation: InstallationDep,
+) -> Response:
+    """Nobody comes in any more, at once; after `EXOGAUGE_LAB_KEPT_DAYS` all of it goes but what it has published, and
+    its audit. Until then who runs the service can open it again."""
+    key = caller.lab_id or ""
+    with installation.session() as session:
+        accounts = Accounts(session)
+        if accounts.lab(key).name != name:
+            raise Conflict("this is not the name of the lab")
+        close_lab(session, key, caller.actor)
+        left = accounts.labs_of(caller.account_id or "")
+        if left:
+            accounts.show_lab(caller.session_id or "", caller.account_id or "", left[0][0].id)
+    return Response(status_code=204)
 
 
 @router.get("/lab/members", operation_id="listMembers")

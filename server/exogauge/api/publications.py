@@ -123,7 +123,9 @@ def publish(study_id: Id, wanted: NewPublication, store: StoreDep, address: Publ
     store.refuse_bytes(sum(file.size for file in files))
     about = wanted.model_dump(include=set(About.model_fields))
     follows = None if wanted.follows is None else str(wanted.follows)
-    return PublicationOut.of(store.publications.add(key, job_id, files, about, follows), address)
+    made = PublicationOut.of(store.publications.add(key, job_id, files, about, follows), address)
+    store.webhooks.tell("publication.published", told(made))
+    return made
 
 
 @router.get("/publications", operation_id="listPublications")
@@ -150,7 +152,16 @@ def revoke_publication(
     publication_id: Id, wanted: Revocation, store: StoreDep, address: PublicAddress
 ) -> PublicationOut:
     """Its files are gone from the public at once; its address keeps telling what it was, and why."""
-    return PublicationOut.of(store.publications.revoke(str(publication_id), wanted.reason), address)
+    key = str(publication_id)
+    before = store.publications.get(key)
+    found = PublicationOut.of(store.publications.revoke(key, wanted.reason), address)
+    if before.revoked_at is None:
+        store.webhooks.tell("publication.revoked", told(found) | {"reason": wanted.reason})
+    return found
+
+
+def told(found: PublicationOut) -> dict[str, Any]:
+    return {"publication_id": found.id, "url": found.url, "version": found.version, "study_id": found.study_id}
 
 
 def files_of(store: Store, study_id: str, job_id: str, inputs: bool) -> list[PublishedFile]:

@@ -52,6 +52,7 @@ RULES = (
     rule(ANY, r"/api/v1/(session/.*|sessions|account(/.*)?|labs)", "session"),
     rule(SAFE, r"/api/v1/lab(/members)?", "read"),
     rule(ANY, r"/api/v1/lab(/.*)?", "admin"),
+    rule(ANY, r"/api/v1/webhooks(/.*)?", "admin"),
     rule(ANY, r"/api/v1/tokens(/.*)?", "session"),
     rule("POST", r"/api/v1/studies/[^/]+/whatif", "read"),  # questions, which change nothing
     rule("WEBSOCKET", r"/api/v1/live/payload/[^/]+/watch", "read"),

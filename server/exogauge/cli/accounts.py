@@ -42,6 +42,17 @@ def add_commands(commands: Commands) -> None:
         one.add_argument("email")
         one.set_defaults(command=change_account)
 
+    lab = commands.add_parser("lab", help="labs of this installation; for who runs it, beside its database")
+    lab.set_defaults(command=list_labs)
+    deed = lab.add_subparsers(dest="what", metavar="WHAT")
+    for name, said in (
+        ("close", "nobody comes in any more; after EXOGAUGE_LAB_KEPT_DAYS all of it goes but what it has published"),
+        ("reopen", "let its members in again, while it is there"),
+    ):
+        one = deed.add_parser(name, help=said)
+        one.add_argument("lab", help="its name")
+        one.set_defaults(command=change_lab)
+
 
 def sign_in(options: argparse.Namespace) -> int:
     from exogauge.client import Client
@@ -130,6 +141,39 @@ def change_account(options: argparse.Namespace) -> int:
         else:
             accounts.disable(account.id, options.what == "lock")
     print(f"{email}: {options.what} done")
+    return 0
+
+
+def list_labs(_: argparse.Namespace) -> int:
+    from exogauge.settings import Settings
+    from exogauge.storage.closing import all_labs
+    from exogauge.storage.store import open_installation
+    from exogauge.terminal import text_table
+
+    with open_installation(Settings()).reading() as session:
+        rows = [
+            [each.name, f"closed {each.closed_at:%Y-%m-%d}" if each.closed_at else ""] for each in all_labs(session)
+        ]
+    print(text_table(("lab", ""), rows) if rows else "no labs")
+    return 0
+
+
+def change_lab(options: argparse.Namespace) -> int:
+    from exogauge.errors import NotFound
+    from exogauge.settings import Settings
+    from exogauge.storage.accounts import Accounts
+    from exogauge.storage.closing import close_lab, reopen_lab
+    from exogauge.storage.store import open_installation
+
+    with open_installation(Settings()).session() as session:
+        if options.what == "reopen":
+            reopen_lab(session, options.lab, "operator")
+        else:
+            found = Accounts(session).lab_named(options.lab)
+            if found is None:
+                raise NotFound(f"there is no lab {options.lab!a}")
+            close_lab(session, found.id, "operator")
+    print(f"{options.lab}: {options.what} done")
     return 0
 
 

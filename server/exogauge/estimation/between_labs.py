@@ -35,7 +35,8 @@ class Agreement:
 
     mean, std: weighted; std is larger by the Birge ratio where that is above 1. tau, tau_interval: standard deviation
     between labs. verdict `agree`: they differ by no more than chance, given what they state; how much could be hidden
-    tells the upper end of tau_interval. None: of fewer labs than it takes.
+    tells the upper end of tau_interval. None: of fewer labs than it takes; tau_interval also where labs agree better
+    than chance has it, which no spread explains.
     """
 
     labs: int
@@ -62,7 +63,7 @@ def agreement(values: Sequence[float], stds: Sequence[float], criteria: BetweenL
     mean, std, q = weighted(x, s, 0.0)
     probability, birge = float(chi2.sf(q, n - 1)), float(np.sqrt(q / (n - 1)))
     tail = (1.0 - criteria.interval) / 2.0
-    low, high = (between(x, s, float(chi2.ppf(part, n - 1))) for part in (1.0 - tail, tail))
+    unlikely, likely = float(chi2.ppf(tail, n - 1)), float(chi2.ppf(1.0 - tail, n - 1))
     return Agreement(
         labs=n,
         verdict="differ" if probability < criteria.by_chance else "agree",
@@ -74,7 +75,7 @@ def agreement(values: Sequence[float], stds: Sequence[float], criteria: BetweenL
         i_squared=max(0.0, 1.0 - (n - 1) / q) if q > 0.0 else 0.0,
         birge_ratio=birge,
         tau=between(x, s, n - 1.0),
-        tau_interval=(low, high),
+        tau_interval=(between(x, s, likely), between(x, s, unlikely)) if q > unlikely else None,
     )
 
 

@@ -26,6 +26,7 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import JobRecord
 from exogauge.storage.rows import Lab, as_record
 from exogauge.storage.tables import Artifact, Job, Result, WorkerLease, owner_of
+from exogauge.storage.webhooks import Webhooks
 
 MAX_CRASHES = 4  # of what computes a job: the job is to blame
 MAX_ATTEMPTS = 8  # whoever is to blame: a kill of the whole service takes its jobs with it
@@ -121,13 +122,24 @@ def fail(session: Session, job_id: str, worker: str, reason: str, failure: Mappi
             "faults": [kept(fault) for fault in failure["faults"][:MOST_FAULTS]],
             "defect": failure.get("defect", False),
         }
-    return change(session, held_by(job_id, worker), ended) == 1
+    return end(session, job_id, held_by(job_id, worker), ended)
 
 
 def end_cancelled(session: Session, job_id: str, worker: str) -> bool:
     """End the job because its owner asked."""
     ended = {"state": "cancelled", "reason": "cancelled while it ran", "finished_at": database_now(session)}
-    return change(session, held_by(job_id, worker), ended) == 1
+    return end(session, job_id, held_by(job_id, worker), ended)
+
+
+def end(session: Session, job_id: str, guard: sa.ColumnElement[bool], values: Mapping[str, Any]) -> bool:
+    """One job, by a change that sets its last state; whoever wants to know is told in the same transaction."""
+    if change(session, guard, values) != 1:
+        return False
+    job = session.scalars(sa.select(Job).where(Job.id == job_id).execution_options(populate_existing=True)).one()
+    noun, key = owner_of(job)
+    said = {"job_id": job_id, "kind": job.kind, "state": job.state, f"{noun}_id": key}
+    Webhooks(Lab(session, job.lab_id)).tell("job.ended", said)
+    return True
 
 
 def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[PinnedFile]) -> bool:
@@ -142,7 +154,7 @@ def succeed(session: Session, job: JobRecord, worker: str, files: Sequence[Pinne
     ended = {"state": "succeeded", "progress": 1.0, "message": "", "stage": None, "finished_at": database_now(session)}
     if job.code_version != job.requested_code_version:
         ended["request_hash"] = hashlib.sha256(f"{job.request_hash} {job.code_version} {job.id}".encode()).hexdigest()
-    if not change(session, held_by(job.id, worker), ended):
+    if not end(session, job.id, held_by(job.id, worker), ended):
         return False
     ours = {"lab_id": job.lab_id, "job_id": job.id}
     noun, key = owner_of(job)

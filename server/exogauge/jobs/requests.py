@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict
-from exogauge.jobs.claims import change
+from exogauge.jobs.claims import change, end
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.recipes import recipe_for
@@ -78,7 +78,7 @@ def cancel(store: Store, job_id: str) -> JobRecord:
     this = sa.and_(Job.id == job_id, Job.lab_id == store.lab_id)
     now = database_now(store.session)
     ended = {"state": "cancelled", "reason": "cancelled before it started", "finished_at": now}
-    if not change(store.session, this & (Job.state == "queued"), {"cancel_requested": True, **ended}):
+    if not end(store.session, job_id, this & (Job.state == "queued"), {"cancel_requested": True, **ended}):
         change(store.session, this & (Job.state == "running"), {"cancel_requested": True})
     Lab(store.session, store.lab_id).audit("cancel", "job", job_id)
     return store.jobs.get(job_id)

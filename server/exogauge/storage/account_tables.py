@@ -31,12 +31,14 @@ def of_lab(column: str = "lab_id", ondelete: str = "CASCADE") -> sa.ForeignKeyCo
 
 @final
 class LabRow(Base):
-    """A lab that accounts belong to. Without accounts there is none: the settings name the one lab."""
+    """A lab that accounts belong to. Without accounts there is none: the settings name the one lab. closed_at: since
+    when nobody comes in; some time later all that it has goes."""
 
     __tablename__ = "labs"
     id: Mapped[str] = mapped_column(LAB, primary_key=True, default=new_id)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     name: Mapped[str] = mapped_column(NAME, unique=True)
+    closed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
 
 @final

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from exogauge.errors import Conflict, NotFound
 from exogauge.storage.account_tables import Account, Invitation, LabRow, Membership, SessionRow, SignInTries
-from exogauge.storage.callers import IDLE, RANK, SESSION
+from exogauge.storage.callers import IDLE, RANK, SESSION, is_open
 from exogauge.storage.records import AccountRecord, InvitationRecord, LabRecord
 from exogauge.storage.rows import as_record, record
 from exogauge.storage.secrets import hashed, new_key
@@ -111,7 +111,8 @@ class Accounts:
     def labs_of(self, key: str) -> list[tuple[LabRecord, str]]:
         """With its role in each, by name."""
         query = sa.select(LabRow, Membership.role).join(Membership, Membership.lab_id == LabRow.id)
-        rows = self.session.execute(query.where(Membership.account_id == key).order_by(LabRow.name))
+        mine = Membership.account_id == key, LabRow.closed_at.is_(None)
+        rows = self.session.execute(query.where(*mine).order_by(LabRow.name))
         return [(as_record(LabRecord, lab), role) for lab, role in rows]
 
     def lab(self, key: str) -> LabRecord:
@@ -150,7 +151,8 @@ class Accounts:
     def invitation(self, code: str) -> InvitationRecord:
         """NotFound unless it is open; what was wrong with it is not told."""
         open_ = Invitation.accepted_at.is_(None), Invitation.revoked_at.is_(None), Invitation.expires_at > utc_now()
-        row = self.session.scalars(sa.select(Invitation).where(Invitation.code_hash == hashed(code), *open_)).first()
+        known = Invitation.code_hash == hashed(code), is_open(Invitation)
+        row = self.session.scalars(sa.select(Invitation).where(*known, *open_)).first()
         if row is None:
             raise NotFound(NO_INVITATION)
         return as_record(InvitationRecord, row)

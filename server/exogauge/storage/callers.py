@@ -8,11 +8,11 @@ from datetime import timedelta
 from typing import Literal, cast, final
 
 import sqlalchemy as sa
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, aliased
 
-from exogauge.storage.account_tables import Account, ApiToken, Membership, SessionRow
+from exogauge.storage.account_tables import Account, ApiToken, LabRow, Membership, SessionRow
 from exogauge.storage.secrets import hashed
-from exogauge.storage.tables import utc_now
+from exogauge.storage.tables import Owned, utc_now
 
 Role = Literal["viewer", "member", "admin"]
 RANK: dict[str, int] = {"viewer": 0, "member": 1, "admin": 2}
@@ -39,7 +39,7 @@ class Caller:
 def by_session(session: Session, key: str) -> tuple[Caller, bool] | None:
     """And whether its use is to be noted. None: not known, over, or of an account that was disabled."""
     now = utc_now()
-    of_lab = sa.and_(Membership.account_id == Account.id, Membership.lab_id == SessionRow.at_lab)
+    of_lab = sa.and_(Membership.account_id == Account.id, Membership.lab_id == SessionRow.at_lab, is_open(Membership))
     query = (
         sa.select(SessionRow.id, SessionRow.seen_at, Account.id, SessionRow.at_lab, Membership.role)
         .join(Account, Account.id == SessionRow.account_id)
@@ -67,6 +67,7 @@ def by_token(session: Session, token: str) -> tuple[Caller, bool] | None:
         .outerjoin(Membership, of_lab)
         .where(ApiToken.token_hash == hashed(token), ApiToken.revoked_at.is_(None))
         .where(sa.or_(ApiToken.expires_at.is_(None), ApiToken.expires_at > now), Account.disabled_at.is_(None))
+        .where(is_open(ApiToken))
     )
     found = session.execute(query).first()
     if found is None:
@@ -79,6 +80,12 @@ def by_token(session: Session, token: str) -> tuple[Caller, bool] | None:
         role = cast(Role, of_account)
     caller = Caller(f"token:{row}", lab, role, account_id=account, token_id=row)
     return caller, used_at is None or now - used_at > NOTED_EVERY
+
+
+def is_open(table: type[Owned]) -> sa.ColumnElement[bool]:
+    """The lab of a row is not closed."""
+    closed = aliased(LabRow)  # whether or not the query around it asks for labs, too
+    return ~sa.exists().where(closed.id == table.lab_id, closed.closed_at.is_not(None))
 
 
 def note(session: Session, caller: Caller) -> None:

@@ -247,9 +247,12 @@ class ArtifactRecord:
 @final
 @dataclass(frozen=True)
 class LabRecord:
+    """closed_at: since when nobody comes in."""
+
     id: str
     created_at: datetime
     name: str
+    closed_at: datetime | None
 
 
 @final
@@ -375,6 +378,34 @@ class PublicationRecord:
     lab_name: str
     revoked_at: datetime | None
     revoked_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class WebhookRecord:
+    id: str
+    created_at: datetime
+    url: str
+    events: Sequence[str]
+    disabled_at: datetime | None
+    disabled_because: str | None
+
+
+@final
+@dataclass(frozen=True)
+class DeliveryRecord:
+    """state: waiting, delivered or failed. status, said: of the last try."""
+
+    id: str
+    created_at: datetime
+    webhook_id: str
+    event: str
+    state: str
+    attempts: int
+    due_at: datetime
+    ended_at: datetime | None
+    status: int | None
+    said: str
 
 
 @final

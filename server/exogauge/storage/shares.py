@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from exogauge.errors import NotFound
 from exogauge.storage.account_tables import LabRow, Share
+from exogauge.storage.callers import is_open
 from exogauge.storage.records import SharedStudy, ShareRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.tables import Job, Study
@@ -65,7 +66,7 @@ def host_of(session: Session, lab_id: str, thing: str, key: str) -> str | None:
     study = key if thing == "studies" else sa.select(Job.study_id).where(Job.id == key).scalar_subquery()
     let_in = sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None))
     return session.scalar(
-        sa.select(Share.lab_id).where(Share.study_id == study, Share.lab_id != lab_id, let_in).limit(1)
+        sa.select(Share.lab_id).where(Share.study_id == study, Share.lab_id != lab_id, let_in, is_open(Share)).limit(1)
     )
 
 
@@ -73,6 +74,6 @@ def shared_with(session: Session, lab_id: str) -> list[SharedStudy]:
     """What other labs let this one read, newest first. In a session of all labs."""
     query = sa.select(Study.id, Study.name, LabRow.name, sa.func.max(Share.created_at))
     query = query.join(Share, Share.study_id == Study.id).join(LabRow, LabRow.id == Share.lab_id)
-    query = query.where(Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)))
+    query = query.where(Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share))
     query = query.group_by(Study.id, Study.name, LabRow.name).order_by(sa.func.max(Share.created_at).desc(), Study.id)
     return [SharedStudy(*row) for row in session.execute(query)]

@@ -43,6 +43,7 @@ from exogauge.storage.scope import AllLabsSession, LabSession
 from exogauge.storage.shares import Shares
 from exogauge.storage.tables import WorkerLease, owner_of
 from exogauge.storage.uploads import Uploads
+from exogauge.storage.webhooks import Webhooks
 
 LOCAL = "local"  # who does what where there are no accounts
 
@@ -77,6 +78,7 @@ class Store:
         self.audit = Audit(lab)
         self.shares = Shares(lab)
         self.publications = Publications(lab)
+        self.webhooks = Webhooks(lab)
 
     def refuse_bytes(self, more: int, *, coming: bool = False) -> None:
         """QuotaFull where the lab would keep more than it may. coming: as an upload, beside those on their way."""

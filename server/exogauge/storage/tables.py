@@ -17,6 +17,7 @@ NAME = sa.String(200)
 PATH = sa.String(500)
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
 LIVE_STATES = ("queued", "running", "succeeded")  # what makes an equal request the same job
+DELIVERY_STATES = ("waiting", "delivered", "failed")
 STREAM_STATES = ("open", "ended", "lost")  # lost: whoever sent or took it went without a word
 OWNERS = ("study", "payload", "motion", "plan")  # what a job can be of
 ONE_OWNER = " + ".join(f"(CASE WHEN {noun}_id IS NULL THEN 0 ELSE 1 END)" for noun in OWNERS) + " = 1"
@@ -477,6 +478,41 @@ class PublicationFile(Owned, Base):
     sha256: Mapped[str] = mapped_column(SHA256, index=True)
     size: Mapped[int] = mapped_column(sa.BigInteger)
     media_type: Mapped[str] = mapped_column(sa.String(100))
+
+
+@final
+class Webhook(Owned, Base):
+    """An address that is told what happens in the lab. secret: with which each delivery is signed."""
+
+    __tablename__ = "webhooks"
+    __table_args__ = (referred(), sa.Index(None, "lab_id", "created_at", "id"))
+    url: Mapped[str] = mapped_column(sa.String(2000))
+    events: Mapped[list[str]] = mapped_column(sa.JSON)
+    secret: Mapped[str] = mapped_column(sa.String(100))
+    disabled_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    disabled_because: Mapped[str | None] = mapped_column(sa.String(500))
+
+
+@final
+class Delivery(Owned, Base):
+    """What a webhook is to be told, or was. due_at: of the next try; status, said: of the last one."""
+
+    __tablename__ = "deliveries"
+    __table_args__ = (
+        within_lab("webhook_id", "webhooks"),
+        sa.CheckConstraint(one_of("state", DELIVERY_STATES), name="state"),
+        sa.Index(None, "state", "due_at"),
+        sa.Index(None, "lab_id", "created_at", "id"),
+    )
+    webhook_id: Mapped[str] = mapped_column(UUID, index=True)
+    event: Mapped[str] = mapped_column(sa.String(64))
+    data: Mapped[dict[str, Any]] = mapped_column(sa.JSON)
+    state: Mapped[str] = mapped_column(sa.String(16))
+    attempts: Mapped[int]
+    due_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    status: Mapped[int | None]
+    said: Mapped[str] = mapped_column(sa.String(500), default="")
 
 
 @final

@@ -17,6 +17,7 @@ from exogauge.errors import ExogaugeError
 from exogauge.settings import Settings
 from exogauge.storage import chores
 from exogauge.storage.checking import check
+from exogauge.storage.closing import due_labs, remove_lab
 from exogauge.storage.store import Installation
 from exogauge.storage.sweeping import sweep_installation, sweep_machine
 
@@ -26,7 +27,7 @@ AGAIN = timedelta(minutes=5)  # after one that failed
 FIRST_S = 15.0  # after the start: requests come first
 LOOK_EVERY_S = 60.0  # whether a chore is due
 SCRUBBED = 2  # of 256 parts of the blobs are read and hashed in an hour: all of them in five days
-SWEEP, CHECK = "sweep", "check"
+SWEEP, CHECK, CLOSED = "sweep", "check", "closed labs"
 
 
 class LostTheChore(ExogaugeError):
@@ -56,7 +57,7 @@ class Housekeeping:
         while not self._stopping.is_set():
             if time.monotonic() >= machine_due:
                 machine_due = time.monotonic() + (EVERY if self._tried(self._sweep_here) else AGAIN).total_seconds()
-            for name, work in ((SWEEP, self._sweep), (CHECK, self._check)):
+            for name, work in ((CLOSED, self._remove_closed), (SWEEP, self._sweep), (CHECK, self._check)):
                 self._tried(partial(self._chore, name, work))
             self._stopping.wait(LOOK_EVERY_S)
 
@@ -93,6 +94,17 @@ class Housekeeping:
 
     def _sweep(self) -> dict[str, Any]:
         return asdict(sweep_installation(self._installation, still=partial(self._still, SWEEP)))
+
+    def _remove_closed(self) -> dict[str, Any]:
+        """Each lab in a transaction of its own; its blobs go with a later sweep."""
+        with self._installation.reading() as session:
+            due = due_labs(session, timedelta(days=self._settings.lab_kept_days))
+        rows = 0
+        for key in due:
+            self._still(CLOSED)
+            with self._installation.session() as session:
+                rows += remove_lab(session, key)
+        return {"labs": len(due), "rows": rows}
 
     def _check(self) -> dict[str, Any]:
         """A part of the blobs, another every hour."""

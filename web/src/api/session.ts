@@ -38,6 +38,7 @@ export const signOutElsewhere = () => answer<unknown>(api.DELETE("/api/v1/sessio
 export const setUp = (body: Schemas["SetUp"]) => answer<unknown>(api.POST("/api/v1/set-up", { body }));
 export const showLab = (lab_id: string) => answer<unknown>(api.PUT("/api/v1/session/lab", { body: { lab_id } }));
 export const changePassword = (body: Schemas["NewPassword"]) => answer<unknown>(api.PUT("/api/v1/account/password", { body }));
+export const closeLab = (name: string) => answer<unknown>(api.DELETE("/api/v1/lab", { params: { query: { name } } }));
 export const createLab = (name: string) => answer(api.POST("/api/v1/labs", { body: { name } }));
 export const lookAtInvitation = (code: string) => answer(api.POST("/api/v1/invitations/look", { body: { code } }));
 export const acceptInvitation = (body: Schemas["Accept"]) => answer<unknown>(api.POST("/api/v1/invitations/accept", { body }));

@@ -8,6 +8,7 @@ import { Loading } from "../../parts/Loading";
 import { PageTitle } from "../../parts/PageTitle";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { useDeed } from "../../parts/useDeed";
+import { Logins } from "./Logins";
 import { NewPassword } from "./NewPassword";
 import { NoAccounts } from "./NoAccounts";
 import { Tokens } from "./Tokens";
@@ -26,6 +27,7 @@ export function Component() {
       </div>
       {session.lab ? <Tokens /> : <NoLab />}
       <Password />
+      <Logins />
       <Elsewhere />
       {account.operator && <FoundLab />}
     </Stack>

@@ -11,6 +11,7 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { useDeed } from "../../parts/useDeed";
 import { Doorstep } from "./Doorstep";
 import { NewPassword } from "./NewPassword";
+import { ProviderButton } from "./ProviderButton";
 
 /** The code stands behind the `#`: no server on the way sees it, and no log keeps it. */
 export function Component() {
@@ -73,6 +74,7 @@ export function Component() {
       <Button type="submit" loading={busy}>
         Make the account and join
       </Button>
+      <ProviderButton words="Or go on with" ask={{ purpose: "invitation", next: "/studies", code }} />
     </Doorstep>
   );
 }

@@ -5,6 +5,7 @@ import { Navigate, useSearchParams } from "react-router";
 import { ownPath, signIn, useArrive, useSession } from "../../api/session";
 import { useDeed } from "../../parts/useDeed";
 import { Doorstep } from "./Doorstep";
+import { ProviderButton } from "./ProviderButton";
 
 export function Component() {
   const [search] = useSearchParams();
@@ -34,6 +35,7 @@ export function Component() {
       <Button type="submit" loading={busy}>
         Sign in
       </Button>
+      <ProviderButton words="Sign in with" ask={{ purpose: "sign-in", next }} />
     </Doorstep>
   );
 }

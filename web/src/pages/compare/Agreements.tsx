@@ -55,7 +55,7 @@ export function Agreements({ device }: { device: ComparedDevice }) {
       </WideTable>
       <Text size="sm" c="dimmed" style={{ maxWidth: "70rem" }}>
         Of each lab the newest study that decides the quantity. Q sums squared differences from the weighted mean over their variances; labs differ where chance alone
-        reaches it in fewer than 5 of 100 cases. Between labs: the standard deviation beyond what they state; its interval tells how much could be hidden. Below eight labs
+        reaches it in fewer than 5 of 100 cases. Between labs: the standard deviation beyond what they state; its interval tells how much could be hidden, and there is none where they agree better than chance has it. Below eight labs
         all of it is provisional (ISO 5725-2). Torques are compared on robots and in motions of one name.
       </Text>
     </Stack>

@@ -8,8 +8,12 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { NoLab } from "../account/AccountPage";
 import { NoAccounts } from "../account/NoAccounts";
 import { AuditLog } from "./AuditLog";
+import { CloseLab } from "./CloseLab";
 import { Invitations } from "./Invitations";
 import { Members } from "./Members";
+import { Webhooks } from "./Webhooks";
+
+const TABS = ["audit", "webhooks"];
 
 export function Component() {
   const { data: session, error, refetch } = useSession();
@@ -26,19 +30,24 @@ export function Component() {
       {!admin ? (
         <Members admin={false} />
       ) : (
-        <Tabs value={rest === "audit" ? "audit" : "members"} onChange={(tab) => void navigate(tab === "audit" ? "/lab/audit" : "/lab")}>
+        <Tabs value={TABS.includes(rest) ? rest : "members"} onChange={(tab) => void navigate(TABS.includes(tab ?? "") ? `/lab/${tab}` : "/lab")}>
           <Tabs.List mb="md">
             <Tabs.Tab value="members">Members</Tabs.Tab>
             <Tabs.Tab value="audit">Audit</Tabs.Tab>
+            <Tabs.Tab value="webhooks">Webhooks</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="members">
             <Stack gap="xl">
               <Members admin />
               <Invitations />
+              <CloseLab name={session.lab.name} />
             </Stack>
           </Tabs.Panel>
           <Tabs.Panel value="audit">
             <AuditLog />
+          </Tabs.Panel>
+          <Tabs.Panel value="webhooks">
+            <Webhooks />
           </Tabs.Panel>
         </Tabs>
       )}

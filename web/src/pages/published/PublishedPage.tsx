@@ -41,7 +41,7 @@ function Newer({ found }: { found: Published }) {
   if (!newest || newest.version <= found.version) return null;
   return (
     <Alert title="There is a newer version">
-      <Anchor component={Link} to={`/published/${newest.key}`}>
+      <Anchor component={Link} to={`/published/${newest.key}`} underline="always">
         Version {newest.version}
       </Anchor>
     </Alert>
@@ -95,10 +95,10 @@ function Versions({ found }: { found: Published }) {
   return found.versions.map((each) => (
     <div key={each.key}>
       {each.key === found.key ? (
-        `${each.version}, this one`
+        `version ${each.version}, this one`
       ) : (
-        <Anchor component={Link} to={`/published/${each.key}`}>
-          {each.version}
+        <Anchor component={Link} to={`/published/${each.key}`} underline="always">
+          version {each.version}
         </Anchor>
       )}
       {each.revoked_at && ", revoked"}

@@ -1,0 +1,105 @@
+"""A POST to an address that somebody else has named: https, to a public address, and nowhere else.
+
+The name is looked up once, when the connection is made; every address that it has must be public, and the connection
+goes to one of those that were looked at. A name that changes between the look and the connection (DNS rebinding) gains
+nothing, since there is no second look. Redirects are not followed, and no proxy of the environment is asked.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+import ssl
+from collections.abc import Collection, Iterable, Mapping
+from typing import final
+from urllib.parse import urlsplit
+
+import certifi
+import httpcore
+
+PATIENCE_S = 10.0
+ALSO_PRIVATE = tuple(  # public as the registries have it, and a way into a private network
+    ipaddress.ip_network(each)
+    for each in ("64:ff9b::/96", "64:ff9b:1::/48", "2002::/16", "2001::/32", "192.88.99.0/24", "100.64.0.0/10")
+)
+LONGEST_URL = 2000
+
+
+class Refused(Exception):
+    """Nothing was sent."""
+
+
+class NoAnswer(Exception):
+    """Something may have been sent."""
+
+
+def post(url: str, body: bytes, headers: Mapping[str, str], private: Collection[str] = ()) -> int:
+    """The status of the answer; its body is not read. private: names that may have private addresses."""
+    checked(url)
+    trusted = ssl.create_default_context(cafile=os.environ.get("SSL_CERT_FILE") or certifi.where())
+    given = list(headers.items())
+    waits = dict.fromkeys(("connect", "read", "write", "pool"), PATIENCE_S)
+    try:
+        with (
+            httpcore.ConnectionPool(ssl_context=trusted, network_backend=PublicNetwork(private)) as pool,
+            pool.stream("POST", url, headers=given, content=body, extensions={"timeout": waits}) as answer,
+        ):
+            return int(answer.status)
+    except (httpcore.NetworkError, httpcore.TimeoutException, httpcore.ProtocolError, OSError) as error:
+        raise NoAnswer(f"{type(error).__name__}: {error}"[:500]) from error
+
+
+def checked(url: str) -> None:
+    """Refused unless it is an https address with a host, and no name and password in it."""
+    parts = urlsplit(url)
+    try:
+        port = parts.port
+    except ValueError:
+        raise Refused("its port is none") from None
+    if parts.scheme != "https" or not parts.hostname:
+        raise Refused("an address begins with https://")
+    if parts.username is not None or parts.fragment or len(url) > LONGEST_URL or port == 0:
+        raise Refused("an address has neither name and password nor a fragment, and is not longer than 2000 letters")
+
+
+@final
+class PublicNetwork(httpcore.NetworkBackend):
+    """Connections to public addresses alone."""
+
+    def __init__(self, private: Collection[str]) -> None:
+        self._private = {name.casefold() for name in private}
+        self._network = httpcore.SyncBackend()
+
+    def connect_tcp(
+        self,
+        host: str,
+        port: int,
+        timeout: float | None = None,
+        local_address: str | None = None,
+        socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
+    ) -> httpcore.NetworkStream:
+        """TLS asks for the name all the same: the certificate has to be that of the host."""
+        address = self._address(host, port)
+        return self._network.connect_tcp(address, port, timeout, local_address, socket_options)
+
+    def _address(self, host: str, port: int) -> str:
+        try:
+            found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        except (OSError, UnicodeError) as error:
+            raise httpcore.ConnectError(f"{host} has no address") from error
+        addresses = [str(each[4][0]) for each in found]
+        if host.casefold() not in self._private:
+            for address in addresses:
+                if not is_public(address):
+                    raise Refused(f"{host} has a private address")
+        return addresses[0]
+
+
+def is_public(address: str) -> bool:
+    """Whether it is of the internet: no loopback, private, link-local or reserved one, however it is wrapped."""
+    found = ipaddress.ip_address(address.partition("%")[0])
+    if isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped is not None:
+        found = found.ipv4_mapped
+    inside = any(found.version == each.version and found in each for each in ALSO_PRIVATE)
+    return found.is_global and not found.is_multicast and not inside
