@@ -107,7 +107,8 @@ def test_a_new_database_gets_its_tables_when_the_service_starts(empty_database_u
         assert client.get(f"{V1}/studies").json()["items"] == []
 
 
-def test_a_server_refuses_a_schema_it_does_not_know(settings: Settings) -> None:
+def test_a_server_refuses_a_schema_it_does_not_know(own_database_url: str, tmp_path: Path) -> None:
+    settings = Settings(data_dir=tmp_path, database_url=own_database_url, workers=0)
     create_app(settings).state.installation.close()
     engine = make_engine(settings.database_url, migrating=True)
     with engine.begin() as connection:

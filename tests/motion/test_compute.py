@@ -87,6 +87,9 @@ def test_an_arms_motion_that_identifies_tells_what_will_be_known(tmp_path: Path)
     document = json.loads((out / compute.PLAN).read_text())
     assert document["broken"] == []
     assert document["margins"]["pressure_inside_m"] is None
+    names = SeriesFile(out / compute.SERIES).names
+    assert {"margin.nearest_pair", "bound.torque", "binds"} <= set(names)
+    assert not any(name.startswith(("pressure.", "margin.pressure")) for name in names)  # it does not stand
     decided = [each for each in document["parameters"] if each["decided"]]
     assert len(decided) > 10
     assert all(0.0 < each["std"] < each["before"] for each in decided)

@@ -10,6 +10,7 @@ import pytest
 from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.effects.catalogue import band_effects
 from exogauge.remarks import About, Remark
+from exogauge.studies.results.support_results import stiffness_entries
 from exogauge.support.band_model import SHORTEST, SOFTEST, Added, Wear, at_bounds, shared
 from exogauge.support.stiffness import identify_bands, true_stiffness
 
@@ -172,7 +173,8 @@ def test_noise_does_not_decide_a_band_that_is_slack_throughout(identified, suit,
 
 def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_and_no_length(identified, suit):
     loose = replace(suit, bands=(suit.bands[0], replace(suit.bands[1], natural_length=2.0)))
-    left, right = identified(device=loose).bands
+    found = identified(device=loose)
+    left, right = found.bands
     assert right.stiffness.value == left.stiffness.value == pytest.approx(1500.0, rel=1e-4)
     assert right.identifiable
     assert np.isinf(right.natural_length.std)
@@ -183,6 +185,11 @@ def test_a_slack_band_beside_a_taut_one_of_its_group_has_the_groups_stiffness_an
     assert not right.length_identifiable
     assert right.note == Remark(About.PULLS_NOWHERE, ("right",))
     assert not left.note
+    known, open_ = (entry["budget"] for entry in stiffness_entries([found]))
+    assert known
+    assert all(part["natural_length_std"] >= 0.0 for part in known)
+    assert [part["stiffness_std"] for part in open_] == pytest.approx([part["stiffness_std"] for part in known])
+    assert {part["natural_length_std"] for part in open_} == {None}
 
 
 def test_two_bands_on_one_path_cannot_be_told_apart(identified, suit):

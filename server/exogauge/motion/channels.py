@@ -72,9 +72,11 @@ def of_retargeted(found: Retargeted) -> pa.Table:
 def add_judged(columns: Columns, robot: MotionRobot, judged: Judged, acceleration: Array) -> Columns:
     """`margin.` what is left of balance and distances, `bound.` the largest share of each kind of bound, `binds` what
     is nearest to its bound, then `pressure.`, `q.` and `tau.` of every joint. acceleration: (T, n)."""
-    columns.add("margin.pressure_inside", judged.inside, METRES)
-    columns.add("margin.nearest_pair", judged.apart, METRES)
-    columns.add("margin.weight_carried", judged.carried, "1")
+    margins = (("pressure_inside", judged.inside, METRES), ("nearest_pair", judged.apart, METRES),
+               ("weight_carried", judged.carried, "1"))  # fmt: skip
+    for name, values, unit in margins:
+        if np.isfinite(values).any():
+            columns.add(f"margin.{name}", values, unit)
     shares = bound_shares(robot, judged, acceleration)
     largest = np.stack([shares[kind].max(axis=1) for kind in KINDS], axis=1)
     for k, kind in enumerate(KINDS):
@@ -83,7 +85,7 @@ def add_judged(columns: Columns, robot: MotionRobot, judged: Judged, acceleratio
     nearest = np.concatenate([shares[kind] for kind in KINDS], axis=1).argmax(axis=1)
     used, index = np.unique(nearest, return_inverse=True)
     columns.add_words("binds", index, tuple(words[k] for k in used))
-    for axis, letter in enumerate("xy"):
+    for axis, letter in enumerate("xy" if np.isfinite(judged.pressure).any() else ""):
         columns.add(f"pressure.{letter}", judged.pressure[:, axis], METRES)
     for j, joint in enumerate(robot.joints):
         slides = "P" in robot.model.joints[1 + robot.base + j].shortname()

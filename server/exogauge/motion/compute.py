@@ -134,9 +134,14 @@ def judged_excitation(found: ExcitationPlan) -> tuple[Judged, Any]:
     none = np.full(len(time), np.nan)
     lost = np.full((len(time), 3), np.nan)
     apart = np.full(len(time), USUAL.look_m)
-    near = Pairs(robot, USUAL.clearance_m).near(q, USUAL.look_m)
+    pairs = Pairs(robot, USUAL.clearance_m)
+    near = pairs.near(q, USUAL.look_m)
     np.minimum.at(apart, near.sample, near.distance)
-    return Judged(time, q, v, lost, none, none, torque, 0.0, 0.0, apart, None, ()), a
+    nearest = None
+    if len(near.distance):
+        k = int(near.distance.argmin())
+        nearest = (*pairs.names[near.pair[k]], float(time[near.sample[k]]))
+    return Judged(time, q, v, lost, none, none, torque, 0.0, 0.0, apart, nearest, pairs.left_out), a
 
 
 def write_series(table: Any, out: Path) -> None:

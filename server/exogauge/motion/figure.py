@@ -46,7 +46,10 @@ def figure_of(motion: HumanMotion, fit: HumanFit | None = None) -> Figure:
         ways += [(fit.position[part], end) for part, end in fit.end.items()]
         lines = np.stack([np.stack(way, axis=1) for way in ways], axis=1)[kept]
     elif motion.tree is not None:
-        lines = np.stack([motion.tree.position, motion.tree.end], axis=2)[kept]
+        place, above = motion.tree.position, motion.tree.parent.tolist()
+        ways = [(place[:, up], place[:, k]) for k, up in enumerate(above) if up >= 0]
+        ways += [(place[:, k], motion.tree.end[:, k]) for k in range(len(above)) if k not in above]
+        lines = np.stack([np.stack(way, axis=1) for way in ways], axis=1)[kept]
     return Figure(motion.time[kept], points, lines)
 
 

@@ -33,6 +33,7 @@ PAIR: Rgb = (214, 120, 0)
 HIDDEN = -100.0  # [m] below the floor: where a point that was not seen is put
 ABOVE = 0.004  # [m] of what is drawn on the floor over it
 BESIDE = 0.35  # [m] between the person and the robot
+TOWARD = (2.6, 0.5, 0.6)  # where the camera stands: in front of both
 
 
 def draw_played(
@@ -51,9 +52,11 @@ def draw_played(
     if np.isfinite(played.pairs).any():
         legend += _draw_pair(stage, view, played, shown)
     legend += _draw_bounds(stage, view, robot, dict(zip(joints, played.at_bound.T > 0.5, strict=True)), shown)
+    aim(stage, view, TOWARD)
     if figure is not None and len(played.moment):
-        legend += _draw_person(stage, figure, played.moment[shown], _beside(view, figure, *played.person))
-    aim(stage, view, (2.2, 1.4, 0.6))
+        place = _beside(view, figure, *played.person)
+        legend += _draw_person(stage, figure, played.moment[shown], place)
+        _look_at_both(stage, view, figure, place)
     notes = ["The person stands beside the robot, on the same clock."] if len(played.moment) else []
     return stage.packed(_about("motion", frames, legend, notes))
 
@@ -63,8 +66,7 @@ def draw_captured(figure: Figure) -> bytes:
     stage = Stage.empty()
     frames = Frames.of(float(figure.time[0]), float(figure.time[-1]), len(figure.time))
     legend = _draw_person(stage, figure, figure.time[frames.nearest(figure.time)], np.eye(4))
-    every = np.concatenate([figure.points[0].reshape(-1, 3), figure.lines[0].reshape(-1, 3)])
-    every = every[np.isfinite(every).all(axis=1)]
+    every = _seen(figure)
     low, high = every.min(axis=0), every.max(axis=0)
     size = float(max((high - low).max(), 0.2))
     cell = 0.1
@@ -75,7 +77,7 @@ def draw_captured(figure: Figure) -> bytes:
     )  # fmt: skip
     stage.layers["floor"] = ["/floor"]
     middle = 0.5 * (low + high)
-    stage.look(middle + np.array([2.2, 1.4, 0.6]) / np.linalg.norm([2.2, 1.4, 0.6]) * 1.8 * size, middle)
+    stage.look(middle + 1.8 * size * np.array(TOWARD) / np.linalg.norm(TOWARD), middle)
     return stage.packed(_about("capture", frames, legend, []))
 
 
@@ -93,6 +95,7 @@ def _draw_person(stage: Stage, figure: Figure, moment: Array, place: Array) -> l
     turn, origin = place[:3, :3], place[:3, 3]
     if figure.lines.shape[1]:
         lines = (figure.lines[at] @ turn.T + origin).astype(np.float32)
+        stage.scene.add_frame("/person", show_axes=False)
         stage.scene.add_line_segments("/person/bones", lines[0], BONE, thickness=4.0, thickness_units="screen")
         stage.move("points", "/person/bones", np.nan_to_num(lines, nan=HIDDEN))
         names.append("/person/bones")
@@ -112,8 +115,7 @@ def _draw_person(stage: Stage, figure: Figure, moment: Array, place: Array) -> l
 
 def _beside(view: RobotView, figure: Figure, heading: float, mirrored: float) -> Array:
     """(4, 4) that lets the person face where the robot does, at its left side, on its floor."""
-    every = np.concatenate([figure.points[0].reshape(-1, 3), figure.lines[0].reshape(-1, 3)])
-    every = every[np.isfinite(every).all(axis=1)]
+    every = _seen(figure)
     turn = Rotation.from_euler("z", -heading).as_matrix() @ np.diag([1.0, -1.0 if mirrored else 1.0, 1.0])
     turned = every @ turn.T
     low, high = turned.min(axis=0), turned.max(axis=0)
@@ -125,8 +127,22 @@ def _beside(view: RobotView, figure: Figure, heading: float, mirrored: float) ->
     return place
 
 
+def _look_at_both(stage: Stage, view: RobotView, figure: Figure, place: Array) -> None:
+    at = _seen(figure) @ place[:3, :3].T + place[:3, 3]
+    low, high = np.minimum(view.low, at.min(axis=0)), np.maximum(view.high, at.max(axis=0))
+    middle, size = 0.5 * (low + high), float((high - low).max())
+    stage.look(middle + 1.3 * size * np.array(TOWARD) / np.linalg.norm(TOWARD), middle)
+
+
+def _seen(figure: Figure) -> Array:
+    """(N, 3) [m] all that is seen of the person at first."""
+    every = np.concatenate([figure.points[0].reshape(-1, 3), figure.lines[0].reshape(-1, 3)])
+    return np.asarray(every[np.isfinite(every).all(axis=1)])
+
+
 def _draw_balance(stage: Stage, played: Played, shown: NDArray[np.intp]) -> list[dict[str, Any]]:
     floor = float(played.outline[:, 2].mean()) + ABOVE
+    stage.scene.add_frame("/balance", show_axes=False)
     hull = played.outline[ConvexHull(played.outline[:, :2]).vertices][:, :2]
     stage.scene.add_line_segments(
         "/balance/outline", _ring(hull, floor), STANDS, thickness=2.5, thickness_units="screen"

@@ -223,7 +223,7 @@ def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
                     "source": part["source"],
                     "words": source_words(part["source"]),
                     "stiffness_std": part["std"],
-                    "natural_length_std": band.natural_length.parts.get(part["source"], 0.0),
+                    "natural_length_std": band.natural_length.parts.get(part["source"]),
                     "advice": source_advice(part["source"]),
                 }
                 for part in budget(band.stiffness.parts)

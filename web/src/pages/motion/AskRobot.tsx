@@ -109,7 +109,7 @@ export function lacks({ summary }: Robot): string[] {
 
 function Lacking({ robot }: { robot: Robot }) {
   return (
-    <Alert color="orange" variant="outline" title="This robot cannot stand for a person yet">
+    <Alert color="orange" variant="default" title="This robot cannot stand for a person yet">
       <Text size="sm">
         Its robot.yaml lacks {lacks(robot).join(", ")}. <code>soles</code> says what its feet stand on, <code>human_map</code> which links are its pelvis,
         thorax and arms, <code>home</code> how it stands. Add them and hand it in again, under{" "}
@@ -124,7 +124,7 @@ function Lacking({ robot }: { robot: Robot }) {
 
 function NoRobot({ any }: { any: boolean }) {
   return (
-    <Alert color="orange" variant="outline" title={any ? "No robot here has soles and a human_map" : "There is no robot yet"}>
+    <Alert color="orange" variant="default" title={any ? "No robot here has soles and a human_map" : "There is no robot yet"}>
       <Text size="sm">
         A motion is planned for a robot on two feet, whose robot.yaml has <code>soles</code>, <code>human_map</code> and <code>home</code>. Hand one in under{" "}
         <Anchor component={Link} to="/robots" inherit underline="always">

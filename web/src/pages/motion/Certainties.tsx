@@ -10,7 +10,7 @@ export function Certainties({ found }: { found: Found }) {
   const [all, showAll] = useState(false);
   const open = found.parameters.filter(({ before }) => before > 0);
   const decided = open.filter((each) => each.decided);
-  const shown = all ? open : open.filter(({ name }) => name.startsWith("base[") || !/\[.*\]/.test(name) || !LINKS.test(name));
+  const shown = all ? open : open.filter(({ name }) => !LINKS.test(name));
   return (
     <section aria-labelledby="certain">
       <Title order={2} size="h3" id="certain" mb="xs">
@@ -40,4 +40,4 @@ export function Certainties({ found }: { found: Found }) {
   );
 }
 
-const LINKS = /^(m|h[xyz]|I[xyz]{2}|c[xyz])\[/;
+const LINKS = /^(m|m[xyz]|I[xyz]{2})\[/;

@@ -22,7 +22,7 @@ export function Margins({ found }: { found: Found }) {
       <Title order={2} size="h3" id="margins" mb="xs">
         Margins
       </Title>
-      {nearest && (
+      {nearest && found.kind === "retarget" && (
         <Text size="sm" mb="xs">
           The bound that binds first: {nearest.kind} of {nearest.joint}, {percent(nearest.share, 1)} of it at {fixed(nearest.time, 2)} s.
         </Text>

@@ -1,4 +1,4 @@
-import { Anchor, Badge, Button, Group, Select, Stack, Table, Text, Title } from "@mantine/core";
+import { Anchor, Button, Group, Select, Stack, Table, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import { useNavigate, useParams } from "react-router";
 
@@ -54,7 +54,7 @@ function WhatItIs({ motion }: { motion: Motion }) {
   const { told } = motion.summary;
   const facts = Object.entries(told)
     .filter(([key]) => key in TOLD)
-    .map(([key, value]): [string, React.ReactNode] => [TOLD[key]!, <Guessed key={key} words={String(value)} />]);
+    .map(([key, value]): [string, React.ReactNode] => [TOLD[key]!, String(value)]);
   return (
     <section aria-labelledby="what">
       <Title order={2} size="h3" id="what" mb="xs">
@@ -67,20 +67,6 @@ function WhatItIs({ motion }: { motion: Motion }) {
         {motion.summary.holds !== "angles" && <Body motion={motion} />}
       </Stack>
     </section>
-  );
-}
-
-function Guessed({ words }: { words: string }) {
-  const guess = words.startsWith("guessed: ");
-  return (
-    <>
-      {guess && (
-        <Badge variant="outline" color="orange" size="sm" mr={6}>
-          guessed
-        </Badge>
-      )}
-      {guess ? words.slice("guessed: ".length) : words}
-    </>
   );
 }
 

@@ -13,12 +13,13 @@ import styles from "../study/PlotsSection.module.css";
 const PlanView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.PlanView })));
 const CaptureView = lazy(() => import("../../view3d/MotionView").then((module) => ({ default: module.CaptureView })));
 const SERIES = "motion";
+const SHOWN_FIRST = ["head", "pelvis", "l_foot"];
 
 /** What a plan does over time, beside the robot and the person. */
 export function PlanOverTime({ plan, jobId }: { plan: Plan; jobId: string }) {
   const trunk = plan.found?.trunk.map(({ joint }) => `trunk.${joint}`) ?? [];
   const widest = [...(plan.found?.trunk ?? [])].sort((one, two) => way(two.asked) - way(one.asked))[0];
-  const first = [widest ? `trunk.${widest.joint}` : trunk[0], "human", "margin.pressure_inside", "bounds"].filter((key) => key !== undefined);
+  const first = [widest ? `trunk.${widest.joint}` : trunk[0], "human", "margin.pressure_inside", "bounds"].filter((key) => key !== undefined); // those that the series has are shown
   return (
     <Shown
       source={{ of: "jobs", id: jobId }}
@@ -31,10 +32,13 @@ export function PlanOverTime({ plan, jobId }: { plan: Plan; jobId: string }) {
 /** A capture over time, beside the person. */
 export function CaptureOverTime({ motion }: { motion: Motion }) {
   const about = motion.latest_job?.state === "succeeded" ? motion.latest_job.id : "";
+  const kind = motion.summary.holds === "markers" ? "marker" : "bone";
+  const labelled = (part: string) => motion.summary.labels?.find(({ segment }) => segment === part)?.name;
+  const first = SHOWN_FIRST.flatMap((part) => labelled(part) ?? []).map((label) => `${kind}.${label}`);
   return (
     <Shown
       source={{ of: "motions", id: motion.id }}
-      first={[]}
+      first={first}
       stage={(cursor) => <CaptureView motionId={motion.id} about={about} name={motion.name} cursor={cursor} />}
     />
   );

@@ -119,12 +119,15 @@ function Verdict({ plan }: { plan: Plan }) {
   const found = plan.found!;
   if (found.broken.length === 0)
     return (
-      <Alert icon={<IconCircleCheck aria-hidden />} color="teal" variant="outline" title="Every bound holds">
-        <Text size="sm">It takes {duration(found.seconds)}, and was judged at {found.rate_hz.toFixed(0)} Hz.</Text>
+      <Alert icon={<IconCircleCheck aria-hidden />} color="teal" variant="default" title="Every bound holds">
+        <Text size="sm">
+          It takes {duration(found.seconds)}.{" "}
+          {found.kind === "excite" ? `Nearest bound: ${String(found.told["nearest bound"] ?? "")}.` : `It was judged at ${found.rate_hz.toFixed(0)} Hz.`}
+        </Text>
       </Alert>
     );
   return (
-    <Alert icon={<IconAlertTriangle aria-hidden />} color="orange" variant="outline" title={found.broken.length === 1 ? "A bound is broken" : `${found.broken.length} bounds are broken`}>
+    <Alert icon={<IconAlertTriangle aria-hidden />} color="orange" variant="default" title={found.broken.length === 1 ? "A bound is broken" : `${found.broken.length} bounds are broken`}>
       <List size="sm">
         {found.broken.map((line) => (
           <List.Item key={line}>{line}</List.Item>
@@ -153,7 +156,7 @@ function WouldDo({ found }: { found: NonNullable<Plan["found"]> }) {
 
 /** The rest that was told, in the service’s own words. */
 function Told({ plan }: { plan: Plan }) {
-  const shown = ["trunk not expressed", "person's feet", "identified up to", "motion", "not looked at", "may touch", "undecided"];
+  const shown = ["person's feet", "identified up to", ...(plan.kind === "excite" ? ["motion"] : []), "not looked at", "may touch", "undecided"];
   const told = Object.entries(plan.found!.told).filter(([key, value]) => shown.includes(key) && (!Array.isArray(value) || value.length > 0));
   if (!told.length) return null;
   return (

@@ -181,7 +181,7 @@ class BandShare(Part):
     )
     words: str = Field(description="the same in words")
     stiffness_std: Number = Field(description="[N/m]")
-    natural_length_std: Number = Field(description="[m]")
+    natural_length_std: Number = Field(description="[m]; null of a length that the data do not decide")
     advice: str = Field(description="what would make it smaller")
 
 

@@ -1,0 +1,140 @@
+"""Motions in the browser: handed in, told, the feet corrected, planned for a robot, looked at, exported."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+import yaml
+from playwright.sync_api import expect
+from tests.e2e.robot_in_3d import changed, drawn, listen, picture, wait_until_drawn
+from tests.e2e.test_studies_page import drop
+from tests.motion.captures import bow, bvh
+from tests.motion.robots import arm_folder, sample_folder
+
+from exogauge.client import Client
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+    from tests.e2e.conftest import Service
+
+A_MOTION, A_PLAN = re.compile(r"/motions/[0-9a-f-]{36}$"), re.compile(r"/plans/[0-9a-f-]{36}$")
+CMU = Path(__file__).parents[3] / "shared" / "data" / "cmu_mocap_bend_twist"
+PLANNED_MS = 240_000
+
+
+@pytest.fixture(scope="module")
+def robot(service: Service, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The name of a robot that has soles and a human_map; beside it one that has none."""
+    folder = tmp_path_factory.mktemp("robots")
+    sample_folder(folder / "whole")
+    bare = sample_folder(folder / "bare")
+    content = yaml.safe_load(bare.read_bytes())
+    kept = {key: value for key, value in content.items() if key not in ("soles", "human_map")}
+    bare.write_text(yaml.safe_dump(kept | {"name": "barefoot"}))
+    with Client(service.url) as client:
+        client.upload_robot(folder / "bare")
+        return client.upload_robot(folder / "whole").name
+
+
+def choose(page: Page, label: str, option: str) -> None:
+    page.get_by_role("combobox", name=label).click()
+    page.get_by_role("option", name=re.compile(f"^{re.escape(option)}")).click()
+
+
+def test_an_empty_list_says_what_a_motion_is(page: Page, screenshot: Callable[[str], None]) -> None:
+    page.goto("/motions")
+    expect(page.get_by_role("heading", name="No motions yet")).to_be_visible()
+    screenshot("motions-empty")
+
+
+def test_what_the_file_does_not_say_is_asked_for(page: Page) -> None:
+    page.goto("/motions")
+    drop(page, {"notes.txt": b"nothing"})
+    expect(page.get_by_role("alert").first).to_contain_text("captures")
+    expect(page.get_by_role("heading", name="Say what the file does not")).to_be_visible()
+
+
+def test_a_dropped_capture_becomes_a_motion_of_a_robot(
+    page: Page, robot: str, screenshot: Callable[[str], None]
+) -> None:
+    listen(page)
+    page.goto("/motions")
+    drop(page, {"bow.bvh": bvh(bow())})
+    page.wait_for_url(A_MOTION, timeout=60_000)
+    expect(page.get_by_role("heading", name="bow", level=1)).to_be_visible()
+    told = page.locator("dl").first
+    expect(told).to_contain_text("guessed: y, from the feet to the head")
+    expect(page.get_by_role("img", name="The left foot stands 0 to 2 s")).to_be_visible()
+    screenshot("motion")
+
+    page.get_by_label("left foot, stretch 1: to").fill("1.5")
+    page.get_by_role("button", name="Keep these contacts").click()
+    expect(page.get_by_text("As somebody said it.")).to_be_visible()
+    page.get_by_role("button", name="As read").click()
+    expect(page.get_by_role("img", name="The left foot stands 0 to 2 s")).to_be_visible()
+
+    choose(page, "Robot", "barefoot")
+    expect(page.get_by_role("alert").first).to_contain_text("lacks soles, human_map")
+    choose(page, "Robot", robot)
+    page.get_by_role("button", name="Plan it").click()
+    page.wait_for_url(A_PLAN)
+    expect(page.get_by_text("Every bound holds")).to_be_visible(timeout=PLANNED_MS)
+    trunk = page.get_by_role("region", name="Trunk: table")
+    expect(trunk.get_by_role("row", name="torso_pitch")).to_contain_text("0.0 … 20.0")
+    expect(page.locator("tr[data-bound=torque]")).to_contain_text("%")
+    expect(page.get_by_text("The bound that binds first")).to_be_visible()
+    expect(page.locator(".u-over").first).to_be_visible(timeout=30_000)
+    screenshot("motion-plan")
+    with page.expect_download() as got:
+        page.get_by_role("link", name="CSV: t, q.joint").click()
+    assert Path(got.value.path()).read_text().startswith("t,q.")
+
+    page.get_by_role("switch", name="In 3D").check()
+    wait_until_drawn(page)
+    expect(page.get_by_text("at least", exact=False).first).to_be_visible()
+    page.locator("iframe").scroll_into_view_if_needed()  # what is not seen is not drawn
+    upright = picture(page)
+    assert drawn(upright) > 0.02
+    page.goto(f"{page.url.split('?')[0]}?robot=yes&at=3")
+    wait_until_drawn(page)
+    page.locator("iframe").scroll_into_view_if_needed()
+    bent = picture(page)
+    assert changed(upright, bent) > 0.002
+    screenshot("motion-plan-3d")
+
+
+def test_a_motion_that_identifies_tells_what_will_be_known(
+    page: Page, service: Service, tmp_path: Path, screenshot: Callable[[str], None]
+) -> None:
+    arm_folder(tmp_path / "arm", "ur10")
+    with Client(service.url) as client:
+        client.upload_robot(tmp_path / "arm")
+    page.goto("/motions")
+    page.get_by_role("link", name="Plan a motion that identifies").click()
+    choose(page, "Robot", "ur10")
+    page.get_by_label("Seconds of the motion itself").fill("4")
+    page.get_by_role("button", name="Plan it").click()
+    page.wait_for_url(A_PLAN)
+    expect(page.get_by_text("will be decided by the data")).to_be_visible(timeout=PLANNED_MS)
+    expect(page.get_by_role("region", name="Predicted standard deviations: table")).to_contain_text("base[")
+    screenshot("motion-excite-plan")
+
+
+@pytest.mark.skipif(not CMU.is_dir(), reason="the recordings do not lie beside the repository")
+def test_a_recorded_bend_is_planned_from_its_page(page: Page, robot: str) -> None:
+    files = {"02.asf": (CMU / "02.asf").read_bytes(), "02_06.amc": gzip.decompress((CMU / "02_06.amc.gz").read_bytes())}
+    page.goto("/motions")
+    drop(page, files)
+    page.wait_for_url(A_MOTION, timeout=120_000)
+    page.get_by_text("How", exact=True).click()
+    page.get_by_label("To [s]").fill("4")
+    choose(page, "Robot", robot)
+    page.get_by_role("button", name="Plan it").click()
+    page.wait_for_url(A_PLAN)
+    trunk = page.get_by_role("region", name="Trunk: table")
+    expect(trunk).to_be_visible(timeout=PLANNED_MS)
