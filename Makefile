@@ -86,8 +86,8 @@ bench: $(READY) .venv-bench/.ready  ## speed and memory as ratios in one run
 SEEDS ?= 20
 FIRST ?= 1
 
-coverage: $(READY)  ## how often stated intervals hold, on fresh samples as a laboratory records them: SEEDS=20 FIRST=1 KEPT=folder
-	$(BIN)/python -m tests.calibration --seeds $(SEEDS) --first $(FIRST) --kept $(or $(KEPT),.coverage-kept)
+coverage: $(READY)  ## how often stated intervals hold, on fresh samples as a laboratory records them: SEEDS=20 FIRST=1 KEPT=folder PICTURE=file.svg
+	$(BIN)/python -m tests.calibration --seeds $(SEEDS) --first $(FIRST) --kept $(or $(KEPT),.coverage-kept) $(if $(PICTURE),--picture $(PICTURE))
 
 STUDIES ?= 300
 REQUESTS ?= 100

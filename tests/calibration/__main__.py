@@ -72,8 +72,8 @@ def _logs(study: Path) -> list[dict[str, str]]:
 
 
 def table(numbers: list[Told]) -> str:
-    """By kind: how many that are called identifiable, share inside, median std over the rms error, and the median error
-    over the median of the truths' sizes."""
+    """By kind: how many that are called identifiable, share inside, std over error (1 / RMS of z), and the median error
+    over the RMS of the truths."""
     shares_of = " | ".join(f"in {100 * level:.0f} %" for level in LEVELS)
     lines = [f"| kind | numbers | {shares_of} | std / rms error | median error / size |"]
     lines.append("|---|---|" + "---|" * (len(LEVELS) + 2))
@@ -83,8 +83,8 @@ def table(numbers: list[Told]) -> str:
             continue
         shares = " | ".join(f"{100 * np.mean([each.inside(level) for each in own]):.0f} %" for level in LEVELS)
         errors = np.array([each.value - each.truth for each in own])
-        width = float(np.median([each.std for each in own]) / max(np.sqrt(np.mean(errors**2)), 1e-300))
-        size = max(float(np.median([abs(each.truth) for each in own])), 1e-300)
+        width = 1.0 / max(float(np.sqrt(np.mean([(each.value - each.truth) ** 2 / each.std**2 for each in own]))), 1e-9)
+        size = max(float(np.sqrt(np.mean([each.truth**2 for each in own]))), 1e-300)
         off = 100.0 * float(np.median(np.abs(errors))) / size
         lines.append(f"| {kind} | {len(own)} | {shares} | {width:.2f} | {off:.2g} % |")
     return "\n".join(lines)

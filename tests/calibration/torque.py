@@ -17,16 +17,20 @@ APPROACHES = {"A": "a", "B": "b", "paired": "paired"}  # as in results.json, as 
 
 
 def true_torque(study: Path, series: Path, motions: dict[str, str]) -> dict[str, Any]:
-    """motions: log -> its motion. `true`: motion -> joint -> peak and mean [N·m], each the mean over the logs; `rmse`:
-    motion -> joint -> approach -> [N·m] against the truth, all samples (`steady`: of both runs' steady motion)."""
-    peaks, means = dict[tuple[str, str], list[float]](), dict[tuple[str, str], list[float]]()
+    """motions: log -> its motion.
+
+    `true`: motion -> joint -> peak and mean [N·m], each the mean over the logs, the peak of the side that is larger (a
+    twist goes both ways). `rmse`: motion -> joint -> approach -> [N·m] against the truth, all samples, and `A steady` …
+    of both runs' steady motion.
+    """
+    peaks, means = dict[tuple[str, str], list[tuple[float, float]]](), dict[tuple[str, str], list[float]]()
     errors: dict[tuple[str, str, str], list[Array]] = {}
     for log, motion in motions.items():
         truth, told = pq.read_table(study / "truth" / f"{log}.parquet"), pq.read_table(series / f"{log}.parquet")
         time = truth["t"].to_numpy()
         for joint in truth.column_names[1:]:
             line = truth[joint].to_numpy().astype(np.float64)
-            peaks.setdefault((motion, joint), []).append(peak(line, time))
+            peaks.setdefault((motion, joint), []).append(peaks_both_ways(line, time))
             means.setdefault((motion, joint), []).append(float(line.mean()))
             for approach, letter in APPROACHES.items():
                 name = f"support_{letter}.{joint}"
@@ -38,7 +42,8 @@ def true_torque(study: Path, series: Path, motions: dict[str, str]) -> dict[str,
                 errors.setdefault((motion, joint, f"{approach} steady"), []).append(off[steady])
     found: dict[str, Any] = {"true": {}, "rmse": {}}
     for (motion, joint), values in peaks.items():
-        numbers = {"peak": float(np.mean(values)), "mean": float(np.mean(means[motion, joint]))}
+        both = np.mean(values, axis=0)
+        numbers = {"peak": float(both[np.argmax(np.abs(both))]), "mean": float(np.mean(means[motion, joint]))}
         found["true"].setdefault(motion, {})[joint] = numbers
     for (motion, joint, approach), parts in errors.items():
         square = np.concatenate(parts) ** 2
@@ -47,8 +52,8 @@ def true_torque(study: Path, series: Path, motions: dict[str, str]) -> dict[str,
     return found
 
 
-def peak(line: Array, time: Array) -> float:
-    """[N·m] the largest mean over `PEAK_S`, with its sign."""
+def peaks_both_ways(line: Array, time: Array) -> tuple[float, float]:
+    """[N·m] the lowest and the highest mean over `PEAK_S`."""
     width = max(1, round(PEAK_S * (len(time) - 1) / float(time[-1] - time[0])))
     smooth = uniform_filter1d(line, width, mode="nearest")
-    return float(smooth[np.argmax(np.abs(smooth))])
+    return float(smooth.min()), float(smooth.max())

@@ -129,6 +129,16 @@ def test_what_an_effect_takes_off_the_rows_is_what_a_changed_reading_does_to_the
         np.testing.assert_allclose(columns, -(after - before)[:, own] / step, atol=1e-6 * np.abs(columns).max())
 
 
+def test_a_foot_of_which_a_component_was_never_measured_is_not_blamed(robot: Robot) -> None:
+    log = on_two_plates(SEEDS[0])
+    log = replace(log, channels=log.channels | {"ft.left.mx": np.zeros(log.samples)})
+    model = identify(robot, [Recording(log, held_out=False)], Settings()).model
+    prepared = model.prepare(log)
+    for foot, blamed in ((0, False), (1, True)):
+        columns = SensorSite(foot, 2, contact=True).see(model, prepared).columns(sensor_effects()["ft_gain"], ())
+        assert columns.any() == blamed
+
+
 def shunted(_t: np.ndarray, w: np.ndarray) -> np.ndarray:
     """A cover 0.1 m in front bears a share of the weight past the sensor while that stands in front of its usual place:
     nothing that the catalogue holds."""

@@ -16,7 +16,7 @@ def signals(effect, samples=3000):
     t = np.arange(samples) / 100.0
     if effect.place == "sensor":
         waves = np.stack([np.sin(2.0 * np.pi * f * t) for f in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)], axis=1)
-        return SensorSignals(t, waves * np.array([8.0, 8.0, 8.0, 0.6, 0.6, 0.3]), 2)
+        return SensorSignals(t, waves * np.array([8.0, 8.0, 8.0, 0.6, 0.6, 0.3]), 2, contacts=1)
     w = 2.0 * np.pi * 0.4
     q, v, a = np.sin(w * t), w * np.cos(w * t), -(w**2) * np.sin(w * t)
     load = 5.0 * np.sin(q + 0.4)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 from scipy.signal import butter, sosfiltfilt
 from tests.motion.robots import ARMS, arm_folder, sample_folder
 
@@ -212,3 +214,32 @@ def test_what_logs_know_is_what_their_noise_leaves(arm: Path) -> None:
     after = task_of(robot, of.stance.robot, 6.0, QUICK, known)
     assert np.linalg.eigvalsh(after.information.before).min() > 0.0
     assert after.told(planned.x).cost < of.told(planned.x).cost
+
+
+@pytest.mark.slow
+def test_the_command_counts_in_what_a_study_knows(
+    arm: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A log of a first motion on disk, as a study; then the next motion, from the command alone."""
+    shutil.copytree(arm.parent, tmp_path / "study")
+    of, rng = task(arm), np.random.default_rng(1)
+    first = planned_log(load_robot(arm.parent), Excited(of, within(of, random_motion(of, np.random.default_rng(0)))))
+    noise = {"q": 1e-5, "tau": 0.1}
+    columns = {"t": first.time} | {
+        name: values + noise[name.partition(".")[0]] * rng.standard_normal(len(values))
+        for name, values in first.channels.items()
+    }
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(tmp_path / "study" / "first.csv", table, "%.9g", ",", header=",".join(columns), comments="")
+    logs = [{"file": "first.csv", "role": "identification"}]
+    study = {"version": 1, "name": "first", "robot": "robot.yaml", "logs": logs}
+    (tmp_path / "study" / "study.yaml").write_text(yaml.safe_dump(study))
+    out = tmp_path / "next.csv"
+    robot = str(tmp_path / "study" / "robot.yaml")
+    command = ["motion", "excite", "--robot", robot, "--seconds", "3", "--json", "--out", str(out)]
+    assert main([*command, "--study", str(tmp_path / "study")]) == 0
+    told = [each for each in json.loads(out.with_suffix(".json").read_text())["parameters"] if each["before"] > 0.0]
+    left = np.array([each["std"] / each["before"] for each in told])
+    assert np.median(left) < 1.0
+    assert left.min() < 0.8
+    assert left.max() < 2.0  # of a longer log noise is known better, and may be told as more

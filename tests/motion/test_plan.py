@@ -31,6 +31,7 @@ from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
+from exogauge.motion.plan.within import plan_within
 from exogauge.motion.plan.written import read_written
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
@@ -232,6 +233,21 @@ def test_acceleration_and_jerk_are_held_between_nodes_too(robot: MotionRobot, be
     assert [line.split(":")[0] for line in told] == ["acceleration of l_shoulder_pitch", "jerk of l_shoulder_pitch"]
     again = plan(lazy, asked)
     assert judge(lazy, again.spline, asked.place[0], planned=again, rate=1000.0).broken == ()
+
+
+@pytest.mark.slow
+def test_what_breaks_between_the_nodes_alone_is_planned_once_more_with_more_kept(robot: MotionRobot, bent) -> None:
+    """Nodes that may come nearer to the soles' edge than what is judged: they hold, and what is written does not."""
+    asked, _ = bent
+    careless = replace(USUAL, margin_m=USUAL.inside_m - 0.005)
+    first = plan(robot, asked, careless)
+    told = judge(robot, first.spline, asked.place[0], planned=first).broken
+    assert [line.split(":")[0] for line in told] == ["centre of pressure inside the soles"]
+    assert first.excess.max() < careless.over
+    again, judged = plan_within(robot, asked, careless)
+    assert judged.broken == ()
+    assert judged.inside.min() >= USUAL.inside_m
+    assert again.spline.control.shape == first.spline.control.shape
 
 
 def test_what_is_asked_alone_would_fall(robot: MotionRobot, bent) -> None:

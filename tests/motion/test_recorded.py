@@ -7,10 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.motion.robots import sample_folder
+from tests.motion.test_plan import ByMuJoCo
+from tests.motion.test_touching import Shapes
 
+from exogauge.criteria.motion_plan import USUAL
 from exogauge.errors import BadMotion
+from exogauge.motion.contacts import with_contacts
 from exogauge.motion.files import open_motion
+from exogauge.motion.fit.fit import fit_human
+from exogauge.motion.person import person_of_fit
+from exogauge.motion.plan.retarget import ask
+from exogauge.motion.plan.within import plan_within
+from exogauge.motion.robot_file import load_motion_robot
 from exogauge.motion.summary import summarise
+from exogauge.robots.moving.touching import Pairs
+from exogauge.synthetic.urdf import robot_urdf
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 SGI = ("sample02_sgi_int.c3d", "sample02_sgi_real.c3d")
@@ -138,3 +150,24 @@ def test_bones_keep_their_length_in_metres(captured) -> None:
     length = np.linalg.norm(tree.end[:, femur] - tree.position[:, femur], axis=1)
     assert length == pytest.approx(7.59371 / 0.45 * 0.0254)  # as 02.asf has it, 1/0.45 inch a unit
     assert np.linalg.det(tree.rotation) == pytest.approx(1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mocap_c3d/squat.c3d", "opencap_sts_trc_grf/STS1.trc"])
+def test_markers_become_a_motion_that_the_sample_can_do_as_mujoco_sees_it(captured, name, tmp_path: Path) -> None:
+    """Nine seconds of a squat and of sitting down: a body is fitted, its motion planned, every bound and every distance
+    judged by MuJoCo."""
+    motion = with_contacts(open_motion(captured(name)))
+    person = person_of_fit(fit_human(motion), motion.contacts).cut(0.0, 9.0)
+    robot = load_motion_robot(sample_folder(tmp_path / "robot"))
+    asked, _ = ask(robot, person)
+    planned, judged = plan_within(robot, asked)
+    assert judged.broken == ()
+    upper = np.array(robot.beyond("thorax") + robot.torso)
+    for rate in (200.0, 1000.0):
+        seen = ByMuJoCo(robot, planned.spline, rate)
+        assert seen.inside.min() >= 0.015
+        assert np.abs(seen.feet - seen.feet[0]).max() <= 1e-4
+        assert (np.abs(seen.torque[:, upper]) <= robot.limits.torque[upper]).all()
+    near = Shapes(robot, robot_urdf()).nearer_than(USUAL.clearance_m - 1e-4, judged.q)
+    assert not near & {frozenset(pair) for pair in Pairs(robot, USUAL.clearance_m).names}

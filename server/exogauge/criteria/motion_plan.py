@@ -24,6 +24,8 @@ class MotionPlan:
     by which what is inside each other is taken apart in one round; it is not further that slopes hold.
     slides: steps at each node until limbs stand still that are asked through what is in their way; slide_rad: one of
     them at most, so that nothing is jumped over; slid_rad: below which they stand still.
+    more_kept: share of the bounds, and more_m [m] of margins, that are kept more for between the nodes where a plan
+    breaks a bound there alone; Talos' arms bind at 98 % and swung to 101.
     trunk_rad, pelvis_rad, pelvis_m, limb_rad: by how much each may stray from what is asked at equal cost; the trunk is
     what is evaluated. free_rad: likewise of joints of which nothing is asked, for smoothness alone. wrench: likewise of
     the feet's loads, in weights: it decides how two feet share, not where the body goes. slack_cost: of a bound that is
@@ -54,6 +56,8 @@ class MotionPlan:
     clearance_m: float = 0.01
     look_m: float = 0.03
     out_m: float = 0.02
+    more_kept: float = 0.03
+    more_m: float = 0.01
     slides: int = 10
     slide_rad: float = 0.1
     slid_rad: float = 1e-3

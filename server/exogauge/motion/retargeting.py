@@ -14,10 +14,11 @@ from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.human import HumanMotion
 from exogauge.motion.person import Person, person_of, person_of_fit
 from exogauge.motion.plan.asked import Asked
-from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.possible import Possible, Tried, what_would_do
 from exogauge.motion.plan.retarget import ask
-from exogauge.motion.plan.solve import Planned, Report, plan
+from exogauge.motion.plan.solve import Planned, Report
+from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
 Array = NDArray[np.float64]
@@ -59,7 +60,6 @@ def retargeted(
     """person: as captured. Raises BadMotion, BadRobot."""
     person = changed(person, wanted)
     asked, missed = ask(robot, person)
-    planned = plan(robot, asked, report=report)
-    judged = judge(robot, planned.spline, asked.place[0], rate=wanted.rate_hz, planned=planned)
+    planned, judged = plan_within(robot, asked, report=report, rate=wanted.rate_hz)
     could = what_would_do(robot, person, tried=tried) if judged.broken and wanted.what_would_do else None
     return Retargeted(robot, person, asked, missed, planned, judged, could)

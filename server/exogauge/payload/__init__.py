@@ -1,1 +1,13 @@
-"""What hangs on a wrist force/torque sensor: identified in two stages, then taken out of what the sensor reads."""
+"""What hangs on a wrist force/torque sensor: identified in two stages, then taken out of what the sensor reads.
+
+- `contract`, `intake`, `log_names`, `other_units`, `imu`, `limits`: payload.yaml and its logs, read and refused
+- `doctor`, `prepare`, `smoothing`, `sensor_motion`: logs examined; poses become the sensor's motion
+- `holds`, `statics`: postures at rest: mass, centre, zero, inclination
+- `dynamics`, `total_least_squares`: motion: the inertia, and how far the noise of both sides counts
+- `contact`, `remainder`, `missing`: what touches, what is left, what a rigid body does not explain
+- `stages`, `evaluate`, `compute`: the recipe, step by step, whole, and as a job
+- `results`, `schema`, `tables`, `report`, `summary`, `exports`: what is told, for machines and people
+- `planning`: what to record
+- `live`, `live_start`, `live_input`, `live_track`, `live_fit`, `live_frames`: a stream, sample by sample
+- `live_process`, `live_messages`, `live_lines`, `live_text`, `live_record`: that stream's process, and what it says
+"""

@@ -1,1 +1,10 @@
-"""One search over one problem: screen candidates, refine, validate, add, prune, correct."""
+"""One search over one problem: screen candidates, refine, validate, add, prune, correct.
+
+- `state`: what it has come to
+- `candidates`, `site_rows`, `baseline`, `sums`, `partial`: what is tried, beside what
+- `score`, `refine`, `locate`: how much each gains, with which shape, where
+- `judge`, `creeping`: what held-out logs and other causes say of the best
+- `search`: add, identify again, take back
+- `afterwards`, `residual_correction`, `final_numbers`, `doubt`: shapes once more, curves, numbers beside all else
+- `ambiguity`, `finding`: what cannot be told apart, and what is said
+"""

@@ -54,7 +54,8 @@ def sites(model: RobotModel) -> tuple[Site, ...]:
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     of_cuts = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
-    contacts = range(len(model.robot.contacts))
+    tree = model.robot.tree
+    contacts = [index for index, sensor in enumerate(model.robot.contacts) if tree.frames[sensor.frame][0] >= 0]
     of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), None)]
     return (*axes, *neighbours(model.robot), *of_cuts, *of_contacts, *end_links(model.equations), BaseSite())
 

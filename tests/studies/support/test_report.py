@@ -217,3 +217,30 @@ def test_what_the_band_model_is_made_of_is_told_in_words(report: str) -> None:
 
 def test_no_object_of_the_code_is_printed(report: str) -> None:
     assert not re.search(r"(?:&lt;|<)[A-Z]\w+\.\w+:|\b[A-Z][A-Za-z]+\((?:\w+=|\))", report)
+
+
+def test_what_the_doubt_of_peak_and_stiffness_is_made_of_stands_with_what_would_make_it_smaller(
+    render: Render, support: SupportResult, stiffness: tuple[StiffnessResult, ...]
+) -> None:
+    parts = {"kt_drift": 0.4, "scatter": 0.3}
+    joints = [
+        dataclasses.replace(
+            each,
+            by={
+                name: dataclasses.replace(effort, peak=dataclasses.replace(effort.peak, parts=parts))
+                for name, effort in each.by.items()
+            },
+        )
+        for each in support.joints
+    ]
+    bands = [
+        dataclasses.replace(band, stiffness=dataclasses.replace(band.stiffness, parts={"via_points": 2.0}))
+        for band in stiffness[0].bands
+    ]
+    doubted = (dataclasses.replace(stiffness[0], bands=tuple(bands)), *stiffness[1:])
+    said = words(render(dataclasses.replace(support, joints=tuple(joints)), doubted))
+    assert "What the doubts of peak and mean are made of" in said
+    assert "torque per ampere, drifting from log to log 0.40 64 %" in said
+    assert "scatter of the logs 0.30 36 %" in said
+    assert "places of the via points 2.0 100 %" in said
+    assert "Measure via points to 2 mm" in said

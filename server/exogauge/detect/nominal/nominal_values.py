@@ -76,7 +76,7 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
             rows.moved(unit)
         add("gain", axis, np.array([broad_gain]))
     if _feet_scale_all(model):
-        rows.moved(broad_gain * rows.data.x[:, None])
+        rows.moved(broad_gain * model.solution.prior.seen_mean[:, None])  # what was identified deviates by chance
         add("feet", -1, np.array([broad_gain]))
         logged += [(rows.width - 1, common / broad_gain)] if (common := model.robot.declared.ft_gain_common) else []
     doubted = _doubted(rows.letting_go(), logged)

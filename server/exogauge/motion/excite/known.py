@@ -17,6 +17,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
 from exogauge.logs.model import Log
+from exogauge.motion.excite.promise import white_std
 from exogauge.progress import Progress, unwatched
 from exogauge.robots.description import Robot
 from exogauge.robots.parameters import parameter_names
@@ -44,7 +45,8 @@ def of_study(robot: Robot, path: Path, progress: Progress = unwatched) -> Known:
                                  path.name, None, "robot", study.robot.name))  # fmt: skip
         logs = [each.log for each in admit(study, worn=False, progress=progress).recordings if not each.held_out]
     found = identify(robot, [Recording(log, False) for log in logs], Settings(prior_strength=1.0), progress)
-    return Known(information_of(found), tuple(logs), {each.name: each.std for each in found.parameters})
+    stated = zip(found.parameters, white_std(found).tolist(), strict=True)
+    return Known(information_of(found), tuple(logs), {each.name: max(each.std, white) for each, white in stated})
 
 
 def information_of(found: Identification) -> Array:

@@ -63,14 +63,14 @@ def promised(
     found = identify(robot, [Recording(log, False) for log in (*logs, *made)], settings, progress)
     decided = found.model.criteria.identifying.decided
     certain = []
-    for each, white in zip(found.parameters, _white(found).tolist(), strict=True):
+    for each, white in zip(found.parameters, white_std(found).tolist(), strict=True):
         std = max(each.std, white)
         known = each.prior_std if before is None else before.get(each.name, each.prior_std)
         certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
     return Promise(tuple(certain), found.cutoff_hz)
 
 
-def _white(found: Identification) -> Array:
+def white_std(found: Identification) -> Array:
     """(parameters,) what the noise that the weights state leaves: of a log of seconds, few stretches of which count as
     independent, the scatter of its residuals says too little."""
     model = found.model

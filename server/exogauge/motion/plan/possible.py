@@ -8,9 +8,10 @@ from typing import final
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.person import Person
-from exogauge.motion.plan.judge import Judged, judge
+from exogauge.motion.plan.judge import Judged
 from exogauge.motion.plan.retarget import ask
-from exogauge.motion.plan.solve import Report, plan
+from exogauge.motion.plan.solve import Report
+from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
 Tried = Callable[[str, float, bool], None]
@@ -29,8 +30,7 @@ class Possible:
 def judged_as(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, report: Report | None = None) -> Judged:
     """A person's motion, planned and judged."""
     asked, _ = ask(robot, person, criteria)
-    planned = plan(robot, asked, criteria, report)
-    return judge(robot, planned.spline, asked.place[0], criteria, planned=planned)
+    return plan_within(robot, asked, criteria, report)[1]
 
 
 def what_would_do(

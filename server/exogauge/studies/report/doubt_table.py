@@ -24,14 +24,14 @@ class DoubtRow:
 @final
 @dataclass(frozen=True)
 class DoubtTable:
-    """heads: what the numbers are called, with their units."""
+    """heads: what each number is called, and smaller below it, of what and in which unit."""
 
     caption: str
-    heads: tuple[str, ...]
+    heads: tuple[tuple[str, str], ...]
     rows: tuple[DoubtRow, ...]
 
 
-def doubt_table(caption: str, numbers: Mapping[str, Mapping[str, float]]) -> DoubtTable | None:
+def doubt_table(caption: str, numbers: Mapping[tuple[str, str], Mapping[str, float]]) -> DoubtTable | None:
     """numbers: head -> source -> standard deviation; those without any are left out. None where none is left."""
     told = {head: parts for head, parts in numbers.items() if parts}
     return DoubtTable(caption, tuple(told), doubt_rows(list(told.values()))) if told else None

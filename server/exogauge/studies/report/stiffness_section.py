@@ -120,7 +120,7 @@ def _device_view(device: str, by: dict[Approach, StiffnessResult]) -> DeviceView
 def _doubts(by: dict[Approach, StiffnessResult], doubted: Approach, groups: Sequence[GroupRow]) -> DoubtTable | None:
     said = f"What the doubt of the stiffness by {SAID[doubted]} is made of"
     bands = {row.group: _of(by, doubted, row.bands[0]) for row in groups}
-    return doubt_table(said, {f"{group} [N/m]": band.stiffness.parts for group, band in bands.items() if band})
+    return doubt_table(said, {(group, "[N/m]"): band.stiffness.parts for group, band in bands.items() if band})
 
 
 def _checks(by: dict[Approach, StiffnessResult]) -> tuple[CheckRow, ...]:

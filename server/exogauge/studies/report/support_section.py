@@ -123,12 +123,14 @@ def motion_views(support: SupportResult) -> list[MotionView]:
 def _doubts(joints: Sequence[JointSupport]) -> DoubtTable | None:
     """Of the headline's peak and mean."""
     several = len({each.device for each in joints}) > 1
-    numbers: dict[str, Mapping[str, float]] = {}
+    numbers: dict[tuple[str, str], Mapping[str, float]] = {}
     for each in joints:
         approach = best_approach(each)
         for name in ("peak", "mean") if approach in each.by else ():
-            whose = f"{each.joint}, {each.device}" if several else each.joint
-            numbers[f"{whose}: {name} by {SAID[approach]} [{each.unit}]"] = getattr(each.by[approach], name).parts
+            whose = f", {each.device}" if several else ""
+            numbers[each.joint, f"{name}, {NAMES[approach]}{whose} [{each.unit}]"] = getattr(
+                each.by[approach], name
+            ).parts
     return doubt_table("What the doubts of peak and mean are made of", numbers)
 
 
