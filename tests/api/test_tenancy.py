@@ -137,7 +137,7 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
         {"title": "Northern bend", "creators": [{"name": "Ada"}], "licence": "CC0-1.0"},
     )  # fmt: skip
     webhook, _ = store.webhooks.add("https://north.example/hook", ["job.ended"])
-    store.webhooks.ping(webhook.id)
+    delivery = store.webhooks.ping(webhook.id)
     upload = new_id()
     PartialFiles(settings.uploads).create(upload)
     store.uploads.add(upload, "Northern.csv", 0, utc_now() + timedelta(hours=1))
@@ -145,7 +145,7 @@ def filled(store: Store, settings: Settings) -> dict[str, str]:
         "robot_id": robot.id, "device_id": device.id, "log_id": log.id, "study_id": study.id, "payload_id": payload.id,
         "job_id": job.id, "stream_id": stream.id, "upload_id": upload, "path": "north.txt", "name": "id",
         "format": "csv", "motion_id": motion.id, "plan_id": plan.id, "map_id": names.id,
-        "publication_id": publication.id, "webhook_id": webhook.id,
+        "publication_id": publication.id, "webhook_id": webhook.id, "delivery_id": delivery.id,
     }  # fmt: skip
 
 

@@ -151,7 +151,9 @@ def unlink_identity(identity_id: Id, caller: CallerDep, installation: Installati
     key = account_of(caller)
     with installation.session() as session:
         identities = Identities(session)
-        if Accounts(session).password_hash(key=key) is None and len(identities.of(key)) < 2:
+        known = [each.id for each in identities.of(key)]
+        only = known == [str(identity_id)]
+        if only and Accounts(session).password_hash(key=key) is None:
             raise Conflict("this is the only way into the account; who runs the service can set a password for it")
         identities.unlink(key, str(identity_id))
     return Response(status_code=204)
