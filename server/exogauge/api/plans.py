@@ -28,7 +28,7 @@ from exogauge.api.motions import asked
 from exogauge.api.opening_capture import EXPORT
 from exogauge.api.plan_shapes import MotionPlanList, MotionPlanOut, PlanAsked, PlanFound
 from exogauge.api.results import file_response
-from exogauge.api.series import NEVER_CHANGES, SeriesList, described, opened, series_of
+from exogauge.api.series import SeriesList, described, opened, series_of
 from exogauge.api.shapes import ArtifactOut, FileOut
 from exogauge.api.uploads import scratch_folder
 from exogauge.errors import BadMotion, BadRobot, Fault, NotFound
@@ -120,13 +120,12 @@ let_go(router, "plan", "plans", lambda store: store.plans, "Its jobs, results an
 
 
 @router.get("/plans/{plan_id}/series", operation_id="listPlanSeries")
-def list_series(plan_id: Id, store: ReaderDep, response: Response) -> SeriesList:
+def list_series(plan_id: Id, store: ReaderDep) -> SeriesList:
     """Of the newest job that succeeded; their tiles are that job's (`found_job_id`). Empty until there is one."""
     store.plans.get(str(plan_id))
     found = result_of(store, str(plan_id))
     if found is None:
         return SeriesList(items=[])
-    response.headers["Cache-Control"] = NEVER_CHANGES.replace("immutable", "must-revalidate")
     hashes = series_of(store, found.job_id)
     return SeriesList(items=[described(name, opened(store.blobs, sha256)) for name, sha256 in hashes.items()])
 
