@@ -27,6 +27,7 @@ KEYS = sorted(
 )
 ONE_OWNER = ("jobs", "results")  # of a study or another of `OWNERS`: here of a study, unless another is what is tried
 CHOICES = {"role": "viewer", "scope": "read"}  # where not any word will do
+STATES = {"deliveries": "waiting"}
 NUMBERS = count(1)
 
 
@@ -117,6 +118,7 @@ def row_of(
     row |= {"id": f"{next(NUMBERS):036}", "lab_id": lab}
     row |= {names(key): have[key.referred_table.name] for each, key in KEYS if each is table}
     row |= {name: value for name, value in CHOICES.items() if name in row}
+    row |= {"state": STATES[table.name]} if table.name in STATES else {}
     row |= {"account_id": have["accounts"]} if "account_id" in row else {}
     if table.name in ONE_OWNER:
         owners = {f"{noun}_id" for noun in OWNERS}

@@ -57,6 +57,7 @@ NO_HASHES = (
     "to_lab",
     "kind",
     "action",
+    "event",
     "subject_kind",
     "name",
     "code_version",

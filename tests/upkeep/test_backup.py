@@ -20,6 +20,7 @@ from exogauge.storage import chores, migrate, orphans
 from exogauge.storage.blobs import FolderBlobs
 from exogauge.storage.checking import check
 from exogauge.storage.store import Installation, open_installation
+from exogauge.storage.tables import OWNERS
 from exogauge.upkeep import backup
 from exogauge.upkeep.backup import back_up, restore
 
@@ -67,8 +68,8 @@ def fill(connection: sa.Connection, lab: str, blobs: Any) -> int:
                 row[column.name] = blobs.put(f"{table.name} {lab}".encode())
             else:
                 row[column.name] = value_of(column)
-        if "study_id" in row and "payload_id" in row:
-            row["payload_id"] = None
+        if table.name in ("jobs", "results"):  # of a study, and of nothing else
+            row |= {f"{noun}_id": None for noun in OWNERS if f"{noun}_id" in row and noun != "study"}
         if "size" in row and "sha256" in row:
             row["size"] = len(f"{table.name} {lab}")
         connection.execute(sa.insert(table).values(row))
