@@ -28,11 +28,11 @@ def test_every_answer_has_an_id_which_its_sender_may_choose(client: TestClient) 
 
 @on_sqlite
 def test_a_line_of_the_log_is_json_with_the_request_and_the_job_it_is_of(
-    client: TestClient, caplog: pytest.LogCaptureFixture
+    client: TestClient, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     caplog.set_level(logging.INFO, "exogauge")
     lines = list[dict[str, Any]]()
-    caplog.handler.emit = lambda record: lines.append(json.loads(AsJson().format(record)))  # type: ignore[method-assign]
+    monkeypatch.setattr(caplog.handler, "emit", lambda record: lines.append(json.loads(AsJson().format(record))))
     client.get("/api/v1/robots", headers={"X-Request-ID": "robot-cell-7"})
     told = next(line for line in lines if line.get("path") == "/api/v1/robots")
     assert told["request"] == "robot-cell-7"
