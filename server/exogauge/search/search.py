@@ -294,13 +294,14 @@ def taken_back(search: Search, number: int, objection: Objection) -> Search:
 def taken_out(search: Search, number: int, objection: Objection) -> Search:
     step = search.steps[number]
     search = search.having_failed((step.added.effect.name, step.added.site), not_named(step.finding, objection))
-    return identified_again(search, search.without(number))
+    return identified_again(search, search.steps[number + 1 :], search.steps[:number])
 
 
-def identified_again(search: Search, kept: Sequence[Step]) -> Search:
-    """With these steps, one after the other; their findings keep what was said of them."""
-    search = replace(search, steps=())
-    for rank, each in enumerate(kept, 1):
+def identified_again(search: Search, kept: Sequence[Step], begun: tuple[Step, ...] = ()) -> Search:
+    """With these steps, one after the other; their findings keep what was said of them. begun: those before them, which
+    stay as they are."""
+    search = replace(search, steps=begun)
+    for rank, each in enumerate(kept, len(begun) + 1):
         found = search.identified([*search.added, each.added])
         step = replace(each, finding=replace(each.finding, rank=rank), found=found)
         search = replace(search, steps=(*search.steps, step))
