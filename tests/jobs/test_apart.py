@@ -28,13 +28,11 @@ def line() -> Iterator[Line]:
 
 
 @pytest.fixture
-def apart(
-    line: Line, tmp_path: Path, migrated_postgres_url: str, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Workshop]:
+def apart(line: Line, tmp_path: Path, own_postgres_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Workshop]:
     """A workshop whose files are in an object store."""
     monkeypatch.setitem(recipes.RECIPES, "burn", BURN)
     store: dict[str, Any] = {"blob_url": f"s3://{BUCKET}", "s3_endpoint": line.endpoint, **KEYS}
-    settings = Settings(data_dir=tmp_path / "server", database_url=migrated_postgres_url, workers=0, **store)
+    settings = Settings(data_dir=tmp_path / "server", database_url=own_postgres_url, workers=0, **store)
     installation = open_installation(settings)
     opened = Workshop(settings, installation.of_lab(settings.lab), tmp_path)
     yield opened

@@ -35,6 +35,7 @@ log = logging.getLogger(__name__)
 
 LEASE = timedelta(seconds=10)  # of a key, put off three times in it while its request is served
 LONGEST_KEY = 255
+USABLE = re.compile(rf"[!-~]{{1,{LONGEST_KEY}}}")
 LONGEST_ANSWER = 1024 * 1024
 SECRET = re.compile(
     r"/api/v1/(session|set-up|invitations|tokens|lab/invitations|webhooks|oidc)\b"
@@ -54,8 +55,8 @@ class Idempotency:
         if key is None or scope["method"] != "POST" or SECRET.match(get_route_path(scope)):
             await self.app(scope, receive, send)
             return
-        if not 0 < len(key) <= LONGEST_KEY or not key.isprintable():
-            detail = f"the Idempotency-Key must have 1 to {LONGEST_KEY} printable characters"
+        if not USABLE.fullmatch(key):
+            detail = f"the Idempotency-Key must have 1 to {LONGEST_KEY} printable ASCII characters, no spaces"
             await problem_response(422, "bad-idempotency-key", "Unusable key", detail)(scope, receive, send)
             return
         storage = storage_of(HTTPConnection(scope))

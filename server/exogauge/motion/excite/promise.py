@@ -64,7 +64,7 @@ def promised(
     decided = found.model.criteria.identifying.decided
     certain = []
     for each, white in zip(found.parameters, white_std(found).tolist(), strict=True):
-        std = max(each.std, white)
+        std = min(max(each.std, white), each.prior_std)
         known = each.prior_std if before is None else before.get(each.name, each.prior_std)
         certain.append(Certain(each.name, each.unit, known, std, each.identifiable and std <= decided * each.prior_std))
     return Promise(tuple(certain), found.cutoff_hz)
