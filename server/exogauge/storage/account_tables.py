@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from sqlalchemy.orm import Mapped, mapped_column
 
 from exogauge.storage.database import UtcDateTime
-from exogauge.storage.tables import NAME, SHA256, UUID, Base, Owned, new_id, one_of, utc_now, within_lab
+from exogauge.storage.table_kinds import NAME, SHA256, UUID, Base, Owned, new_id, one_of, utc_now, within_lab
 
 LAB = sa.String(64)
 EMAIL = sa.String(254)

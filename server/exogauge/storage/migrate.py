@@ -17,7 +17,6 @@ from sqlalchemy.engine import Connection
 
 from exogauge.errors import Unavailable
 from exogauge.settings import packaged_folder
-from exogauge.storage import account_tables as account_tables  # its tables are among those of `Base`
 from exogauge.storage.database import make_engine, serving
 from exogauge.storage.tables import Base
 
