@@ -31,7 +31,7 @@ from exogauge.settings import Settings, is_loopback
 ALGORITHMS = ("RS256", "PS256", "ES256", "RS384", "PS384", "ES384", "RS512", "PS512", "ES512", "Ed25519", "EdDSA")
 PATIENCE_S = 10.0  # for an answer of the provider
 KNOWN_FOR_S = 3600.0  # after which the provider is asked anew where its endpoints are
-CLOCKS_S = 60  # by which its clock and ours may differ
+CLOCKS_S = 60  # judgement: by which its clock and ours may differ
 LONGEST_ANSWER = 1 << 20  # bytes
 LONGEST_SUBJECT = 255  # Core 1.0, 2: letters of `sub`
 

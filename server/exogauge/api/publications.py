@@ -29,7 +29,7 @@ from exogauge.storage.records import PublicationRecord, PublishedFile
 from exogauge.storage.store import Store
 
 router = APIRouter(tags=["publications"])
-MOST_CREATORS = 100
+MOST_CREATORS = 100  # judgement: of a publication; each is a line of its page
 DOI = r"^10\.\d{4,9}/[\x21-\x7e]+$"
 ORCID = r"^\d{4}-\d{4}-\d{4}-\d{3}[\dX]$"
 Licence = Literal["CC-BY-4.0", "CC0-1.0", "CC-BY-SA-4.0", "CC-BY-NC-4.0", "CC-BY-NC-SA-4.0", "ODbL-1.0"]

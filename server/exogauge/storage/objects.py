@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from obstore.store import S3Config
 
 PART = 8 << 20  # bytes of one part of an upload; what is smaller is put at once, unless it is there
-PARTS_AT_ONCE = 4
-ASKED_AT_ONCE = 16
-LARGEST_SHARE = 0.25  # of the shelf that one blob may take; a larger one is read where it is
+PARTS_AT_ONCE = 4  # judgement: with PART, 32 MB of memory for one upload
+ASKED_AT_ONCE = 16  # judgement: whether blobs are there, a round trip each
+LARGEST_SHARE = 0.25  # judgement: of the shelf that one blob may take; a larger one is read where it is
 DIGITS = "0123456789abcdef"
 COPY = ".blob"
 

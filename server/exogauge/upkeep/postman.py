@@ -27,10 +27,10 @@ from exogauge.upkeep.public_line import NoAnswer, Refused, post
 log = logging.getLogger(__name__)
 CHORE = "webhooks"
 LOOK_EVERY_S = 2.0  # whether something is to be sent
-AT_ONCE = 4
-BATCH = 16
-GONE = 410
-FORGET_EVERY_S = 3600.0
+AT_ONCE = 4  # judgement: addresses asked side by side; one that is slow holds up a quarter
+BATCH = 16  # deliveries taken in one transaction, four for each that is asked
+GONE = 410  # by which an address says that it wants no more
+FORGET_EVERY_S = 3600.0  # whether deliveries are old enough to go: as often as all that is swept
 
 
 @final

@@ -18,12 +18,12 @@ from urllib.parse import urlsplit
 import certifi
 import httpcore
 
-PATIENCE_S = 10.0
+PATIENCE_S = 10.0  # judgement: for an answer; who is slower is asked again
 ALSO_PRIVATE = tuple(  # public as the registries have it, and a way into a private network
     ipaddress.ip_network(each)
     for each in ("64:ff9b::/96", "64:ff9b:1::/48", "2002::/16", "2001::/32", "192.88.99.0/24", "100.64.0.0/10")
 )
-LONGEST_URL = 2000
+LONGEST_URL = 2000  # letters, as the column of webhooks has it
 
 
 class Refused(Exception):

@@ -33,7 +33,7 @@ LOGS = (
     *(LogPlan(f"id_{n + 1}", "identification", "excitation", 25.0) for n in range(3)),
     LogPlan("val_1", "validation", "excitation", 25.0),
 )
-VISIBLE = 3.0  # noise floors
+VISIBLE = 3.0  # noise floors, from which docs/blind.md calls a hidden effect visible
 _TRIES = 40  # draws of a place and a size, until one is visible
 
 
