@@ -22,13 +22,13 @@ class Following:
         0.8, "1", "share of a plan that a log holds at least: a log may begin late or end early", judgement(RULE)
     )
     follows: float = criterion(
-        0.15,
+        0.05,
         "1",
         "of the plan's own motion (rms about its means) by which a log that follows it may stray (rms)",
-        measured("docs/motion.md: runs of the sample stray by less than a third of it, other bends by twice as much"),
+        measured("docs/motion.md: runs of the sample stray by 2 to 3 %, from another plan of the same capture by 9 %"),
     )
     perhaps: float = criterion(
-        0.3, "1", "the same, up to which it is left undecided: twice as far as what follows", judgement(RULE)
+        0.2, "1", "the same, up to which it is left undecided: twice as far as plans of one capture", judgement(RULE)
     )
     nearer: float = criterion(
         2.0,
