@@ -116,7 +116,7 @@ def _evaluate(
             found = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
         except BadLog as error:  # what the doctor suspects comes first: it knows the cause
             raise BadLog([*suspects(findings), *error.faults]) from error
-        doubts, stated = refuse_what_made_it_worse(found, recordings, findings), found.model
+        doubts, bare = refuse_what_made_it_worse(found, recordings, findings), found.model
         give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
@@ -135,12 +135,12 @@ def _evaluate(
         give_back()
         if worn:
             with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
-                span, twice = spans[Stage.SUPPORT], found.model is not stated
+                span, twice = spans[Stage.SUPPORT], found.model is not bare
                 begin, untold = _part(0.0, 0.5, span) if twice else span, list[FailedStep]()
                 earlier: Consequences | None = None
                 with keeping(untold, "discrepancy"):
                     if twice:  # first, as what logs say of two models is too much to be held at once
-                        earlier = consequences(stated, plain, worn, study.support_settings, begin)
+                        earlier = consequences(bare, plain, worn, study.support_settings, begin)
                         begin = _part(0.5, 1.0, span)
                         give_back()
                 gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
