@@ -5,7 +5,6 @@ Least squares from normal equations, within bounds.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -17,9 +16,6 @@ from exogauge.estimation.prior import Prior
 from exogauge.estimation.statistics import SquareRoot
 
 Array = NDArray[np.float64]
-
-CORRECTIONS = 6  # of a solution of the normal equations; two are usual
-CORRECTED = 1e-14  # relative: a correction that is as small as rounding
 
 
 @final
@@ -40,44 +36,18 @@ class PriorLeastSquares:
         self.prior, self.strength = prior, strength
         self.information = data.R[:, free]
         self.target = data.z - data.R[:, known] @ prior.seen_mean[known]
-        self._believed, curvature = prior.root(strength), data.gram[np.ix_(free, free)] + prior.information(strength)
-        self._scale = np.sqrt(np.diag(curvature))
-        self.x = prior.seen_mean.copy()
-        self.x[free] += self._step(curvature, self.target - self.information @ prior.seen_mean[free])
-
-    def _step(self, curvature: Array, offset: Array) -> Array:
-        """(F,) from the mean to the solution: by the normal equations, corrected by what they leave unanswered, at a
-        third of the factorisation's work and to its digits; by that where corrections do not settle."""
-        A, U, size = self.information, self._believed, self._scale
-        factor, failed = sl.lapack.dpotrf(curvature / np.outer(size, size), overwrite_a=1)
-        step, last = np.zeros(len(size)), np.inf
-        for _ in range(0 if failed else CORRECTIONS):
-            left = (offset - A @ step) @ A - (U @ step) @ U
-            more = sl.lapack.dpotrs(factor, left / size)[0] / size
-            step, moved = step + more, float(np.linalg.norm(size * more))
-            if moved <= CORRECTED * float(np.linalg.norm(size * step)):
-                return np.asarray(step)
-            if moved > 0.1 * last:
-                break
-            last = moved
-        return np.asarray(sl.solve_triangular(self._root, self._factor(offset)[:, -1]))
-
-    @cached_property
-    def _root(self) -> Array:
-        """(F, F) upper triangular, R^T R the curvature."""
-        return np.asarray(np.triu(self._factor(np.zeros(len(self.information)))[:, :-1]) * self._scale)
-
-    def _factor(self, offset: Array) -> Array:
-        """(F, F + 1) of data and prior stacked, columns scaled, and what it makes of the data's right-hand side.
-
-        What the data say stands above a weak belief: the other way round, the belief would lose its digits.
-        """
-        rows, size = len(offset), len(self._scale)
-        stacked = np.zeros((rows + size, size + 1), order="F")
-        stacked[:rows, :size], stacked[:rows, size] = self.information / self._scale, offset
-        stacked[rows:, :size] = self._believed / self._scale
+        offset = self.target - self.information @ prior.seen_mean[free]
+        believed, size = prior.root(strength), len(free)
+        scale = np.sqrt(np.sum(self.information**2, axis=0) + np.sum(believed**2, axis=0))
+        # What the data say stands above a weak belief: the other way round, the belief would lose its digits.
+        stacked = np.zeros((len(offset) + size, size + 1), order="F")
+        stacked[: len(offset), :size], stacked[: len(offset), size] = self.information / scale, offset
+        stacked[len(offset) :, :size] = believed / scale
         factor, *_ = sl.lapack.dgeqrf(stacked, lwork=64 * (size + 1), overwrite_a=1)
-        return np.asarray(factor[:size])
+        self._root = np.triu(factor[:size, :size]) * scale
+        step = sl.solve_triangular(self._root, factor[:size, size])
+        self.x = prior.seen_mean.copy()
+        self.x[free] += step
 
     def shift(self, step: Array) -> None:
         """Move the solution, and the data that it answers to, by step: (P,), to take off a known bias.

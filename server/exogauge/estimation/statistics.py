@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
@@ -29,11 +28,6 @@ class SquareRoot:
     R: Array
     z: Array
     rest: float
-
-    @cached_property
-    def gram(self) -> Array:
-        """(P, P) R^T R."""
-        return np.asarray(self.R.T @ self.R)
 
 
 @final
