@@ -123,7 +123,8 @@ class BaseSignals:
     """T samples of the base link, in its frame: (T, 3) proper acceleration [m/s²], angular velocity [rad/s] and
     acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still.
     first_angle: (T,) [rad] of the first joint. imu_at: (3,) [m] where the IMU is. feet_feel: every contact sensor
-    measures forces and moments along all axes (what nobody measured is logged as a constant)."""
+    measures forces and moments along all axes (what nobody measured is logged as a constant). turn: (3,) [rad] rotation
+    vector by which the base was found to be turned so far; zero before."""
 
     time: Array
     acc: Array
@@ -136,6 +137,7 @@ class BaseSignals:
     first_angle: Array
     imu_at: Array = field(default_factory=lambda: np.zeros(3))
     feet_feel: bool = False
+    turn: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @final

@@ -154,7 +154,7 @@ class BaseSite:
         place = np.zeros(3) if imu is None else imu.translation
         feel = bool(feet.size) and bool(np.all(np.ptp(feet, axis=0) > 0.0))
         floating = model.robot.floating
-        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel)
+        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel, _turn(model))
         layout = model.equations.layout
         own = layout.in_told(self.kinds(model.equations))
 
@@ -171,6 +171,17 @@ class BaseSite:
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
+
+
+def _turn(model: RobotModel) -> Array:
+    """(3,) [rad] by which the model holds the base to be turned."""
+    effects, turn = model.extension.effects if model.extension else (), np.zeros(3)
+    names = [(each.site, one.name) for each in effects for one in each.effect.coefficients]
+    own = model.identified.added[len(model.identified.added) - len(names) :]
+    for (site, name), value in zip(names, own, strict=True):
+        if isinstance(site, BaseSite) and name.startswith("about_"):
+            turn["xyz".index(name[-1])] = value
+    return turn
 
 
 @final

@@ -12,7 +12,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import AxisSite, PairSite, SensorSite
+from exogauge.identification.sites import AxisSite, BaseSite, PairSite, SensorSite
 from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.search.ambiguity import Undecided
@@ -91,14 +91,19 @@ class Search:
         """The robot with these effects."""
         problem = self.problem
         floors = floors_of(problem.base.validation)
-        twice = any(_depends_on_loads(each) for each in effects)
-        found, passes = problem.base, problem.settings.criteria.search.relinearised if twice else 1
+        found, passes = problem.base, self._passes(effects)
         if self.eyes is not None:
             found, passes = self.eyes, 1
         for _ in range(passes):
             extension = Extension(found.model, tuple(effects), floors)
             found = identify(problem.base.model.robot, problem.recordings, problem.settings, extension=extension)
         return found
+
+    def _passes(self, effects: Sequence[AddedEffect]) -> int:
+        criteria = self.problem.settings.criteria.search
+        if any(isinstance(each.site, BaseSite) for each in effects):
+            return criteria.turned
+        return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
 
     def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
         """Every candidate scored beside this model; at one site only, if it is given."""
