@@ -1,5 +1,5 @@
-"""Places of a robot beside a single joint: two joints with one motor, a sensor that carries bodies, a link that carries
-a load, the base. Each has what an effect of it sees, and the protocol that its effects keep."""
+"""Places of a robot beside a single joint: two joints with one motor, an encoder, a sensor that carries bodies, a link
+that carries a load, the base. Each has what an effect of it sees, and the protocol that its effects keep."""
 
 from __future__ import annotations
 
@@ -42,6 +42,29 @@ class PairEffect(MissingEffect, Protocol):
         ...
 
     def applies(self, signals: PairSignals) -> bool:
+        """Whether the log holds what the effect needs."""
+        ...
+
+
+@final
+@dataclass(frozen=True)
+class EncoderSignals:
+    """T samples of what one joint's encoder has read. time: (T,) [s] from the log's start. position: (T,) [rad]."""
+
+    time: Array
+    position: Array
+
+
+class EncoderEffect(MissingEffect, Protocol):
+    """Of the angle that a joint's encoder reads, which every row feels. place is `encoder`; it is told of the joint.
+    coordinate: `position` or `time`."""
+
+    def errors(self, signals: EncoderSignals, shape: tuple[float, ...]) -> Array:
+        """(T, C) by how much the true angle is more than the one that was read, per unit of each coefficient; slow
+        beside the motion: its rate is not looked at."""
+        ...
+
+    def applies(self, signals: EncoderSignals) -> bool:
         """Whether the log holds what the effect needs."""
         ...
 

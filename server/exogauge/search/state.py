@@ -12,7 +12,7 @@ from exogauge.identification.identify import identify
 from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import AxisSite, BaseSite, PairSite, SensorSite
+from exogauge.identification.sites import AxisSite, BaseSite, EncoderSite, PairSite, SensorSite
 from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.search.ambiguity import Undecided
@@ -101,7 +101,7 @@ class Search:
 
     def _passes(self, effects: Sequence[AddedEffect]) -> int:
         criteria = self.problem.settings.criteria.search
-        if any(isinstance(each.site, BaseSite) for each in effects):
+        if any(isinstance(each.site, BaseSite | EncoderSite) for each in effects):
             return criteria.turned
         return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
 
