@@ -19,6 +19,7 @@ from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.jobs import latest_state
 from exogauge.storage.records import (
+    BundleRecord,
     DeviceRecord,
     MotionRecord,
     Page,
@@ -30,7 +31,7 @@ from exogauge.storage.records import (
 from exogauge.storage.rows import Lab
 from exogauge.storage.search import found_by, words_of
 
-Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord | MotionRecord | PlanRecord)
+Record = TypeVar("Record", bound=BundleRecord)
 Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
 Needs = tuple[str, str] | None
 NONE = "none"

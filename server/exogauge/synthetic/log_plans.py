@@ -1,4 +1,5 @@
-"""Which logs a sample holds: excitations to identify and to validate, and motions repeated without and with a suit."""
+"""Which logs a sample holds: excitations to identify and to validate, and motions repeated without a suit, with it, and
+without it again."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from typing import final
 SUITS = {"none": (), "normal": ("normal",), "modified": ("modified",), "both": ("normal", "modified")}
 MOTIONS = ("bend", "twist")
 REPETITIONS = 5
+REPETITIONS_AFTER = 2  # without the suit, at the end of the session
 REPETITION_S = 14.0  # two bends, or a twist to either side
 
 
@@ -48,7 +50,11 @@ def log_plans(suit: str) -> tuple[LogPlan, ...]:
     return _EXCITATIONS + tuple(
         LogPlan(f"{motion}_{worn or 'plain'}_{n}", "with_device" if worn else "without_device", motion, REPETITION_S,
                 worn, repeats=True)
-        for worn in (None, *SUITS[suit])
+        for worn, first, last in (
+            (None, 1, REPETITIONS),
+            *((worn, 1, REPETITIONS) for worn in SUITS[suit]),
+            (None, REPETITIONS + 1, REPETITIONS + REPETITIONS_AFTER),
+        )
         for motion in MOTIONS
-        for n in range(1, REPETITIONS + 1)
+        for n in range(first, last + 1)
     )  # fmt: skip

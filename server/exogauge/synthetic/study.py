@@ -63,7 +63,9 @@ def write_study(
     if disturbed:
         truth["tolerances"] = declared(disturbed)
     (out / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    _write_yaml(out / "study.yaml", _study_file(seed, plans, files, disturbed))  # last: a folder with it is whole
+    _write_yaml(
+        out / "study.yaml", _study_file(seed, plans, files, disturbed, lab.session.start_s)
+    )  # last: a folder with it is whole
 
 
 def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
@@ -74,17 +76,23 @@ def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
 
 
 def _study_file(
-    seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str], disturbed: Disturbances
+    seed: int,
+    plans: Sequence[LogPlan],
+    devices: Mapping[str, str],
+    disturbed: Disturbances,
+    started: Mapping[str, float],
 ) -> dict[str, object]:
-    """devices: file by kind of suit; a log names its own where it is not the study's."""
+    """devices: file by kind of suit; a log names its own where it is not the study's. started: log -> [s]."""
     own = next(iter(devices), None)
     entries = []
     for plan in plans:
-        entry = {"file": f"logs/{plan.name}.parquet", "role": plan.role}
+        entry: dict[str, object] = {"file": f"logs/{plan.name}.parquet", "role": plan.role}
         if plan.motion != "excitation":
             entry["motion"] = plan.motion
         if plan.suit is not None and plan.suit != own:
             entry["device"] = devices[plan.suit]
+        if own:
+            entry["started"] = round(started[plan.name], 3)
         entries.append(entry)
     name = f"SYNTHETIC {NAME}, seed {seed}{', as in a laboratory' if disturbed else ''}"
     head: dict[str, object] = {"version": 1, "name": name, "robot": "robot.yaml"}

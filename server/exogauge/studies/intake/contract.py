@@ -98,6 +98,7 @@ class LogEntry(_Part):
 
     rows: [start, stop], data rows from 0, stop not included. name: of the series file; default: the file's own stem.
     device: what was worn, where it is not the study's device; only with role with_device.
+    started: [s] when it began, on one clock for all logs of the study.
     """
 
     file: Annotated[tuple[RelativePath, ...], BeforeValidator(_as_names), Field(min_length=1, max_length=50)]
@@ -107,6 +108,7 @@ class LogEntry(_Part):
     rows: Annotated[tuple[int, int], BeforeValidator(_as_tuple)] | None = None
     name: FileName | None = None
     device: RelativePath | None = None
+    started: Number | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
