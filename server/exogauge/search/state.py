@@ -12,7 +12,7 @@ from exogauge.identification.identify import identify, seen_by_effects
 from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import AxisSite, PairSite, SensorSite
+from exogauge.identification.sites import AxisSite, BaseSite, EncoderSite, PairSite, SensorSite
 from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
 from exogauge.resident import give_back
@@ -93,12 +93,17 @@ class Search:
         problem = self.problem
         robot, floors = problem.base.model.robot, floors_of(problem.base.validation)
         eyes = (self.eyes or problem.base).model
-        if self.eyes is None and any(_depends_on_loads(each) for each in effects):
-            for _ in range(problem.settings.criteria.search.relinearised - 1):
-                seen = Extension(eyes, tuple(effects), floors)
-                eyes = seen_by_effects(robot, problem.recordings, problem.settings, seen)
+        for _ in range(0 if self.eyes else self._passes(effects) - 1):
+            seen = Extension(eyes, tuple(effects), floors)
+            eyes = seen_by_effects(robot, problem.recordings, problem.settings, seen)
         extension = Extension(eyes, tuple(effects), floors)
         return identify(robot, problem.recordings, problem.settings, extension=extension)
+
+    def _passes(self, effects: Sequence[AddedEffect]) -> int:
+        criteria = self.problem.settings.criteria.search
+        if any(isinstance(each.site, BaseSite | EncoderSite) for each in effects):
+            return criteria.turned
+        return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
 
     def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
         """Every candidate scored beside this model; at one site only, if it is given."""
