@@ -155,13 +155,15 @@ class SettingsEntry(_Part):
 
 
 class StudyFile(_Part):
-    """study.yaml"""
+    """study.yaml. plans: tables of motions (`t`, `q.<joint>`) that may have been played; logs are known again by
+    their content."""
 
     version: Literal[1]
     name: Name
     robot: RelativePath
     device: RelativePath | None = None
     logs: Annotated[list[LogEntry], Field(min_length=1, max_length=1000)]
+    plans: Annotated[list[RelativePath], Field(max_length=50)] = []
     steps: Annotated[list[Step], Field(min_length=1)] | None = None
     known: Annotated[list[KnownEntry], Field(max_length=50)] = []
     settings: SettingsEntry = SettingsEntry()

@@ -112,6 +112,8 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
     for k, entry in enumerate(file.logs):
         for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
             bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
+    for k, plan in enumerate(file.plans):
+        bundle.path(plan, named_in=name, column=f"plans.{k}", row=place(data, ("plans", k)))
     robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
     names = log_names(file, name, data)
     robot = replace(robot, loads=tuple(read_known_loads(file, robot.tree, names, data, name)))
