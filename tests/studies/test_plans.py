@@ -73,7 +73,7 @@ def test_a_named_plan_is_found_in_its_log_with_how_far_the_robot_strayed(played:
     assert (worst["joint"], worst["unit"]) == ("torso_pitch", "rad")
     assert worst["most"] == pytest.approx(0.01, rel=0.1)
     assert worst["at_s"] == pytest.approx(1.0, abs=0.02)
-    told = r"2 logs follow any name; farthest from it is torso_pitch, by 0\.0\d+ rad at 1\.00 s of id_1"
+    told = r"2 logs follow any name; farthest from it is torso_pitch, by 0\.5\d° at 1\.00 s of id_1"
     assert re.match(told, plan["sentence"])
     report = (tmp_path / "out" / "report.html").read_text()
     assert plan["sentence"] in report

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-from exogauge.studies.words.rounding import significant
+from exogauge.studies.words.plan_words import stray
 
 SHOWN_JOINTS = 5  # of a log, those that stray farthest; all stand in results.json
 
@@ -25,7 +25,6 @@ class PlanRow:
     most: str
     at: str
     later: str
-    unit: str
 
 
 def plan_rows(entries: Sequence[Mapping[str, Any]]) -> list[PlanRow]:
@@ -39,7 +38,6 @@ def plan_rows(entries: Sequence[Mapping[str, Any]]) -> list[PlanRow]:
                 later = "" if each["later_s"] is None else f"{1e3 * each['later_s']:.0f}"
                 rows.append(PlanRow(
                     plan["plan"], log["log"], f"{log['begins_s']:.3f}", k == 0, each["joint"],
-                    significant(each["rms"], 2), significant(each["most"], 2), f"{each['at_s']:.2f}", later,
-                    each["unit"],
+                    stray(each["rms"], each["unit"]), stray(each["most"], each["unit"]), f"{each['at_s']:.2f}", later,
                 ))  # fmt: skip
     return rows

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exogauge.studies.words.rounding import significant
+
+
+def stray(value: float, unit: str) -> str:
+    """Of a joint, as its pages have it: degrees, or millimetres. value [unit: rad or m]."""
+    return f"{significant(1e3 * value, 2)} mm" if unit == "m" else f"{significant(math.degrees(value), 2)}°"
 
 
 def followed_sentence(plan: str, logs: Sequence[Mapping[str, Any]]) -> str:
@@ -18,7 +24,7 @@ def followed_sentence(plan: str, logs: Sequence[Mapping[str, Any]]) -> str:
         log, far = max(((log, log["joints"][0]) for log in sure), key=lambda pair: float(pair[1]["most"]))
         count = f"{len(sure)} logs follow {plan}" if len(sure) > 1 else f"{log['log']} follows {plan}"
         said.append(
-            f"{count}; farthest from it is {far['joint']}, by {significant(far['most'], 2)} {far['unit']} at "
+            f"{count}; farthest from it is {far['joint']}, by {stray(far['most'], far['unit'])} at "
             f"{far['at_s']:.2f} s of {log['log']}."
         )
     for log in logs:
