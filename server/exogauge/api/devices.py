@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
@@ -24,6 +24,7 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.routing import Router
 from exogauge.api.shapes import DeviceList, DeviceOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -31,7 +32,7 @@ from exogauge.storage.blobs import copy_out
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["devices"])
+router = Router(tags=["devices"])
 DEVICE = "device.yaml"
 ROBOT = {"type": "string", "maxLength": 64, "description": "id of the robot whose links the via points name"}
 FORM = bundle_schema(

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal, Self, final
 
 import yaml
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field, ValidationError
 
@@ -31,6 +31,7 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.raw_series import opened, shelf_of
+from exogauge.api.routing import Router
 from exogauge.api.scenes import hashed
 from exogauge.api.series import (
     FILE,
@@ -53,10 +54,10 @@ from exogauge.motion.contract import Axis, CaptureFile, ContactsEntry, Unit
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import JobRecord, MapRecord, MotionRecord
+from exogauge.storage.records import LatestJobRecord, MapRecord, MotionRecord
 from exogauge.storage.store import Storage, Store
 
-router = APIRouter(tags=["motions"])
+router = Router(tags=["motions"])
 MOTION = "motion.yaml"
 CHILD = "exogauge.api.opening_capture"
 CAPTURES, SKELETON = (".c3d", ".trc", ".mot", ".sto", ".bvh", ".amc"), ".asf"
@@ -115,7 +116,7 @@ class MotionOut(Answer):
     capture: CaptureFile | None = None
 
     @classmethod
-    def of(cls, motion: MotionRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+    def of(cls, motion: MotionRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
         answer = cls.model_validate({name: getattr(motion, name) for name in ANSWERED})
         answer.latest_job = None if job is None else LatestJob.of(job)
         answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
@@ -212,7 +213,7 @@ def list_motions(
     ] = None,
 ) -> MotionList:
     page = store.motions.page(cursor, limit, search=search, name=name)
-    jobs = store.jobs.latest([motion.id for motion in page.items])
+    jobs = store.jobs.latest("motion", [motion.id for motion in page.items])
     items = [MotionOut.of(motion, jobs.get(motion.id)) for motion in page.items]
     return MotionList(items=items, next_cursor=encoded_cursor(page.after))
 
@@ -358,7 +359,9 @@ def export_series(
 
 def shown(store: Store, motion_id: str) -> MotionOut:
     motion = store.motions.get(motion_id)
-    answer = MotionOut.of(motion, store.jobs.latest([motion_id]).get(motion_id), store.motions.files(motion_id))
+    answer = MotionOut.of(
+        motion, store.jobs.latest("motion", [motion_id]).get(motion_id), store.motions.files(motion_id)
+    )
     with store.blobs.open(store.motions.file(motion_id, MOTION).sha256) as stream:
         answer.capture = CaptureFile.model_validate(yaml.safe_load(stream.read()))
     return answer

@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, final
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi import Path as InPath
 from pydantic import BaseModel
 
@@ -28,12 +28,13 @@ from exogauge.api.dependencies import (
 )
 from exogauge.api.jobs import JobOut, QueueDep, located
 from exogauge.api.results import NOT_MODIFIED, file_response
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.jobs import requests
 from exogauge.payload.schema import Found, PayloadResults
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, JobRecord, PayloadRecord
+from exogauge.storage.records import ArtifactRecord, LatestJobRecord, PayloadRecord
 from exogauge.storage.store import Storage, Store
 
 
@@ -52,7 +53,7 @@ class PayloadOut(Answer):
     files: list[FileOut] | None = None
 
     @classmethod
-    def of(cls, payload: PayloadRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+    def of(cls, payload: PayloadRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
         answer = cls.model_validate(payload)
         answer.latest_job = None if job is None else LatestJob.of(job)
         answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
@@ -91,7 +92,7 @@ class PlanList(BaseModel):
     items: list[PlanOut]
 
 
-router = APIRouter(tags=["payloads"])
+router = Router(tags=["payloads"])
 PAYLOAD = "payload.yaml"
 PLANS, MOST_PLANS = "payload_plan", 50
 FORM = bundle_schema("payload.yaml and what it names, under their relative paths, or one zip of them")
@@ -145,7 +146,7 @@ def list_payloads(
     ] = None,
 ) -> PayloadList:
     page = store.payloads.page(cursor, limit, search=search, name=name)
-    jobs = store.jobs.latest([payload.id for payload in page.items])
+    jobs = store.jobs.latest("payload", [payload.id for payload in page.items])
     items = [PayloadOut.of(payload, jobs.get(payload.id)) for payload in page.items]
     return PayloadList(items=items, next_cursor=encoded_cursor(page.after))
 
@@ -153,7 +154,9 @@ def list_payloads(
 @router.get("/payloads/{payload_id}", operation_id="getPayload")
 def get_payload(payload_id: Id, store: ReaderDep) -> PayloadOut:
     payload = store.payloads.get(str(payload_id))
-    return PayloadOut.of(payload, store.jobs.latest([payload.id]).get(payload.id), store.payloads.files(payload.id))
+    return PayloadOut.of(
+        payload, store.jobs.latest("payload", [payload.id]).get(payload.id), store.payloads.files(payload.id)
+    )
 
 
 give_files(router, "payload", "payloads", lambda store: store.payloads)
@@ -223,7 +226,7 @@ def keep_payload(folder: Path, storage: Storage) -> tuple[PayloadOut, bool]:
     """The payload below `folder`, checked and stored, and whether it is new."""
     payload, files, new = keep(folder, PAYLOAD, examined, storage, lambda store: store.payloads)
     with storage.reading() as store:
-        job = store.jobs.latest([payload.id]).get(payload.id)
+        job = store.jobs.latest("payload", [payload.id]).get(payload.id)
     return PayloadOut.of(payload, job, files), new
 
 

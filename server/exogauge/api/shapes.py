@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from exogauge.api.problems import Problem, of_failure
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, DeviceRecord, JobRecord, RobotRecord, StudyRecord
+from exogauge.storage.records import ArtifactRecord, DeviceRecord, LatestJobRecord, RobotRecord, StudyRecord
 
 State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 Role = Literal["identification", "validation", "without_device", "with_device"]
@@ -101,7 +101,7 @@ class LatestJob(Answer):
     finished_at: datetime | None
 
     @classmethod
-    def of(cls, job: JobRecord) -> Self:
+    def of(cls, job: LatestJobRecord) -> Self:
         answer = cls.model_validate(job)
         answer.problem = of_failure(job.failure, job.reason)
         return answer
@@ -122,7 +122,7 @@ class StudyOut(Answer):
     shared_by: str | None = None
 
     @classmethod
-    def of(cls, study: StudyRecord, job: JobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
+    def of(cls, study: StudyRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
         answer = cls.model_validate(study)
         answer.latest_job = None if job is None else LatestJob.of(job)
         answer.files = None if files is None else [FileOut.model_validate(file) for file in files]

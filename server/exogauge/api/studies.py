@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
@@ -25,6 +25,7 @@ from exogauge.api.dependencies import (
 )
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.routing import Router
 from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -32,7 +33,7 @@ from exogauge.storage.accounts import Accounts
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["studies"])
+router = Router(tags=["studies"])
 STUDY = "study.yaml"
 LOGS = "logs"
 BODY = bundle_schema("study.yaml and what it names, under their relative paths, or one zip of them", StudyFromParts)
@@ -83,7 +84,7 @@ def list_studies(
     page = store.studies.page(
         cursor, limit, search=search, state=state, robot_id=robot, plan_id=None if plan_id is None else str(plan_id)
     )
-    jobs = store.jobs.latest([study.id for study in page.items])
+    jobs = store.jobs.latest("study", [study.id for study in page.items])
     items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
     return StudyList(items=items, next_cursor=encoded_cursor(page.after))
 
@@ -91,7 +92,7 @@ def list_studies(
 @router.get("/studies/{study_id}", operation_id="getStudy")
 def get_study(study_id: Id, store: ReaderDep, caller: CallerDep) -> StudyOut:
     study = store.studies.get(str(study_id))
-    answer = StudyOut.of(study, store.jobs.latest([study.id]).get(study.id), store.studies.files(study.id))
+    answer = StudyOut.of(study, store.jobs.latest("study", [study.id]).get(study.id), store.studies.files(study.id))
     answer.shared_by = Accounts(store.session).lab(store.lab_id).name if caller.guest else None
     return answer
 
@@ -110,7 +111,7 @@ def keep_study(folder: Path, storage: Storage) -> tuple[StudyOut, bool]:
     """The study below `folder`, checked and stored, and whether it is new."""
     study, files, new = keep(folder, STUDY, checking.check_study, storage, lambda store: store.studies)
     with storage.reading() as store:
-        job = store.jobs.latest([study.id]).get(study.id)
+        job = store.jobs.latest("study", [study.id]).get(study.id)
     return StudyOut.of(study, job, files), new
 
 
