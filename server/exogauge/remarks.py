@@ -35,6 +35,9 @@ class About(StrEnum):
     LOW_PASSED = "low_passed"  # logs; -; -; at [Hz]
     STORED_UNLIKE = "stored_unlike"  # logs with the device; -; logs that were low-passed
     MOTION_DOUBTFUL = "motion_doubtful"  # the log and its reference; -; joint; share of its rms velocity, limit, [rad]
+    SESSION_UNKNOWN = "session_unknown"  # logs that do not say when they began
+    NO_RUN_AFTER = "no_run_after"  # motions
+    DRIFT_FOUND = "drift_found"  # joints; share by which each gives more at the end of the session, its doubt [%]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach

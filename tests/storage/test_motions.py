@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from datetime import timedelta
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 import sqlalchemy as sa
 
 from exogauge.errors import Conflict, NotFound
+from exogauge.jobs.plans_beside import lay_plans
 from exogauge.storage.bundles import PLANNED
 from exogauge.storage.checking import check
 from exogauge.storage.files import PinnedFile
@@ -104,6 +106,37 @@ def test_studies_that_hold_a_plans_motion_are_found_by_it(storage: Storage) -> N
         played, _ = store.studies.add("played", files, {})
         found = store.studies.page(None, 9, plan_id=made["plan"]).items
     assert [study.id for study in found] == [played.id]
+
+
+def test_studies_whose_results_hold_a_plans_motion_are_found_by_it(storage: Storage) -> None:
+    """A log was found to follow it: the evaluation leaves the plan's table, under any name."""
+    with storage.transaction() as store:
+        made = world(store)
+        planned(store, made["plan"], b"t,q.a\n0,1\n")
+        for name, table in (("follows", b"t,q.a\n0,1\n"), ("another", b"t,q.a\n0,2\n")):
+            study, _ = store.studies.add(name, [pinned(store, "study.yaml", name.encode())], {})
+            job = Job(kind="evaluate", request_hash=name, state="succeeded", study_id=study.id)
+            store.session.add(job)
+            store.session.flush()
+            kept = pinned(store, "x", table)
+            told = {"sha256": kept.sha256, "size": kept.size, "media_type": "text/csv"}
+            store.session.add(Artifact(job_id=job.id, name="followed_plan_1.csv", **told))
+        store.session.flush()
+        found = store.studies.page(None, 9, plan_id=made["plan"]).items
+    assert [study.name for study in found] == ["follows"]
+
+
+def test_a_labs_plans_are_laid_beside_a_study(storage: Storage, tmp_path: Path) -> None:
+    with storage.transaction() as store:
+        lay_plans(store, tmp_path / "none")
+        made = world(store)
+        lay_plans(store, tmp_path / "none")  # it has no motion yet
+        planned(store, made["plan"], b"t,q.a\n0,1\n")
+        lay_plans(store, tmp_path)
+    assert not (tmp_path / "none").exists()
+    (listed,) = json.loads((tmp_path / ".plans/plans.json").read_text()).items()
+    assert listed[1] == [made["plan"], "bow on walker"]
+    assert (tmp_path / ".plans" / listed[0]).read_bytes() == b"t,q.a\n0,1\n"
 
 
 def test_contacts_and_maps_are_kept_changed_and_forgotten_with_a_word_in_the_audit(storage: Storage) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 
 from exogauge.errors import BadInput, BadLog, BadRobot, BadStudy
 from exogauge.studies.intake.open import needed_channels, open_study, read_recordings, read_worn
@@ -143,7 +144,8 @@ def test_logs_with_a_device_know_it_and_their_motion(worn: Path) -> None:
             "id_1": None, "val_1": "bend", "plain": "bend", "worn": "bend", "other": None,
         }  # fmt: skip
         assert study.motions["plain"].role == "without_device"
-        assert study.notices == ()
+        assert [each.code for each in study.notices] == ["session_unknown"]
+        assert study.support_settings.started == {}
 
 
 def test_a_worn_log_lacks_no_column_either(worn: Path, log_writer: Callable[..., None]) -> None:
@@ -308,3 +310,43 @@ def test_filters_lean_on_the_parts_beside_and_never_on_held_out_ones_for_the_fit
     assert held_out is not None
     lengths = [(len(each.before["i.torso_yaw"]), len(each.after["i.torso_yaw"])) for each in (first, second, held_out)]
     assert lengths == [(0, 150), (150, 0), (300, 0)]
+
+
+FIRST = {"id_1": 0.0, "val_1": 60.0, "plain": 120.0, "other": 400.0}
+
+
+def opened(path: Path, started: dict[str, float]):
+    file = path if path.is_file() else path / "study.yaml"
+    content = yaml.safe_load(file.read_text())
+    for entry in content["logs"]:
+        name = entry.get("name") or Path(entry["file"]).stem
+        if name in started:
+            entry["started"] = started[name]
+    file.write_text(yaml.safe_dump(content))
+    with open_study(path) as study:
+        return study.support_settings.started, [
+            each for each in study.notices if "session" in each.code or "run" in each.code
+        ]
+
+
+def test_a_study_that_says_when_each_log_began_and_ends_without_the_device_is_asked_for_nothing(worn: Path) -> None:
+    started = FIRST | {"worn": 100.0}
+    assert opened(worn, started) == (started, [])
+
+
+def test_a_study_that_ends_with_the_device_is_asked_for_a_run_without_it(worn: Path) -> None:
+    started, (notice,) = opened(worn, FIRST | {"worn": 300.0})
+    assert len(started) == 5
+    assert notice.code == "no_run_after"
+    assert notice.remark is not None
+    assert notice.remark.names == ("bend",)
+
+
+@pytest.mark.parametrize("untold", ["id_1", "other"])
+def test_one_log_without_a_start_leaves_all_unknown(worn: Path, untold: str) -> None:
+    told = {name: each for name, each in (FIRST | {"worn": 300.0}).items() if name != untold}
+    started, (notice,) = opened(worn, told)
+    assert started == {}
+    assert notice.code == "session_unknown"
+    assert notice.remark is not None
+    assert notice.remark.names == (untold,)

@@ -125,6 +125,10 @@ Search = Annotated[
         "A word may also begin an id or a content hash",
     ),
 ]
+Name = Annotated[
+    str | None, Query(max_length=200, pattern=NO_NUL, description="only those with this name: its versions")
+]
+Key = Annotated[str | None, Query(max_length=64, pattern=NO_NUL, description="only those of this one, by its id")]
 SettingsDep = Annotated[Settings, Depends(get_settings)]
 InstallationDep = Annotated[Installation, Depends(get_installation)]
 CallerDep = Annotated[Caller, Depends(get_caller)]

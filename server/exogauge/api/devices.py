@@ -7,21 +7,21 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import Depends, Query, Response
+from fastapi import Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
-from exogauge.api.bundles import give_files, keep, let_go
+from exogauge.api.bundles import give_files, keep, let_go, listed, shown
 from exogauge.api.dependencies import (
-    NO_NUL,
     Cursor,
     Id,
+    Key,
     Limit,
+    Name,
     ReaderDep,
     Search,
     SettingsDep,
     StorageDep,
-    encoded_cursor,
 )
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.routing import Router
@@ -63,7 +63,7 @@ def create_device(
             scratch / "device", DEVICE, check, storage, lambda store: store.devices, upload.name, robot_id=robot_id
         )
     response.status_code = 201 if new else 200
-    return DeviceOut.of(device, files)
+    return DeviceOut.of(device, files=files)
 
 
 @router.get("/devices", operation_id="listDevices")
@@ -72,21 +72,16 @@ def list_devices(
     cursor: Cursor,
     limit: Limit = 50,
     search: Search = "",
-    name: Annotated[
-        str | None, Query(max_length=200, pattern=NO_NUL, description="only this device: its versions")
-    ] = None,
-    robot_id: Annotated[
-        str | None, Query(max_length=64, pattern=NO_NUL, description="only devices of this robot")
-    ] = None,
+    name: Name = None,
+    robot_id: Key = None,
 ) -> DeviceList:
     page = store.devices.page(cursor, limit, search=search, name=name, robot_id=robot_id)
-    items = [DeviceOut.of(device) for device in page.items]
-    return DeviceList(items=items, next_cursor=encoded_cursor(page.after))
+    return listed(store, store.devices, page, DeviceOut, DeviceList)
 
 
 @router.get("/devices/{device_id}", operation_id="getDevice")
 def get_device(device_id: Id, store: ReaderDep) -> DeviceOut:
-    return DeviceOut.of(store.devices.get(str(device_id)), store.devices.files(str(device_id)))
+    return shown(store, store.devices, str(device_id), DeviceOut)
 
 
 give_files(router, "device", "devices", lambda store: store.devices)

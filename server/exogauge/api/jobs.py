@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Any, Self, final
 
-from fastapi import Depends, Query, Request, Response
+from fastapi import Depends, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
-from exogauge.api.dependencies import NO_NUL, Cursor, Id, InstallationDep, Limit, ReaderDep, StoreDep, encoded_cursor
+from exogauge.api.dependencies import Cursor, Id, InstallationDep, Key, Limit, ReaderDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
 from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf, State
@@ -165,10 +165,10 @@ def list_jobs(
     store: ReaderDep,
     cursor: Cursor,
     limit: Limit = 50,
-    study_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
-    payload_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
-    motion_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
-    plan_id: Annotated[str | None, Query(max_length=64, pattern=NO_NUL)] = None,
+    study_id: Key = None,
+    payload_id: Key = None,
+    motion_id: Key = None,
+    plan_id: Key = None,
     state: State | None = None,
 ) -> JobList:
     """Newest first."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
 from datetime import datetime
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
@@ -17,18 +16,18 @@ from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field, ValidationError
 
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.bundles import give_files, keep, let_go
+from exogauge.api.bundles import give_files, keep, let_go, listed, shown
 from exogauge.api.dependencies import (
     NO_NUL,
     Cursor,
     Id,
     Limit,
+    Name,
     ReaderDep,
     Search,
     SettingsDep,
     StorageDep,
     StoreDep,
-    encoded_cursor,
 )
 from exogauge.api.raw_series import opened, shelf_of
 from exogauge.api.routing import Router
@@ -46,15 +45,14 @@ from exogauge.api.series import (
     tiled,
     windowed,
 )
-from exogauge.api.shapes import Answer, FileOut, LatestJob, ListOf, Part
+from exogauge.api.shapes import Kept, LatestJob, ListOf, Part
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadMotion, Fault
 from exogauge.jobs.recipes import as_fault
 from exogauge.motion.contract import Axis, CaptureFile, ContactsEntry, Unit
 from exogauge.sandbox.asking import ask
 from exogauge.sandbox.limits import Limits
-from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import LatestJobRecord, MapRecord, MotionRecord
+from exogauge.storage.records import MapRecord
 from exogauge.storage.store import Storage, Store
 
 router = Router(tags=["motions"])
@@ -101,31 +99,14 @@ class MotionSummary(BaseModel):
 
 
 @final
-class MotionOut(Answer):
-    """One version of a motion. content_hash covers every file; files and the summary's labels and contacts are given
-    when one motion is asked for."""
+class MotionOut(Kept):
+    """One version of a motion. content_hash covers every file. files, capture, and of the summary labels and contacts:
+    given when one is asked for."""
 
-    id: str
-    name: str
+    long = ("labels", "contacts")
     version: int
-    created_at: datetime
-    content_hash: str
-    summary: dict[str, Any]
     latest_job: LatestJob | None = None
-    files: list[FileOut] | None = None
     capture: CaptureFile | None = None
-
-    @classmethod
-    def of(cls, motion: MotionRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
-        answer = cls.model_validate({name: getattr(motion, name) for name in ANSWERED})
-        answer.latest_job = None if job is None else LatestJob.of(job)
-        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
-        if files is None:
-            answer.summary = {key: value for key, value in motion.summary.items() if key not in ("labels", "contacts")}
-        return answer
-
-
-ANSWERED = ("id", "name", "version", "created_at", "content_hash", "summary")
 
 
 @final
@@ -208,19 +189,15 @@ def list_motions(
     cursor: Cursor,
     limit: Limit = 50,
     search: Search = "",
-    name: Annotated[
-        str | None, Query(max_length=200, pattern=NO_NUL, description="only this motion: its versions")
-    ] = None,
+    name: Name = None,
 ) -> MotionList:
     page = store.motions.page(cursor, limit, search=search, name=name)
-    jobs = store.jobs.latest("motion", [motion.id for motion in page.items])
-    items = [MotionOut.of(motion, jobs.get(motion.id)) for motion in page.items]
-    return MotionList(items=items, next_cursor=encoded_cursor(page.after))
+    return listed(store, store.motions, page, MotionOut, MotionList)
 
 
 @router.get("/motions/{motion_id}", operation_id="getMotion")
 def get_motion(motion_id: Id, store: ReaderDep) -> MotionOut:
-    return shown(store, str(motion_id))
+    return with_capture(store, str(motion_id))
 
 
 @router.post(
@@ -357,11 +334,8 @@ def export_series(
     return windowed(opened(path), "motion", channels, start, end, form)
 
 
-def shown(store: Store, motion_id: str) -> MotionOut:
-    motion = store.motions.get(motion_id)
-    answer = MotionOut.of(
-        motion, store.jobs.latest("motion", [motion_id]).get(motion_id), store.motions.files(motion_id)
-    )
+def with_capture(store: Store, motion_id: str) -> MotionOut:
+    answer = shown(store, store.motions, motion_id, MotionOut)
     with store.blobs.open(store.motions.file(motion_id, MOTION).sha256) as stream:
         answer.capture = CaptureFile.model_validate(yaml.safe_load(stream.read()))
     return answer
@@ -411,7 +385,7 @@ def keep_motion(folder: Path, storage: Storage, name: str | None) -> tuple[Motio
     """The motion below `folder`, read and stored, and whether it is new."""
     motion, _, new = keep(folder, MOTION, examined, storage, lambda store: store.motions, name)
     with storage.reading() as store:
-        return shown(store, motion.id), new
+        return with_capture(store, motion.id), new
 
 
 def examined(folder: Path) -> dict[str, Any]:

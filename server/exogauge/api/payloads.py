@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, final
 
@@ -13,51 +12,36 @@ from pydantic import BaseModel
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.bundles import give_files, keep, let_go
+from exogauge.api.bundles import give_files, keep, let_go, listed, shown
 from exogauge.api.dependencies import (
-    NO_NUL,
     Cursor,
     Id,
     Limit,
+    Name,
     ReaderDep,
     Search,
     SettingsDep,
     StorageDep,
     StoreDep,
-    encoded_cursor,
 )
 from exogauge.api.jobs import JobOut, QueueDep, located
 from exogauge.api.results import NOT_MODIFIED, file_response
 from exogauge.api.routing import Router
-from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part
+from exogauge.api.shapes import ArtifactOut, Kept, LatestJob, ListOf, Part
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.jobs import requests
 from exogauge.payload.schema import Found, PayloadResults
-from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, LatestJobRecord, PayloadRecord
+from exogauge.storage.records import ArtifactRecord
 from exogauge.storage.store import Storage, Store
 
 
 @final
-class PayloadOut(Answer):
-    """One version of a payload. summary: sensor, pose, logs, what may be planned, the doctor's `findings`. content_hash
-    covers every file; files are given when one payload is asked for."""
+class PayloadOut(Kept):
+    """One version of a payload. summary: sensor, pose, logs, what may be planned, the doctor's `findings`.
+    content_hash covers every file; files: given when one is asked for."""
 
-    id: str
-    name: str
     version: int
-    created_at: datetime
-    content_hash: str
-    summary: dict[str, Any]
     latest_job: LatestJob | None = None
-    files: list[FileOut] | None = None
-
-    @classmethod
-    def of(cls, payload: PayloadRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
-        answer = cls.model_validate(payload)
-        answer.latest_job = None if job is None else LatestJob.of(job)
-        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
-        return answer
 
 
 @final
@@ -141,22 +125,15 @@ def list_payloads(
     cursor: Cursor,
     limit: Limit = 50,
     search: Search = "",
-    name: Annotated[
-        str | None, Query(max_length=200, pattern=NO_NUL, description="only this payload: its versions")
-    ] = None,
+    name: Name = None,
 ) -> PayloadList:
     page = store.payloads.page(cursor, limit, search=search, name=name)
-    jobs = store.jobs.latest("payload", [payload.id for payload in page.items])
-    items = [PayloadOut.of(payload, jobs.get(payload.id)) for payload in page.items]
-    return PayloadList(items=items, next_cursor=encoded_cursor(page.after))
+    return listed(store, store.payloads, page, PayloadOut, PayloadList)
 
 
 @router.get("/payloads/{payload_id}", operation_id="getPayload")
 def get_payload(payload_id: Id, store: ReaderDep) -> PayloadOut:
-    payload = store.payloads.get(str(payload_id))
-    return PayloadOut.of(
-        payload, store.jobs.latest("payload", [payload.id]).get(payload.id), store.payloads.files(payload.id)
-    )
+    return shown(store, store.payloads, str(payload_id), PayloadOut)
 
 
 give_files(router, "payload", "payloads", lambda store: store.payloads)
@@ -224,10 +201,9 @@ def plan_of(store: Store, job: JobOut) -> PlanOut:
 
 def keep_payload(folder: Path, storage: Storage) -> tuple[PayloadOut, bool]:
     """The payload below `folder`, checked and stored, and whether it is new."""
-    payload, files, new = keep(folder, PAYLOAD, examined, storage, lambda store: store.payloads)
+    payload, _, new = keep(folder, PAYLOAD, examined, storage, lambda store: store.payloads)
     with storage.reading() as store:
-        job = store.jobs.latest("payload", [payload.id]).get(payload.id)
-    return PayloadOut.of(payload, job, files), new
+        return shown(store, store.payloads, payload.id, PayloadOut), new
 
 
 def examined(folder: Path) -> dict[str, Any]:

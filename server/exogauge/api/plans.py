@@ -12,9 +12,9 @@ from fastapi import Query, Request, Response
 
 from exogauge.api.bundles import give_files, let_go
 from exogauge.api.dependencies import (
-    NO_NUL,
     Cursor,
     Id,
+    Key,
     Limit,
     ReaderDep,
     Search,
@@ -30,7 +30,7 @@ from exogauge.api.plan_shapes import MotionPlanList, MotionPlanOut, PlanAsked, P
 from exogauge.api.results import file_response
 from exogauge.api.routing import Router
 from exogauge.api.series import SeriesList, described, opened, series_of
-from exogauge.api.shapes import ArtifactOut, FileOut
+from exogauge.api.shapes import ArtifactOut, FileOut, State
 from exogauge.api.uploads import scratch_folder
 from exogauge.errors import BadMotion, BadRobot, Fault, NotFound
 from exogauge.jobs import requests
@@ -48,7 +48,6 @@ ZIP: dict[int | str, dict[str, Any]] = {
     200: {"description": "A zip of the files and of what tells of them; csv as it was planned is the table itself",
           "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}}},
 }  # fmt: skip
-Key = Annotated[str | None, Query(max_length=64, pattern=NO_NUL)]
 
 
 @router.post(
@@ -102,7 +101,7 @@ def list_plans(
     search: Search = "",
     robot_id: Key = None,
     motion_id: Key = None,
-    state: Key = None,
+    state: State | None = None,
 ) -> MotionPlanList:
     """Newest first."""
     page = store.plans.page(cursor, limit, search=search, robot_id=robot_id, motion_id=motion_id, state=state)

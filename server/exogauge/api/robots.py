@@ -8,8 +8,8 @@ from fastapi import Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
-from exogauge.api.bundles import give_files, keep, let_go
-from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.bundles import give_files, keep, let_go, listed, shown
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep
 from exogauge.api.routing import Router
 from exogauge.api.shapes import RobotList, RobotOut
 from exogauge.api.uploads import lay_out, scratch_folder
@@ -38,18 +38,17 @@ def create_robot(
             scratch, "robot.yaml", checking.check_robot, storage, lambda store: store.robots, upload.name
         )
     response.status_code = 201 if new else 200
-    return RobotOut.of(robot, files)
+    return RobotOut.of(robot, files=files)
 
 
 @router.get("/robots", operation_id="listRobots")
 def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50, search: Search = "") -> RobotList:
-    page = store.robots.page(cursor, limit, search=search)
-    return RobotList(items=[RobotOut.of(robot) for robot in page.items], next_cursor=encoded_cursor(page.after))
+    return listed(store, store.robots, store.robots.page(cursor, limit, search=search), RobotOut, RobotList)
 
 
 @router.get("/robots/{robot_id}", operation_id="getRobot")
 def get_robot(robot_id: Id, store: ReaderDep) -> RobotOut:
-    return RobotOut.of(store.robots.get(str(robot_id)), store.robots.files(str(robot_id)))
+    return shown(store, store.robots, str(robot_id), RobotOut)
 
 
 give_files(router, "robot", "robots", lambda store: store.robots)

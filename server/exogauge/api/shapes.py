@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import Any, Literal, Self, final
+from typing import Any, ClassVar, Literal, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from exogauge.api.problems import Problem, of_failure
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, DeviceRecord, LatestJobRecord, RobotRecord, StudyRecord
+from exogauge.storage.records import ArtifactRecord, LatestJobRecord
 
 State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 Role = Literal["identification", "validation", "without_device", "with_device"]
@@ -29,47 +29,50 @@ class FileOut(Answer):
     size: int
 
 
-@final
-class RobotOut(Answer):
-    """One version of a robot. content_hash covers every file; files and the summary's `model` (joints, links and their
-    places) are given when one robot is asked for."""
+class Kept(Answer):
+    """What was handed in as files and is stored. content_hash covers every file; files, and of the summary what is
+    `long`, are given when one is asked for."""
 
+    long: ClassVar[tuple[str, ...]] = ()
     id: str
     name: str
-    version: int
     created_at: datetime
     content_hash: str
     summary: dict[str, Any]
     files: list[FileOut] | None = None
 
     @classmethod
-    def of(cls, robot: RobotRecord, files: Sequence[PinnedFile] | None = None) -> Self:
-        answer = cls.model_validate(robot)
-        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
-        if files is None:
-            answer.summary = {key: value for key, value in robot.summary.items() if key != "model"}
-        return answer
+    def of(cls, record: Any, job: LatestJobRecord | None = None, files: Sequence[PinnedFile] | None = None) -> Self:
+        """record: of the store; job: its newest; files: of one that is asked for, None in a list."""
+        short = files is None and cls.long
+        summary = {key: value for key, value in record.summary.items() if not short or key not in cls.long}
+        return cls.model_validate(
+            {
+                **vars(record),
+                "summary": summary,
+                "latest_job": None if job is None else LatestJob.of(job),
+                "files": None if files is None else [FileOut.model_validate(file) for file in files],
+            }
+        )
 
 
 @final
-class DeviceOut(Answer):
-    """One version of a device, as checked against one robot. summary: bands, groups, joints that they act on; lengths,
-    moment arms and torques with all joints at zero; warnings. files are given when one device is asked for."""
+class RobotOut(Kept):
+    """One version of a robot. content_hash covers every file. files, and of the summary `model` (joints, links and
+    their places): given when one is asked for."""
 
-    id: str
-    name: str
+    long = ("model",)
+    version: int
+
+
+@final
+class DeviceOut(Kept):
+    """One version of a device, as checked against one robot. summary: bands, groups, joints that they act on; lengths,
+    moment arms and torques with all joints at zero; warnings. content_hash covers every file; files: given when one is
+    asked for."""
+
     version: int
     robot_id: str
-    created_at: datetime
-    content_hash: str
-    summary: dict[str, Any]
-    files: list[FileOut] | None = None
-
-    @classmethod
-    def of(cls, device: DeviceRecord, files: Sequence[PinnedFile] | None = None) -> Self:
-        answer = cls.model_validate(device)
-        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
-        return answer
 
 
 @final
@@ -108,25 +111,12 @@ class LatestJob(Answer):
 
 
 @final
-class StudyOut(Answer):
-    """A study. content_hash covers every pinned file; files are given when one study is asked for. shared_by: the lab
-    whose it is, which lets one's own read it; null: it is one's own."""
+class StudyOut(Kept):
+    """content_hash covers every file; files: given when one is asked for. shared_by: the lab whose it
+    is, which lets one's own read it; null: it is one's own."""
 
-    id: str
-    name: str
-    created_at: datetime
-    content_hash: str
-    summary: dict[str, Any]
     latest_job: LatestJob | None = None
-    files: list[FileOut] | None = None
     shared_by: str | None = None
-
-    @classmethod
-    def of(cls, study: StudyRecord, job: LatestJobRecord | None, files: Sequence[PinnedFile] | None = None) -> Self:
-        answer = cls.model_validate(study)
-        answer.latest_job = None if job is None else LatestJob.of(job)
-        answer.files = None if files is None else [FileOut.model_validate(file) for file in files]
-        return answer
 
 
 @final

@@ -11,7 +11,7 @@ from fastapi import Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
-from exogauge.api.bundles import give_files, keep, let_go
+from exogauge.api.bundles import give_files, keep, let_go, listed, shown
 from exogauge.api.dependencies import (
     CallerDep,
     Cursor,
@@ -21,7 +21,6 @@ from exogauge.api.dependencies import (
     Search,
     SettingsDep,
     StorageDep,
-    encoded_cursor,
 )
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
@@ -84,15 +83,12 @@ def list_studies(
     page = store.studies.page(
         cursor, limit, search=search, state=state, robot_id=robot, plan_id=None if plan_id is None else str(plan_id)
     )
-    jobs = store.jobs.latest("study", [study.id for study in page.items])
-    items = [StudyOut.of(study, jobs.get(study.id)) for study in page.items]
-    return StudyList(items=items, next_cursor=encoded_cursor(page.after))
+    return listed(store, store.studies, page, StudyOut, StudyList)
 
 
 @router.get("/studies/{study_id}", operation_id="getStudy")
 def get_study(study_id: Id, store: ReaderDep, caller: CallerDep) -> StudyOut:
-    study = store.studies.get(str(study_id))
-    answer = StudyOut.of(study, store.jobs.latest("study", [study.id]).get(study.id), store.studies.files(study.id))
+    answer = shown(store, store.studies, str(study_id), StudyOut)
     answer.shared_by = Accounts(store.session).lab(store.lab_id).name if caller.guest else None
     return answer
 
@@ -109,10 +105,9 @@ let_go(
 
 def keep_study(folder: Path, storage: Storage) -> tuple[StudyOut, bool]:
     """The study below `folder`, checked and stored, and whether it is new."""
-    study, files, new = keep(folder, STUDY, checking.check_study, storage, lambda store: store.studies)
+    study, _, new = keep(folder, STUDY, checking.check_study, storage, lambda store: store.studies)
     with storage.reading() as store:
-        job = store.jobs.latest("study", [study.id]).get(study.id)
-    return StudyOut.of(study, job, files), new
+        return shown(store, store.studies, study.id, StudyOut), new
 
 
 def put_together(parts: StudyFromParts, storage: Storage, folder: Path) -> None:

@@ -57,6 +57,8 @@ def add_commands(commands: Commands) -> None:
     plan.add_argument("--share", type=float, default=1.0, metavar="S", help="that share of the trunk's angle")
     plan.add_argument("--without", action="append", choices=("arms", "pelvis"), default=[],
                       help="ask nothing of the arms; let the pelvis stay")  # fmt: skip
+    margin = "by which the centre of pressure keeps inside the soles (default: 0.02)"
+    plan.add_argument("--margin", type=float, metavar="M", help=margin)
     less = "where it cannot be had: how much slower, or which share of the trunk's angle can"
     plan.add_argument("--what-would-do", action="store_true", help=less)
     _add_export(plan)
@@ -239,6 +241,7 @@ def wanted_of(args: argparse.Namespace) -> RetargetEntry:
     given = {"begin": args.begin, "slow": args.slow, "repeat": args.repeat, "mirror": args.mirror, "share": args.share,
              "without": args.without, "what_would_do": args.what_would_do}  # fmt: skip
     given |= {} if args.end is None else {"end": args.end}
+    given |= {} if args.margin is None else {"margin_m": args.margin}
     given |= {} if args.rate is None else {"rate_hz": args.rate}
     try:
         return RetargetEntry.model_validate(given)

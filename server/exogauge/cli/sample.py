@@ -35,6 +35,10 @@ def add_commands(commands: Commands) -> None:
     sample.add_argument(
         "--without", dest="left_out", action="append", metavar="NAME", default=[], help="leave one of them out"
     )
+    sample.add_argument(
+        "--motion", dest="motions", action="append", type=Path, metavar="FILE.csv", default=[],
+        help="a planned motion, t and q.<joint>, played in place of bends and twists; again for another",
+    )  # fmt: skip
     sample.add_argument("--payload", action="store_true", help="a payload behind a wrist sensor instead of a study")
     sample.add_argument("--force", action="store_true", help="write into a folder that holds something already")
     sample.set_defaults(command=write_sample)
@@ -53,6 +57,8 @@ def write_sample(options: argparse.Namespace) -> int:
     from exogauge.terminal import bar
 
     refuse_what_is_there(options.out, options.force)
+    if options.payload and options.motions:
+        raise BadInput(Fault("a payload plays no motion from a file", "payload_played", column="motion"))
     if options.payload and (options.added or options.left_out):
         detail = "disturbances are those of a study; a payload's are given with --hidden"
         raise BadInput(Fault(detail, "payload_disturbed", column="with"))
@@ -64,6 +70,7 @@ def write_sample(options: argparse.Namespace) -> int:
         synthetic.write_sample(
             options.out, options.seed, options.hidden, options.suit, progress, processes=synthetic.processors(),
             realism=options.realism, added=options.added, left_out=options.left_out,
+            motions=options.motions,
         )  # fmt: skip
     print(options.out / "study.yaml")
     return 0

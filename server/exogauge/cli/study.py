@@ -113,6 +113,8 @@ def examine_logs(options: argparse.Namespace) -> int:
     with open_study(options.study) as study:
         logs = admit(study)
         sorts = by_sort(examined(study.robot, logs.recordings, logs.worn))
+        noticed = [f"NOTE {each.code}: {each.short}" for each in study.notices]
+    print("\n".join(noticed), end="\n" if noticed else "")
     columns = ("channel", "logs", "detail")
     for sort in sorts:
         places = sort.places

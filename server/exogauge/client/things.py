@@ -9,29 +9,29 @@ from typing import Any, TypeVar, final
 Thing = TypeVar("Thing")
 
 
-@final
-@dataclass(frozen=True)
-class Robot:
-    """One version of a robot. summary: what its check found."""
+@dataclass(frozen=True, kw_only=True)
+class Bundle:
+    """Files that were handed in together, pinned by content_hash. summary: what their check found."""
 
     id: str
     name: str
-    version: int
     content_hash: str
     summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
 
 @final
-@dataclass(frozen=True)
-class Device:
-    """One version of a device, checked against robot_id. summary: its bands, groups, joints, and warnings."""
+@dataclass(frozen=True, kw_only=True)
+class Robot(Bundle):
+    version: int
 
-    id: str
-    name: str
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Device(Bundle):
+    """Checked against robot_id."""
+
     version: int
     robot_id: str
-    content_hash: str
-    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
 
 @final
@@ -47,38 +47,23 @@ class Log:
 
 
 @final
-@dataclass(frozen=True)
-class Study:
-    """A study, its files pinned by content_hash."""
-
-    id: str
-    name: str
-    content_hash: str
-    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
+@dataclass(frozen=True, kw_only=True)
+class Study(Bundle):
+    """Has no versions."""
 
 
 @final
-@dataclass(frozen=True)
-class Payload:
-    """One version of a payload. summary: its sensor, pose, logs, what may be planned."""
-
-    id: str
-    name: str
+@dataclass(frozen=True, kw_only=True)
+class Payload(Bundle):
     version: int
-    content_hash: str
-    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
 
 @final
-@dataclass(frozen=True)
-class Motion:
-    """One version of what was captured of a person. summary: what it is, as it was read."""
+@dataclass(frozen=True, kw_only=True)
+class Motion(Bundle):
+    """What was captured of a person."""
 
-    id: str
-    name: str
     version: int
-    content_hash: str
-    summary: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
 
 @final

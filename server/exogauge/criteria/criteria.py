@@ -8,6 +8,7 @@ from typing import final
 
 from exogauge.criteria.detecting import Contradicting, StoredFilter, Touching
 from exogauge.criteria.examining import Comparing, Examining
+from exogauge.criteria.following import Following
 from exogauge.criteria.identifying import DECLARED, Declaring, Identifying, Resting
 from exogauge.criteria.judging import Carrying, Judging
 from exogauge.criteria.logs import LOGS, Logs
@@ -40,6 +41,7 @@ class Criteria:
     device: Wearing = field(default_factory=Wearing)
     planning: Planning = field(default_factory=Planning)
     doctor: Examining = field(default_factory=Examining)
+    following: Following = field(default_factory=Following)
     comparison: Comparing = field(default_factory=Comparing)
     declared: Declaring = field(default=DECLARED, init=False)
     payload: Carrying = field(default_factory=Carrying)

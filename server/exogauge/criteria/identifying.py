@@ -134,6 +134,7 @@ class Identifying:
 
 
 USUAL = "docs/decisions/0013-uncertainty-budget.md"
+DRIFTS = "docs/decisions/0026-drift-through-a-session.md"
 OFFSETS = "docs/decisions/0016-offsets-of-logs.md"
 PRIOR = "server/exogauge/identification/prior.py"
 
@@ -168,6 +169,12 @@ class Declaring:
         "correlation of a drift or a zero in a log with the device and in its partner without: what walks at random, "
         "halfway through a session and at its end",
         derived("square root of 1/2"),
+    )
+    warming_s: tuple[float, ...] = criterion(
+        (300.0, 600.0, 1200.0, 2400.0, 4800.0),
+        "s",
+        "time constants by which a drive may warm or cool, any of them: 5 to 80 minutes, windings to housing",
+        judgement(DRIFTS),
     )
     imu_tilt: float = criterion(0.009, "rad", "half a degree, of an IMU screwed to a link", judgement(USUAL))
     torque_zero: float = criterion(

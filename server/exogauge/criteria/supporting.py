@@ -10,6 +10,7 @@ from typing import final
 from exogauge.criteria.criterion import convention, criterion, derived, judgement
 
 RULES = "docs/decisions/0004-supporting-torque.md"
+DRIFTS = "docs/decisions/0026-drift-through-a-session.md"
 
 
 @final
@@ -25,6 +26,15 @@ class Supporting:
         "s",
         "how long an error lasts that is not of the robot's parameters: means over less do not average it out",
         judgement(RULES),
+    )
+    drift_missed: float = criterion(
+        1.0,
+        "1",
+        "of a motor's torque that the model may miss in a motion: nothing is known of it, only its change tells",
+        judgement(DRIFTS),
+    )
+    drift_samples: int = criterion(
+        50, "samples", "of a joint in steady motion, below which a run says nothing of its motor", judgement(DRIFTS)
     )
     equal: float = criterion(
         2.0,

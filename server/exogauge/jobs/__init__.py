@@ -3,5 +3,6 @@
 - `recipes`, `requests`, `turns`: what there is to do, asked for, whose turn it is
 - `engine`, `claims`, `leases`, `code_version`: the queue, who has taken what, and for how long
 - `worker`, `attempt`, `compute`, `child`: one job, in a process of its own
+- `plans_beside`: what is laid beside a study for it
 - `supervisor`: workers are kept alive
 """

@@ -20,6 +20,7 @@ from exogauge.errors import Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS, MAX_CRASHES
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
+from exogauge.jobs.plans_beside import lay_plans
 from exogauge.jobs.recipes import recipe_for
 from exogauge.jobs.turns import next_jobs
 from exogauge.logbook import job_id
@@ -201,6 +202,8 @@ class Runner:
         with self._of(job).reading() as store:
             noun, key = owner_of(job)
             store.owners(noun).write_with_all(key, folder)
+            if noun == "study":
+                lay_plans(store, folder)
 
     def _watch(self, job: JobRecord, progress: float | None, message: str | None, stage: str | None) -> None:
         """Called while the child computes. Best effort: a database that is away stops no computation."""

@@ -7,6 +7,8 @@ from typing import Annotated, Literal, final
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from exogauge.criteria.motion_plan import USUAL
+
 Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
 Unit = Literal["m", "cm", "mm", "in"]
 Span = Annotated[list[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]], Field(min_length=2, max_length=2)]
@@ -54,8 +56,8 @@ class ContactsEntry(_Part):
 @final
 class RetargetEntry(_Part):
     """begin, end: of the capture [s]. slow: times the time. repeat: times. share: of the trunk's angle. without: of
-    what nothing is asked. what_would_do: where it cannot be had, find what can. rate_hz: at which it is judged and
-    written."""
+    what nothing is asked. margin_m: by which the centre of pressure keeps inside the soles. what_would_do: where it
+    cannot be had, find what can. rate_hz: at which it is judged and written."""
 
     begin: float = Field(default=0.0, ge=0.0)
     end: float | None = Field(default=None, gt=0.0)
@@ -64,6 +66,7 @@ class RetargetEntry(_Part):
     mirror: bool = False
     share: float = Field(default=1.0, ge=0.0, le=2.0)
     without: list[Literal["arms", "pelvis"]] = Field(default_factory=list, max_length=2)
+    margin_m: float = Field(default=USUAL.margin_m, ge=0.005, le=0.2)
     what_would_do: bool = False
     rate_hz: float = Field(default=200.0, ge=20.0, le=2000.0)
 

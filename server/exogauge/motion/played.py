@@ -15,7 +15,7 @@ from exogauge.criteria.motion_plan import USUAL
 from exogauge.motion.channels import bound_shares, lead_of
 from exogauge.motion.contract import RetargetEntry
 from exogauge.motion.plan.judge import Judged
-from exogauge.motion.retargeting import Retargeted
+from exogauge.motion.retargeting import Retargeted, with_margin
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.standing import standing
 from exogauge.robots.moving.touching import Pairs
@@ -66,7 +66,8 @@ def of_retargeted(found: Retargeted, wanted: RetargetEntry) -> Played:
     heading = float(Rotation.from_matrix(found.person.turn[0]).as_euler("ZXY")[0])
     moment = moments(played.time - lead_of(found), found.person.time[-1], wanted)
     person = np.array([-heading if wanted.mirror else heading, float(wanted.mirror)])
-    return Played(**{**vars(played), "moment": moment, "person": person})
+    inner = np.array([with_margin(wanted.margin_m).inside_m])
+    return Played(**{**vars(played), "moment": moment, "person": person, "inner": inner})
 
 
 def moments(time: Array, whole: float, wanted: RetargetEntry) -> Array:

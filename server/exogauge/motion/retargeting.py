@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.motion_plan import USUAL
+from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.contract import RetargetEntry
 from exogauge.motion.fit.fit import fit_human
 from exogauge.motion.human import HumanMotion
@@ -39,6 +39,12 @@ class Retargeted:
     could: Possible | None
 
 
+def with_margin(margin_m: float) -> MotionPlan:
+    """What decides where the centre of pressure keeps `margin_m` inside the soles at the nodes, as much less between
+    them as usual."""
+    return replace(USUAL, margin_m=margin_m, inside_m=max(margin_m - (USUAL.margin_m - USUAL.inside_m), 0.0))
+
+
 def person_in(motion: HumanMotion, static: HumanMotion | None) -> Person:
     """Of a skeleton as it is, of markers by a body that is fitted to them. Raises BadMotion."""
     return person_of(motion) if motion.markers is None else person_of_fit(fit_human(motion, static), motion.contacts)
@@ -59,7 +65,8 @@ def retargeted(
 ) -> Retargeted:
     """person: as captured. Raises BadMotion, BadRobot."""
     person = changed(person, wanted)
-    asked, missed = ask(robot, person)
-    planned, judged = plan_within(robot, asked, report=report, rate=wanted.rate_hz)
-    could = what_would_do(robot, person, tried=tried) if judged.broken and wanted.what_would_do else None
+    criteria = with_margin(wanted.margin_m)
+    asked, missed = ask(robot, person, criteria)
+    planned, judged = plan_within(robot, asked, criteria, report, wanted.rate_hz)
+    could = what_would_do(robot, person, criteria, tried) if judged.broken and wanted.what_would_do else None
     return Retargeted(robot, person, asked, missed, planned, judged, could)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar, final
 
 import sqlalchemy as sa
+from sqlalchemy.orm import aliased
 
 from exogauge.errors import Conflict
 from exogauge.storage import tables
@@ -19,6 +20,7 @@ from exogauge.storage.blobs import BlobStore, copy_out
 from exogauge.storage.files import PinnedFile, content_hash, file_at
 from exogauge.storage.jobs import latest_state
 from exogauge.storage.records import (
+    BundleRecord,
     DeviceRecord,
     MotionRecord,
     Page,
@@ -30,7 +32,7 @@ from exogauge.storage.records import (
 from exogauge.storage.rows import Lab
 from exogauge.storage.search import found_by, words_of
 
-Record = TypeVar("Record", bound=RobotRecord | DeviceRecord | StudyRecord | PayloadRecord | MotionRecord | PlanRecord)
+Record = TypeVar("Record", bound=BundleRecord)
 Filter = Callable[[Lab, str], sa.ColumnElement[bool]]
 Needs = tuple[str, str] | None
 NONE = "none"
@@ -181,13 +183,17 @@ def _is_of(study: type[tables.Study], robot: type[tables.Robot]) -> sa.ColumnEle
 
 
 def _with_motion_of_plan(lab: Lab, plan_id: str) -> sa.ColumnElement[bool]:
-    """Studies that hold the motion that a job of this plan wrote, byte for byte."""
+    """Studies that hold the motion that a job of this plan wrote, byte for byte, or whose results do: there a log was
+    found to follow it."""
     written = sa.select(tables.Artifact.sha256).join(tables.Job, tables.Job.id == tables.Artifact.job_id)
     mine = written.where(
         tables.Job.lab_id == lab.lab_id, tables.Job.plan_id == plan_id, tables.Artifact.name == PLANNED
     )
-    held = tables.StudyFile
-    return sa.exists().where(held.study_id == tables.Study.id, held.sha256.in_(mine))
+    held, found, job = tables.StudyFile, aliased(tables.Artifact), aliased(tables.Job)
+    follows = sa.exists().where(
+        job.study_id == tables.Study.id, job.lab_id == lab.lab_id, found.job_id == job.id, found.sha256.in_(mine)
+    )
+    return sa.or_(sa.exists().where(held.study_id == tables.Study.id, held.sha256.in_(mine)), follows)
 
 
 MOST_NAMED = 5  # of what still needs a thing, in one message

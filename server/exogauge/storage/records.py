@@ -19,29 +19,30 @@ class Page(Generic[Record]):
     after: tuple[datetime, str] | None
 
 
-@final
 @dataclass(frozen=True)
-class RobotRecord:
+class BundleRecord:
+    """Files that were handed in together. content_hash: over all of them; summary: what their check found."""
+
     id: str
     created_at: datetime
     name: str
-    version: int
     content_hash: str
     summary: Mapping[str, Any]
 
 
 @final
 @dataclass(frozen=True)
-class DeviceRecord:
+class RobotRecord(BundleRecord):
+    version: int
+
+
+@final
+@dataclass(frozen=True)
+class DeviceRecord(BundleRecord):
     """robot_id: the robot it was checked against."""
 
-    id: str
-    created_at: datetime
-    name: str
     version: int
     robot_id: str
-    content_hash: str
-    summary: Mapping[str, Any]
 
 
 @final
@@ -59,49 +60,30 @@ class LogRecord:
 
 @final
 @dataclass(frozen=True)
-class StudyRecord:
-    id: str
-    created_at: datetime
-    name: str
-    content_hash: str
-    summary: Mapping[str, Any]
+class StudyRecord(BundleRecord):
+    """Has no versions: a study under a name that is taken is another study."""
 
 
 @final
 @dataclass(frozen=True)
-class PayloadRecord:
-    id: str
-    created_at: datetime
-    name: str
+class PayloadRecord(BundleRecord):
     version: int
-    content_hash: str
-    summary: Mapping[str, Any]
 
 
 @final
 @dataclass(frozen=True)
-class MotionRecord:
-    id: str
-    created_at: datetime
-    name: str
+class MotionRecord(BundleRecord):
     version: int
-    content_hash: str
-    summary: Mapping[str, Any]
 
 
 @final
 @dataclass(frozen=True)
-class PlanRecord:
+class PlanRecord(BundleRecord):
     """robot_id: for which; motion_id: what is retargeted; study_id: whose logs are known already."""
 
-    id: str
-    created_at: datetime
-    name: str
     robot_id: str
     motion_id: str | None
     study_id: str | None
-    content_hash: str
-    summary: Mapping[str, Any]
 
 
 @final

@@ -21,6 +21,8 @@ from exogauge.findings.as_told import by_importance
 from exogauge.findings.result import Discrepancy
 from exogauge.identification.identify import identify
 from exogauge.identification.result import Identification, Prediction
+from exogauge.logs.followed import followed
+from exogauge.logs.model import Log
 from exogauge.progress import Doing, Progress, Stage
 from exogauge.remarks import About, Remark
 from exogauge.robots.export import export_urdf
@@ -30,6 +32,7 @@ from exogauge.studies.intake.admit import admit
 from exogauge.studies.intake.contract import STEPS, DeviceFile
 from exogauge.studies.intake.moving_robot import moving_robot
 from exogauge.studies.intake.open import Study, open_study
+from exogauge.studies.intake.plans import read_plans
 from exogauge.studies.intake.yaml_file import MAX_BYTES, read_yaml
 from exogauge.studies.report.summary_page import summary_page
 from exogauge.studies.report.write import render_report
@@ -44,6 +47,7 @@ from exogauge.studies.results.discrepancy_results import (
 from exogauge.studies.results.document import Evaluation, finite, parameter_table, results, to_json, validation_table
 from exogauge.studies.results.examine_logs import examine_logs
 from exogauge.studies.results.failed_step import FailedStep, keeping, told
+from exogauge.studies.results.plan_results import FOLLOWED, PlansOfStudy, followed_files
 from exogauge.studies.results.support_results import before_after, stiffness_entries, stiffness_table, support_table
 from exogauge.studies.results.taken_over import TAKEN_OVER, taken_over
 from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse, suspects
@@ -103,6 +107,7 @@ def _evaluate(
         recordings, worn, plain = logs.recordings, logs.worn, logs.plain
         reading(0.10, Doing.EXAMINING_LOGS)
         findings = examine_logs(study.robot, recordings, worn, study.settings.criteria)
+        plans = _plans_of(study, [*(each.log for each in recordings), *(each.log for each in worn)])
         spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
             found = first = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
@@ -155,10 +160,19 @@ def _evaluate(
             record=study_record(study, [*(each.log for each in recordings), *(each.log for each in worn)], found),
             support_settings=study.support_settings,
             logs=[*(each.log for each in recordings), *(each.log for each in worn)],
+            plans=plans,
         )
         write(study, evaluation, out)
     writing(1.0, Doing.DONE)
     return tuple(failed)
+
+
+def _plans_of(study: Study, logs: Sequence[Log]) -> PlansOfStudy:
+    """Which logs are of which planned motion; of a log that was cut at gaps each stretch is looked at."""
+    plans = read_plans(study)
+    series = [plan.series for plan in plans]
+    found = [followed(log, series, study.settings.criteria.following) for log in logs] if plans else []
+    return PlansOfStudy(plans, [each for each in found if each is not None], study.robot.tree.sliding)
 
 
 def _moving(study: Study) -> MotionRobot | None:
@@ -244,6 +258,9 @@ def write(study: Study, evaluation: Evaluation, out: Path) -> None:
         for name, plan in planned_files(evaluation.discrepancy):
             (temporary / file_name(name)).write_bytes(motion_table(plan))
             files[name] = file_name(name)
+        for name, table in followed_files(evaluation.plans):
+            (temporary / file_name(name)).write_bytes(table)
+            files[name] = file_name(name)
         evaluation = replace(evaluation, taken_over=_write_taken_over(study, evaluation, temporary, files))
         files |= _write_all_series(evaluation, temporary)
         urdf, notices = identified_urdf(study, found)
@@ -316,7 +333,7 @@ def withdraw(out: Path) -> None:
     """What an earlier evaluation has left in `out`, its results.json first."""
     for name in (RESULT, REPORT, PAGE_HTML, PAGE_PDF, URDF, PARAMETERS, VALIDATION, SUPPORT, STIFFNESS):
         (out / name).unlink(missing_ok=True)
-    for own in (PLANNED, TAKEN_OVER):
+    for own in (PLANNED, FOLLOWED, TAKEN_OVER):
         for file in out.glob(own):
             file.unlink()
     shutil.rmtree(out / SERIES, ignore_errors=True)

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len, rfft
 
 from exogauge.criteria.identifying import DECLARED
 from exogauge.identification.type_b import ROBOT
@@ -16,7 +15,7 @@ from exogauge.support.band_inputs import scores_of_inputs
 from exogauge.support.band_model import Fitted, Setting, columns
 from exogauge.support.band_offsets import score_of_offsets, without_offsets
 from exogauge.support.band_rows import WearLogs
-from exogauge.support.band_weights import autocovariance
+from exogauge.support.coloured import by_autocovariance
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -84,7 +83,7 @@ def score_covariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
     number = blocks(logs, e)
     scores = np.add.reduceat(np.einsum("ndp,nd->np", weighted, e), np.flatnonzero(np.diff(number, prepend=-1)), axis=0)
     by_blocks = scores.T @ scores * (len(scores) / max(len(scores) - 1.0, 1.0))
-    return _larger(by_blocks, _by_autocovariance(logs, e, weighted))
+    return _larger(by_blocks, by_autocovariance(logs.spans, logs.used, e, weighted))
 
 
 def blocks(logs: WearLogs, e: Array) -> IntArray:
@@ -102,12 +101,12 @@ def blocks(logs: WearLogs, e: Array) -> IntArray:
 def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Array]]:
     """(P, X) change of the score with the robot's parameters, None where a log does not know it; and declared
     uncertainty -> (P, P) of the score, from what motors and sensors do in each log. Through a session motors warm and
-    zeros drift: a share of their variance is alike in all of these logs."""
+    zeros drift: a share of their variance is alike in all of these logs, or all where the session is known."""
     total, known = np.zeros((weighted.shape[2], 0)), True
     of_each_log: dict[str, Array] = {}
-    together, alike = dict[str, Array](), DECLARED.alike
+    together, session, alike = dict[str, Array](), dict[str, Array](), DECLARED.alike
     for log, span in zip(logs.logs, logs.spans, strict=True):
-        if log.slope is None and not log.own:
+        if log.slope is None and not log.inputs:
             known = False
             continue
         g = log.at_slopes(weighted[span])
@@ -115,12 +114,16 @@ def _moved(logs: WearLogs, weighted: Array) -> tuple[Array | None, dict[str, Arr
             moved = _through(g, own)
             of_each_log[name] = of_each_log.get(name, 0.0) + (1.0 - alike) * moved @ moved.T
             together[name] = together.get(name, 0.0) + moved
+        for name, inputs in log.session.items():
+            session[name] = session.get(name, 0.0) + _through(g, inputs)
         if log.slope is None:
             known = False
         else:
             total = _through(g, log.slope) + (total if total.size else 0.0)
     for name, moved in together.items():
         of_each_log[name] = of_each_log[name] + alike * moved @ moved.T
+    for name, moved in session.items():
+        of_each_log[name] = of_each_log.get(name, 0.0) + moved @ moved.T
     return total if known else None, of_each_log
 
 
@@ -135,25 +138,6 @@ def _null_score(setting: Setting, fitted: Fitted, null: WearLogs, joint_weight: 
     A = columns(null, [null.wire(wire.course) for wire in setting.wires], fitted.wear)
     own = null.used * joint_weight
     return np.asarray(np.einsum("ndp,nd,nd->p", A, null.share[:, None] * own, without_offsets(null, own, null.torque)))
-
-
-def _by_autocovariance(logs: WearLogs, e: Array, weighted: Array) -> Array:
-    """Σ gᵀ C g over logs and joints; g: (n, P) weighted slopes of a joint's torque, C: covariance of its errors, which
-    counts by its spectrum once no end of a log meets the other."""
-    P = weighted.shape[2]
-    total, felt = np.zeros((P, P)), np.flatnonzero(weighted.any(axis=(0, 2)))
-    for span in logs.spans:
-        used, errors = logs.used[span][:, felt], e[span][:, felt]
-        c = [autocovariance(np.where(u, x, 0.0), u) for u, x in zip(used.T, errors.T, strict=True)]
-        length = next_fast_len(len(used) + max((len(each) for each in c), default=0), real=True)
-        waves = rfft(weighted[span][:, felt], length, axis=0)
-        both_ways = np.full(len(waves), 2.0 / length)
-        both_ways[[0] if length % 2 else [0, -1]] = 1.0 / length
-        for joint, own in enumerate(c):
-            spectrum = (2.0 * rfft(own, length).real - own[0]) * both_ways
-            for part in (waves[:, joint].real, waves[:, joint].imag):
-                total += part.T @ (spectrum[:, None] * part)
-    return 0.5 * (total + total.T)
 
 
 def _larger(first: Array, second: Array) -> Array:

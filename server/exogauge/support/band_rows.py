@@ -35,6 +35,7 @@ class WearLog:
     passed; None where nothing is to be filtered. kept: (n,). torque: (n, D) [N·m] support, used: (n, D) where
     it counts. sloped: (m,) places among the kept, slope: (m, D, X) ∂torque/∂x there, None where it is not known. own:
     declared uncertainty -> (m, D, K) [N·m] one standard deviation each of what is this log's own.
+    session: the same of what all logs have in common.
     share: how many logs with the wear it stands for. zero_std: (D,) [N·m] of a constant torque that is this log's own;
     None: there is none.
     """
@@ -51,7 +52,12 @@ class WearLog:
     low_pass: LowPass | None = None
     share: float = 1.0
     own: OwnInputs = field(default_factory=dict)
+    session: OwnInputs = field(default_factory=dict)
     zero_std: Array | None = None
+
+    @property
+    def inputs(self) -> tuple[NDArray[np.float32], ...]:
+        return (*self.own.values(), *self.session.values())
 
     def as_torque(self, pull: Array) -> Array:
         """(n, …) at the kept samples, low-passed as the torque. pull: (T, …) [N]: what flips within a moment, such as
@@ -63,7 +69,7 @@ class WearLog:
         these, slopes are taken as straight. weighted: (n, D, P); D': joints that slopes are known of."""
         m, joints = (
             len(self.sloped),
-            next(each.shape[1] for each in (self.slope, *self.own.values()) if each is not None),
+            next(each.shape[1] for each in (self.slope, *self.inputs) if each is not None),
         )
         own = weighted[:, :joints]
         flat = self._between_slopes @ own.reshape(len(own), -1)
@@ -150,6 +156,7 @@ def _kept(log: WearLog, step: int) -> WearLog:
         sloped=np.zeros(0, dtype=np.intp),
         slope=None,
         own={},
+        session={},
         low_pass=None,
     )
 
@@ -204,15 +211,15 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
     dense, step = _dense(kept, log.samples, log.rate_hz / (DENSE * cutoff_hz))
     torque, used = evidence.a_priori if approach == "prior" else evidence.b, evidence.steady
     slope: NDArray[np.float32] | None = evidence.slope_b
-    own = evidence.own_b
+    own, session = evidence.own_b, evidence.session_b
     if approach == "A":
         assert evidence.a is not None
         torque, used, slope = evidence.a, evidence.compared & np.isfinite(evidence.a), evidence.slope_a
-        own = evidence.own_a
+        own, session = evidence.own_a, evidence.session_a
     if approach == "paired":
         assert evidence.paired is not None
         torque, used, slope = evidence.paired, used & np.isfinite(evidence.paired), evidence.slope_paired
-        own = evidence.own_paired
+        own, session = evidence.own_paired, evidence.session_paired
     pair = np.where(used, torque, 0.0)[kept], used[kept]
     if beside is not None:
         pair = _joined(pair, beside[log.name])
@@ -227,6 +234,7 @@ def _with(evidence: Evidence, approach: Approach, cutoff_hz: float, beside: Mapp
         sloped=np.searchsorted(kept, evidence.sloped),
         slope=slope,
         own=own,
+        session=session,
         low_pass=LowPass(cutoff_hz, log.rate_hz / step, stored=log.stored),
     )
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.support.band_rows import WearLogs
+from exogauge.support.coloured import autocovariance
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -44,13 +45,3 @@ def rms(logs: WearLogs, e: Array) -> Array:
     """(D,) [N·m] of residuals e (N, D) where they count."""
     square = np.sum(np.where(logs.used, e, 0.0) ** 2, axis=0) / np.maximum(logs.used.sum(axis=0), 1)
     return np.asarray(np.sqrt(square))
-
-
-def autocovariance(errors: Array, used: BoolArray) -> Array:
-    """(lags,) about zero, up to half of the log or to where it is first not positive. errors: (n,), 0 where unused."""
-    n = len(errors)
-    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[: max(n // 2, 1)] for x in (errors, used))
-    c: Array = products / np.maximum(pairs, 1.0)
-    positive = np.cumprod(c > 0.0)
-    positive[0] = 1
-    return c[: int(positive.sum())]

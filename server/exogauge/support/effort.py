@@ -130,18 +130,22 @@ def _told(
 def _of_inputs(runs: Runs, name: str, windows: Mapping[int, BoolArray]) -> dict[str, float]:
     """Source -> variance [N²·m²] from the robot's parameters and what is declared. They err alike at every sample."""
     K, alike, joint = len(windows), DECLARED.alike, runs.joint
-    shared, own = list[Array](), list[Mapping[str, Array]]()
+    shared, own, session = list[Array](), list[Mapping[str, Array]](), list[Mapping[str, Array]]()
     for k, window in windows.items():
         evidence = runs.evidences[k]
         doubted, weights = evidence.doubted(name), _weights(evidence, window)
         shared.append(weights @ doubted.slope[:, joint])
         own.append({each: weights @ inputs[:, joint] for each, inputs in doubted.own.items()})
+        session.append({each: weights @ inputs[:, joint] for each, inputs in doubted.session.items()})
     S = np.mean(shared, axis=0)
     found = {source: max(float(S @ C @ S), 0.0) for source, C in runs.model.doubt_by_source.items()}
     for source in own[0]:
         each = np.array([inputs[source] for inputs in own])
         square = alike * np.sum(np.mean(each, axis=0) ** 2) + (1.0 - alike) * np.sum(each**2) / K**2
         found[source] = found.get(source, 0.0) + float(square)
+    for source in session[0]:
+        together = np.mean([inputs[source] for inputs in session], axis=0)
+        found[source] = found.get(source, 0.0) + float(np.sum(together**2))
     return found
 
 

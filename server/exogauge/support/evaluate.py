@@ -22,9 +22,10 @@ from exogauge.support.balance import Balance, balance
 from exogauge.support.band_fit import NamedBands
 from exogauge.support.band_weights import LEAST_SIGMA
 from exogauge.support.cross_checks import judged
+from exogauge.support.drift import find_drift
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
-from exogauge.support.notes import notes_on_logs
+from exogauge.support.notes import notes_on_drift, notes_on_logs
 from exogauge.support.phases import phase_names
 from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
@@ -81,11 +82,14 @@ def gather_support(
     backgrounds: dict[str, Background] = {}
     nothings: list[Nothing] = []
     balances = _balances(model, _used(plain, worn), joints, progress)
+    drift = find_drift(model, plain, [each.log for each in worn], balances, settings.started)
+    if drift is not None:
+        balances = {name: drift.without(model, each) for name, each in balances.items()}
     told = [held_friction(model, balances[each.log.name]) for each in _telling_of_rest(plain)]
     held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
         plains = _plains(model, _of_motion(plain, motion), balances)
-        background = Background(joints, plains, repeatability(plains, held, settings), held, None)
+        background = Background(joints, plains, repeatability(plains, held, settings), held, None, drift)
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
         for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):
@@ -94,7 +98,8 @@ def gather_support(
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
     names = [model.robot.joints[j].name for j in joints]
-    return Gathered(evidences, backgrounds, nothings, joints, names, notes_on_logs(_used(plain, worn), worn))
+    notes = (*notes_on_logs(_used(plain, worn), worn), *notes_on_drift(model, drift, joints))
+    return Gathered(evidences, backgrounds, nothings, joints, names, notes)
 
 
 def conclude_support(

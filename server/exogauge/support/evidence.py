@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.routing import Routing
+from exogauge.identification.disturbances import DRIFT
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Prediction
@@ -19,6 +20,7 @@ from exogauge.logs.derivatives import differentiate
 from exogauge.support.at_rest import bridged, doubt_at_rest, scatter_at_rest
 from exogauge.support.balance import balance, of_this_log, prepare_worn, slopes
 from exogauge.support.difference import difference
+from exogauge.support.drift import Drift
 from exogauge.support.paired import paired
 from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability
@@ -34,11 +36,12 @@ OwnInputs = Mapping[str, NDArray[np.float32]]
 @final
 @dataclass(frozen=True)
 class Doubted:
-    """What one approach's torque of one log hangs on. slope: (n, D, P + I), own: as `slope_…` and `own_…` of
-    `Evidence`. at_rest: (T, D) [N·m] standard deviation of what friction hides at rest."""
+    """What one approach's torque of one log hangs on. slope: (n, D, P + I), own, session: as `slope_…`, `own_…` and
+    `session_…` of `Evidence`. at_rest: (T, D) [N·m] standard deviation of what friction hides at rest."""
 
     slope: NDArray[np.float32]
     own: OwnInputs
+    session: OwnInputs
     at_rest: Array
 
 
@@ -53,8 +56,8 @@ class Evidence:
     half of the interval that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
     kept: samples for a fit. sloped: (n,) samples of slope_…: (n, D, P + I) ∂torque/∂x and with the common inputs
     (`RobotModel.doubt`). own_…: declared uncertainty -> (n, D, K) [N·m] one standard deviation each of what is this
-    log's own, and its partner's. rest_a, rest_b: (T, D) [N·m] of std_a, and of std_b and std_paired, what friction at
-    rest makes.
+    log's own, and its partner's; session_…: the same of what all logs of a session have in common (`Drift`). rest_a,
+    rest_b: (T, D) [N·m] of std_a, and of std_b and std_paired, what friction at rest makes.
     """
 
     worn: WornLog
@@ -90,18 +93,21 @@ class Evidence:
     half_paired: Array | None = None
     slope_paired: NDArray[np.float32] | None = None
     own_paired: OwnInputs = field(default_factory=dict)
+    session_b: OwnInputs = field(default_factory=dict)
+    session_a: OwnInputs = field(default_factory=dict)
+    session_paired: OwnInputs = field(default_factory=dict)
     rest_a: Array | None = None
     rest_b: Array | None = None
 
     def doubted(self, approach: str) -> Doubted:
         """Of `a`, `b` or `paired`."""
-        slope, own, at_rest = {
-            "a": (self.slope_a, self.own_a, self.rest_a),
-            "b": (self.slope_b, self.own_b, self.rest_b),
-            "paired": (self.slope_paired, self.own_paired, self.rest_b),
+        slope, own, session, at_rest = {
+            "a": (self.slope_a, self.own_a, self.session_a, self.rest_a),
+            "b": (self.slope_b, self.own_b, self.session_b, self.rest_b),
+            "paired": (self.slope_paired, self.own_paired, self.session_paired, self.rest_b),
         }[approach]
         assert slope is not None
-        return Doubted(slope, own, np.zeros_like(self.b) if at_rest is None else at_rest)
+        return Doubted(slope, own, session, np.zeros_like(self.b) if at_rest is None else at_rest)
 
 
 @final
@@ -124,7 +130,8 @@ class Background:
     """What a log with the device is held against. joints: (D,) columns of q that the bands act on.
 
     plains: logs without the device of the same motion. repeats: what both approaches find where the truth is zero.
-    held: (D,) [N·m] the largest friction seen at rest. reference: the place in plains to compare with, if any.
+    held: (D,) [N·m] the largest friction seen at rest. reference: the place in plains to compare with, if any. drift:
+    of motors through the session; None where nothing is known of it.
     """
 
     joints: IntArray
@@ -132,6 +139,7 @@ class Background:
     repeats: Repeatability
     held: Array
     reference: int | None
+    drift: Drift | None = None
 
 
 def gather(
@@ -140,21 +148,22 @@ def gather(
     """Everything that one log with the device says."""
     joints, repeats = background.joints, background.repeats
     prepared = prepare_worn(model, worn.log)
-    own = balance(model, prepared, joints)
+    own, drift = balance(model, prepared, joints), background.drift
+    if drift is not None:
+        own = drift.without(model, own)
     names = [model.robot.joints[j].name for j in joints]
     q = prepared.motion.q[:, joints]
     geometry = routing.geometry(prepared.motion.q)
     sloped = _sloped(prepared)
     slope_b = _slopes(model, prepared, sloped, joints)
-    own_b = _own_inputs(model, prepared, sloped, joints)
-    std_b = _spread(model.doubt, slope_b, own_b, sloped, own.steady, *repeats.spread("b"))
+    own_b, session_b = _own_inputs(model, prepared, sloped, joints, drift)
+    std_b = _spread(model.doubt, slope_b, own_b | session_b, sloped, own.steady, *repeats.spread("b"))
     half_b = own.rest * background.held
     jacobian = on_joints(geometry.jacobian, routing, joints)
     at_rest = doubt_at_rest(own.torque, own.steady, half_b, geometry.length, np.any(jacobian, axis=0))
     std_b = np.hypot(std_b, at_rest)
     a = std_a = rest_a = slope_a = found = reference = pair = std_pair = slope_pair = None
-    own_a: OwnInputs = {}
-    own_pair: OwnInputs = {}
+    own_a, session_a, own_pair, session_pair = (dict[str, NDArray[np.float32]]() for _ in range(4))
     half_a, compared = np.zeros_like(half_b), np.zeros_like(own.steady)
     if background.reference is not None:
         plain = background.plains[background.reference]
@@ -162,9 +171,10 @@ def gather(
         apart = difference(own, plain.balance, found)
         a, compared, half_a, reference = apart.torque, apart.compared, apart.rest * background.held, plain.name
         slope_a = slope_b - _slopes(model, plain.balance.prepared, apart.nearest[sloped], joints)
-        partner = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints)
+        partner, then = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints, drift)
         own_a = _with_partner(own_b, partner)
-        std_a = _spread(model.doubt, slope_a, own_a, sloped, own.steady, *repeats.spread("a"))
+        session_a = {name: each - then[name] for name, each in session_b.items()}
+        std_a = _spread(model.doubt, slope_a, own_a | session_a, sloped, own.steady, *repeats.spread("a"))
         rest_a = _rest_of_a(a, compared, half_a)
         std_a = np.hypot(std_a, rest_a)
         pair = paired(own, plain.balance, apart, background.held)
@@ -172,7 +182,10 @@ def gather(
         slope_pair = np.where(theirs, slope_a, slope_b)
         taken_off = {name: np.where(theirs, each, np.float32(0.0)) for name, each in partner.items()}
         own_pair = _with_partner(own_b, taken_off)
-        std_pair = _spread(model.doubt, slope_pair, own_pair, sloped, own.steady, *repeats.spread("paired"))
+        session_pair = {name: np.where(theirs, session_a[name], each) for name, each in session_b.items()}
+        std_pair = _spread(
+            model.doubt, slope_pair, own_pair | session_pair, sloped, own.steady, *repeats.spread("paired")
+        )
         std_pair = np.hypot(std_pair, at_rest)
     main = main_joint(q)
     return Evidence(
@@ -211,6 +224,9 @@ def gather(
         half_paired=None if pair is None else pair.half,
         slope_paired=slope_pair,
         own_paired=own_pair,
+        session_b=session_b,
+        session_a=session_a,
+        session_paired=session_pair,
         rest_a=rest_a,
         rest_b=at_rest,
     )
@@ -249,13 +265,20 @@ def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: In
     return out
 
 
-def _own_inputs(model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray) -> OwnInputs:
-    """The same inputs, in the same order, whatever the log."""
+def _own_inputs(
+    model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray, drift: Drift | None
+) -> tuple[dict[str, NDArray[np.float32]], dict[str, NDArray[np.float32]]]:
+    """What is this log's own, and what all logs of the session have in common; the same inputs in the same order,
+    whatever the log."""
     found = of_this_log(model, prepared, samples, joints)
-    return {name: each.astype(np.float32) for name, each in found.items() if each.any()}
+    own = {name: each.astype(np.float32) for name, each in found.items() if each.any()}
+    if drift is None:
+        return own, {}
+    own.pop(DRIFT, None)
+    return own, {DRIFT: drift.doubt(model, prepared, samples, joints)}
 
 
-def _with_partner(own: OwnInputs, partner: OwnInputs) -> OwnInputs:
+def _with_partner(own: OwnInputs, partner: OwnInputs) -> dict[str, NDArray[np.float32]]:
     """Of a difference of two runs: what the drifts of both have in common, then what each has alone."""
     both, alone = np.float32(np.sqrt(DECLARED.partner_alike)), np.float32(np.sqrt(1.0 - DECLARED.partner_alike))
     return {

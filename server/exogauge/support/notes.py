@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
+from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 from exogauge.remarks import About, Remark
+from exogauge.support.drift import Drift
 from exogauge.support.settings import PlainLog, WornLog
+
+IntArray = NDArray[np.intp]
 
 
 def notes_on_logs(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> tuple[Remark, ...]:
@@ -16,6 +23,16 @@ def notes_on_logs(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> tuple[R
     left_out = [_left_out(each) for each in logs if each.left_out]
     limited = [each for each in logs if each.stored is not None]
     return (*left_out, *_filtered(limited), *_not_alike(limited, [each for each in with_device if not each.stored]))
+
+
+def notes_on_drift(model: RobotModel, drift: Drift | None, joints: IntArray) -> tuple[Remark, ...]:
+    """What motors were found to do through the session."""
+    told = [] if drift is None else [j for j in joints if drift.told[j]]
+    if drift is None or not told:
+        return ()
+    names = tuple(model.robot.joints[j].name for j in told)
+    moved, std = 100.0 * drift.moved, 100.0 * drift.std
+    return (Remark(About.DRIFT_FOUND, names, tuple((float(moved[j]), float(std[j])) for j in told)),)
 
 
 def _left_out(log: Log) -> Remark:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import final
 
 from exogauge.devices.device import Device
@@ -35,7 +36,9 @@ class SupportSettings:
     """When two runs hold the same motion: rms of the velocity difference over the rms velocity, joint by joint.
 
     Above `doubtful` there is a warning, above `different` approach A is refused.
+    started: recording -> [s] when it began, on one clock; empty where that is not said of every log.
     """
 
     doubtful: float = 0.15
     different: float = 0.5
+    started: Mapping[str, float] = field(default_factory=dict)

@@ -21,17 +21,20 @@ def write_sample(
     realism: str = DEFAULT,
     added: Sequence[str] = (),
     left_out: Sequence[str] = (),
+    motions: Sequence[Path] = (),
 ) -> None:
     """Write a whole synthetic study folder into `out`, truth.json included; see `study.write_study`.
 
-    realism, added, left_out: what the laboratory does to it, in the words of `disturbances.chosen`.
+    realism, added, left_out: what the laboratory does to it, in the words of `disturbances.chosen`. motions: tables of
+    planned motions, played in place of bends and twists.
     """
     if find_spec("mujoco") is None:
         raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
+    from exogauge.synthetic.played import read_motions
     from exogauge.synthetic.study import write_study
 
-    disturbed = chosen(realism, added, left_out)
-    write_study(out, seed, hidden, suit, progress, processes=processes, disturbed=disturbed)
+    disturbed, played = chosen(realism, added, left_out), read_motions(motions)
+    write_study(out, seed, hidden, suit, progress, processes=processes, disturbed=disturbed, played=played)
 
 
 def write_payload_sample(out: Path, seed: int, hidden: Sequence[str] | None = None) -> None:

@@ -1,20 +1,24 @@
-"""Which logs a sample holds: excitations to identify and to validate, and motions repeated without and with a suit."""
+"""Which logs a sample holds: excitations to identify and to validate, and motions repeated without a suit, with it, and
+without it again."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
 SUITS = {"none": (), "normal": ("normal",), "modified": ("modified",), "both": ("normal", "modified")}
 MOTIONS = ("bend", "twist")
 REPETITIONS = 5
+REPETITIONS_AFTER = 2  # without the suit, at the end of the session
 REPETITION_S = 14.0  # two bends, or a twist to either side
 
 
 @final
 @dataclass(frozen=True)
 class LogPlan:
-    """One log to make. motion: `excitation`, `bend` or `twist`; role, name: as in study.yaml; suit: the one worn.
+    """One log to make. motion: `excitation`, `bend`, `twist` or one that is played from a file; role, name: as in
+    study.yaml; suit: the one worn.
 
     repeats: one of several logs of the same planned motion, otherwise the motion is drawn for this log.
     """
@@ -41,14 +45,23 @@ _WITHOUT_SUIT = (
 )
 
 
-def log_plans(suit: str) -> tuple[LogPlan, ...]:
-    """suit: a key of `SUITS`."""
-    if suit == "none":
+def log_plans(suit: str, played: Mapping[str, float] | None = None) -> tuple[LogPlan, ...]:
+    """suit: a key of `SUITS`. played: motions from files and how long each takes [s], in place of bends and twists."""
+    if suit == "none" and not played:
         return _EXCITATIONS + _WITHOUT_SUIT
+    if suit == "none":
+        plain = (
+            LogPlan(f"{name}_plain", "validation", name, each, repeats=True) for name, each in (played or {}).items()
+        )
+        return (*_EXCITATIONS, *plain)
     return _EXCITATIONS + tuple(
-        LogPlan(f"{motion}_{worn or 'plain'}_{n}", "with_device" if worn else "without_device", motion, REPETITION_S,
+        LogPlan(f"{motion}_{worn or 'plain'}_{n}", "with_device" if worn else "without_device", motion, duration,
                 worn, repeats=True)
-        for worn in (None, *SUITS[suit])
-        for motion in MOTIONS
-        for n in range(1, REPETITIONS + 1)
+        for worn, first, last in (
+            (None, 1, REPETITIONS),
+            *((worn, 1, REPETITIONS) for worn in SUITS[suit]),
+            (None, REPETITIONS + 1, REPETITIONS + REPETITIONS_AFTER),
+        )
+        for motion, duration in (played or dict.fromkeys(MOTIONS, REPETITION_S)).items()
+        for n in range(first, last + 1)
     )  # fmt: skip

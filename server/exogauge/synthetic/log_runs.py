@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.queues import SimpleQueue
 from pathlib import Path
@@ -13,13 +13,15 @@ from typing import final
 import numpy as np
 
 from exogauge.blas_threads import limit_children
+from exogauge.errors import BadMotion, Fault
 from exogauge.synthetic import motion
 from exogauge.synthetic.lab import Lab
 from exogauge.synthetic.log_file import write_log, write_torque
 from exogauge.synthetic.log_plans import LogPlan
 from exogauge.synthetic.mjcf import TIME_STEP, mujoco_model
+from exogauge.synthetic.played import PlayedMotion
 from exogauge.synthetic.random_streams import stream
-from exogauge.synthetic.simulation import Recording, simulate
+from exogauge.synthetic.simulation import FellOver, Recording, simulate
 from exogauge.synthetic.suit import Suit
 from exogauge.synthetic.true_robot import TrueRobot, a_priori_robot
 
@@ -34,12 +36,14 @@ _MOTIONS = {"excitation": motion.excitation, "bend": motion.bend, "twist": motio
 @final
 @dataclass(frozen=True)
 class Bench:
-    """What all runs of a study share. suits: by kind, as worn by this robot; lab: what disturbs them."""
+    """What all runs of a study share. suits: by kind, as worn by this robot; lab: what disturbs them; played: motions
+    from files, by their names."""
 
     seed: int
     robot: TrueRobot
     suits: Mapping[str, Suit]
     lab: Lab
+    played: Mapping[str, PlayedMotion] = field(default_factory=dict)
 
 
 def write_logs(folder: Path, bench: Bench, plans: Sequence[LogPlan], progress: Progress, processes: int) -> None:
@@ -72,14 +76,25 @@ def run_log(
     """
     lab = bench.lab
     planner, late_steps = mujoco_model(a_priori_robot()), 0
+    given = bench.played.get(plan.motion)
     if plan.repeats:
-        motions = stream(bench.seed, plan.motion)
-        path = _MOTIONS[plan.motion](motions, plan.duration_s, planner, rng, lab.variation(plan))
+        motions, varied = stream(bench.seed, plan.motion), lab.variation(plan)
+        path = (
+            _MOTIONS[plan.motion](motions, plan.duration_s, planner, rng, varied)
+            if given is None
+            else given.plan(motions, rng, varied, planner)
+        )
         late_steps = int(rng.integers(round(LATEST_START_S / TIME_STEP) + 1))
     else:
         path = _MOTIONS[plan.motion](rng, plan.duration_s, planner)
     model = mujoco_model(bench.robot, lab.worn(bench.suits[plan.suit], plan) if plan.suit else None)
-    return simulate(model, bench.robot, path, tick, late_steps, lab.drives(plan), lab.encoder_step)
+    try:
+        return simulate(model, bench.robot, path, tick, late_steps, lab.drives(plan), lab.encoder_step)
+    except FellOver as fell:
+        if given is None:
+            raise
+        advice = "Plan it slower, or with a wider margin of balance; `exogauge motion check` tells its margins"
+        raise BadMotion(Fault(f"{fell}, in {plan.name}", "fell_over", advice, plan.motion)) from fell
 
 
 def _make(folder: Path, bench: Bench, plan: LogPlan, tell: Tell) -> None:

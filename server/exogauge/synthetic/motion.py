@@ -68,7 +68,7 @@ def excitation(
     rng: of the motion. again, here and below: of one of its repetitions, which arrives a little differently; varied:
     how that repetition differs from the plan all along.
     """
-    phase, grown = _with_lead(_phase(rng, duration)), _with_lead(_envelope(duration))
+    phase, grown = with_lead(_phase(rng, duration)), with_lead(_envelope(duration))
     angles = _standing(len(phase))
     for j, name in enumerate(JOINT_NAMES):
         kind = name[2:] if name[:2] in ("l_", "r_") else name
@@ -81,8 +81,8 @@ def excitation(
     sway = np.column_stack([grown * size * _sines(rng, phase) for size in _COM_SWAY])
     com = sway + np.array([_COM_FORWARD, 0.0])
     height = _STANCE_HEIGHT - _SQUAT * grown * (0.5 + 0.5 * _sines(rng, phase))
-    angles, rpy, height = _arriving(rng, again, angles, rpy, height)
-    return _balanced(*_differing(varied, angles, rpy, com, height), planner)
+    angles, rpy, height = arriving(rng, again, angles, rpy, height)
+    return _balanced(*differing(varied, angles, rpy, com, height), planner)
 
 
 def bend(
@@ -93,7 +93,7 @@ def bend(
     varied: Variation | None = None,
 ) -> Plan:
     """Forward bends of the torso, held and raised again; the hips follow a little."""
-    angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.75), alternate=False))
+    angle = with_lead(_visits(rng, duration, sizes=(0.5, 0.75), alternate=False))
     return _torso_motion(rng, again, varied, "torso_pitch", angle, np.array([0.0, 0.2, 0.0]), planner)
 
 
@@ -105,7 +105,7 @@ def twist(
     varied: Variation | None = None,
 ) -> Plan:
     """Twists of the torso to either side, held and turned back."""
-    angle = _with_lead(_visits(rng, duration, sizes=(0.5, 0.8), alternate=True))
+    angle = with_lead(_visits(rng, duration, sizes=(0.5, 0.8), alternate=True))
     return _torso_motion(rng, again, varied, "torso_yaw", angle, np.array([0.0, 0.0, 0.15]), planner)
 
 
@@ -123,14 +123,14 @@ def _torso_motion(
         angle = varied.profile(angle, KNOT_RATE_HZ)
     angles, rpy = _standing(len(angle)), np.outer(angle, follows)
     angles[:, JOINT_NAMES.index(joint)] = angle
-    angles, rpy, height = _arriving(rng, again, angles, rpy, np.full(len(angle), _STANCE_HEIGHT))
+    angles, rpy, height = arriving(rng, again, angles, rpy, np.full(len(angle), _STANCE_HEIGHT))
     com = np.tile([_COM_FORWARD, 0.0], (len(angle), 1))
-    return _balanced(*_differing(varied, angles, rpy, com, height), planner)
+    return _balanced(*differing(varied, angles, rpy, com, height), planner)
 
 
-def _with_lead(profile: Array) -> Array:
+def with_lead(profile: Array) -> Array:
     """The profile's first value for `LEAD_S`, then the profile."""
-    return np.concatenate([np.full(round(LEAD_S * KNOT_RATE_HZ), profile[0]), profile])
+    return np.concatenate([np.repeat(profile[:1], round(LEAD_S * KNOT_RATE_HZ), axis=0), profile])
 
 
 def _standing(knots: int) -> Array:
@@ -190,7 +190,7 @@ def _smooth_step(x: Array) -> Array:
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
 
 
-def _arriving(
+def arriving(
     rng: np.random.Generator, again: np.random.Generator | None, angles: Array, rpy: Array, height: Array
 ) -> tuple[Array, Array, Array]:
     """The same plan, begun `_ARRIVAL` away on a random side of every joint, and reached before the log begins."""
@@ -202,7 +202,7 @@ def _arriving(
     return angles, rpy, height - 0.5 * away[:, -1]
 
 
-def _differing(
+def differing(
     varied: Variation | None, angles: Array, rpy: Array, com: Array, height: Array
 ) -> tuple[Array, Array, Array, Array]:
     """What this run does beside the plan, with every joint that is not in a leg and with the base; legs follow."""

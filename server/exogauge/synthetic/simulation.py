@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 LOG_RATE_HZ = 200.0
 _SETTLE_S = 0.4  # for the soles to take the weight before the plan begins
 _VELOCITY_FILTER_HZ = 120.0  # of the controller's differentiated encoder
+_FALLEN_M = 0.2  # below where the plan has the base
 _STATIC_SPEED = 0.0002  # below it friction rises from tau_c to tau_s [rad/s]
 
 
@@ -107,7 +108,8 @@ def simulate(
             joints = (*before, data.qacc[6:], current, _friction_force(data), data.qfrc_spring[6:])
             log.append(np.concatenate([*joints, data.qacc[3:6], data.sensordata, data.ten_length]))
         if step % 1000 == 0:
-            if data.xpos[1, 2] < 0.5 or not np.isfinite(data.qpos[2]):
+            planned = plan.base[min(round(goal * TIME_STEP * KNOT_RATE_HZ), len(plan.base) - 1), 2]
+            if data.xpos[1, 2] < planned - _FALLEN_M or not np.isfinite(data.qpos[2]):
                 raise FellOver(f"the simulated robot fell after {step * TIME_STEP:.1f} s")
             tick(max(step - first, 0) * TIME_STEP)
     return _recording(np.array(log), model)

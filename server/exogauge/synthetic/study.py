@@ -15,6 +15,7 @@ from exogauge.synthetic.lab import drawn_lab
 from exogauge.synthetic.log_plans import SUITS, LogPlan, log_plans
 from exogauge.synthetic.log_runs import Bench, Progress, write_logs
 from exogauge.synthetic.mjcf import mujoco_model
+from exogauge.synthetic.played import PlayedMotion
 from exogauge.synthetic.random_streams import stream
 from exogauge.synthetic.readme import readme
 from exogauge.synthetic.robot_facts import NAME
@@ -33,13 +34,15 @@ def write_study(
     logs: Sequence[LogPlan] | None = None,
     processes: int = 1,
     disturbed: Disturbances = IDEAL,
+    played: Sequence[PlayedMotion] = (),
 ) -> None:
     """Write a synthetic study of `hrp4_like` into `out`; the same seed gives the same bytes, with any `processes`.
 
     hidden: `EFFECT@PLACE` put into the true robot and not into the a-priori one; by default what `specs_to_hide` says.
     suit: none, normal, modified, or both: which are worn in the logs with a device. progress: called with the share
     done (0 to 1) and what is being done. logs: which ones, by default all of `log_plans`. More than one process needs
-    a main module that can be imported. disturbed: what the laboratory does to it, see `disturbances`.
+    a main module that can be imported. disturbed: what the laboratory does to it, see `disturbances`. played:
+    motions from files, in place of bends and twists; the files lie in `plans/`, and the study names them.
     """
     if suit not in SUITS:
         detail, advice = f"a sample with suit {suit!r} cannot be made", f"Known: {', '.join(SUITS)}"
@@ -47,13 +50,16 @@ def write_study(
     if seed < 0:
         raise BadInput(Fault("the seed must be 0 or more", "seed_negative", column="seed", value=str(seed)))
     effects = parse_hidden(specs_to_hide(hidden, suit), stream(seed, "hidden"))
-    plans = log_plans(suit) if logs is None else logs
+    plans = log_plans(suit, {each.name: each.duration_s for each in played}) if logs is None else logs
     planner = mujoco_model(a_priori_robot())
     suits = {kind: fitted_suit(kind, planner, stream(seed, "suit")) for kind in SUITS[suit]}  # the study's own first
     lab = drawn_lab(seed, disturbed, plans)
-    bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab)
+    bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab, {each.name: each for each in played})
     files = {kind: f"device{'' if n == 0 else f'_{kind}'}.yaml" for n, kind in enumerate(suits)}
     write_logs(out, bench, plans, progress or (lambda share, what: None), processes)
+    for each in played:
+        (out / "plans").mkdir(exist_ok=True)
+        (out / _plan_file(each)).write_bytes(each.source)
     (out / "robot.urdf").write_text(robot_urdf(), encoding="utf-8")
     _write_yaml(out / "robot.yaml", robot_file(lab.encoder_step, uncertainty("robot", disturbed)))
     for kind, file in files.items():
@@ -63,7 +69,9 @@ def write_study(
     if disturbed:
         truth["tolerances"] = declared(disturbed)
     (out / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    _write_yaml(out / "study.yaml", _study_file(seed, plans, files, disturbed))  # last: a folder with it is whole
+    _write_yaml(
+        out / "study.yaml", _study_file(seed, plans, files, disturbed, lab.session.start_s, played)
+    )  # last: a folder with it is whole
 
 
 def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
@@ -74,21 +82,33 @@ def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:
 
 
 def _study_file(
-    seed: int, plans: Sequence[LogPlan], devices: Mapping[str, str], disturbed: Disturbances
+    seed: int,
+    plans: Sequence[LogPlan],
+    devices: Mapping[str, str],
+    disturbed: Disturbances,
+    started: Mapping[str, float],
+    played: Sequence[PlayedMotion],
 ) -> dict[str, object]:
-    """devices: file by kind of suit; a log names its own where it is not the study's."""
+    """devices: file by kind of suit; a log names its own where it is not the study's. started: log -> [s]."""
     own = next(iter(devices), None)
     entries = []
     for plan in plans:
-        entry = {"file": f"logs/{plan.name}.parquet", "role": plan.role}
+        entry: dict[str, object] = {"file": f"logs/{plan.name}.parquet", "role": plan.role}
         if plan.motion != "excitation":
             entry["motion"] = plan.motion
         if plan.suit is not None and plan.suit != own:
             entry["device"] = devices[plan.suit]
+        if own:
+            entry["started"] = round(started[plan.name], 3)
         entries.append(entry)
     name = f"SYNTHETIC {NAME}, seed {seed}{', as in a laboratory' if disturbed else ''}"
     head: dict[str, object] = {"version": 1, "name": name, "robot": "robot.yaml"}
-    return {**head, **({"device": devices[own]} if own else {}), "logs": entries}
+    named = {"plans": [_plan_file(each) for each in played]} if played else {}
+    return {**head, **({"device": devices[own]} if own else {}), **named, "logs": entries}
+
+
+def _plan_file(played: PlayedMotion) -> str:
+    return f"plans/{played.name}.csv"
 
 
 def _write_yaml(path: Path, content: object) -> None:

@@ -4,7 +4,8 @@ import { useEffect, useMemo } from "react";
 import { answer, api, type Schemas } from "./client";
 
 export type Study = Schemas["StudyOut"];
-export type JobState = Schemas["LatestJob"]["state"];
+export type LatestJob = Schemas["LatestJob"];
+export type JobState = LatestJob["state"];
 export type StateSought = JobState | "none";
 
 const PAGE = 30;

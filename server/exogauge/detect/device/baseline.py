@@ -141,7 +141,7 @@ def _of_the_robot(model: RobotModel, logs: WearLogs) -> Array:
             own = log.slope.astype(np.float64)
             used = log.used[log.sloped, : own.shape[1]]
             variance = np.einsum("ndp,pq,ndq->nd", own, model.doubt, own, optimize=True)
-            variance += sum(np.sum(each.astype(np.float64) ** 2, axis=2) for each in log.own.values())
+            variance += sum(np.sum(each.astype(np.float64) ** 2, axis=2) for each in log.inputs)
             square[: own.shape[1]] += np.sum(np.where(used, variance, 0.0), axis=0)
             count[: own.shape[1]] += used.sum(axis=0)
     return np.asarray(np.sqrt(np.maximum(square, 0.0) / np.maximum(count, 1.0)))

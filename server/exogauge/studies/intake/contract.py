@@ -98,6 +98,7 @@ class LogEntry(_Part):
 
     rows: [start, stop], data rows from 0, stop not included. name: of the series file; default: the file's own stem.
     device: what was worn, where it is not the study's device; only with role with_device.
+    started: [s] when it began, on one clock for all logs of the study.
     """
 
     file: Annotated[tuple[RelativePath, ...], BeforeValidator(_as_names), Field(min_length=1, max_length=50)]
@@ -107,6 +108,7 @@ class LogEntry(_Part):
     rows: Annotated[tuple[int, int], BeforeValidator(_as_tuple)] | None = None
     name: FileName | None = None
     device: RelativePath | None = None
+    started: Number | None = None
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -153,13 +155,15 @@ class SettingsEntry(_Part):
 
 
 class StudyFile(_Part):
-    """study.yaml"""
+    """study.yaml. plans: tables of motions (`t`, `q.<joint>`) that may have been played; logs are known again by
+    their content."""
 
     version: Literal[1]
     name: Name
     robot: RelativePath
     device: RelativePath | None = None
     logs: Annotated[list[LogEntry], Field(min_length=1, max_length=1000)]
+    plans: Annotated[list[RelativePath], Field(max_length=50)] = []
     steps: Annotated[list[Step], Field(min_length=1)] | None = None
     known: Annotated[list[KnownEntry], Field(max_length=50)] = []
     settings: SettingsEntry = SettingsEntry()

@@ -22,6 +22,7 @@ from exogauge.studies.intake.bundle import Bundle, open_bundle
 from exogauge.studies.intake.contract import STEPS, LogEntry, RobotFile, Role, SettingsEntry, StudyFile
 from exogauge.studies.intake.read_log import read_entries
 from exogauge.studies.intake.robot_file import motor_from_joint, read_robot
+from exogauge.studies.intake.session import read_session
 from exogauge.studies.intake.worn_devices import read_devices, read_known_loads
 from exogauge.studies.intake.yaml_file import MAX_BYTES, dotted, load_yaml, place, suggestion
 from exogauge.studies.words.notices import Notice, notice
@@ -111,11 +112,14 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
     for k, entry in enumerate(file.logs):
         for each in (*entry.file, *([entry.mapping] if entry.mapping else [])):
             bundle.path(each, named_in=name, column=f"logs.{k}", row=place(data, ("logs", k)))
+    for k, plan in enumerate(file.plans):
+        bundle.path(plan, named_in=name, column=f"plans.{k}", row=place(data, ("plans", k)))
     robot, robot_file, urdf = read_robot(bundle, file.robot, named_in=name, row=place(data, ("robot",)))
     names = log_names(file, name, data)
     robot = replace(robot, loads=tuple(read_known_loads(file, robot.tree, names, data, name)))
     worn = read_devices(bundle, file, robot, data)
     steps = _steps(file, worn.of_log, name, data)
+    session = read_session(file, names, robot)
     return Study(
         bundle=bundle,
         file=file,
@@ -125,10 +129,10 @@ def _open(bundle: Bundle, overrides: Mapping[str, Any]) -> Study:
         settings=settings,
         log_names=names,
         steps=steps,
-        support_settings=support_settings,
+        support_settings=replace(support_settings, started=session.started),
         devices=worn.devices,
         log_devices=worn.of_log,
-        notices=(*map(notice, raised_inertias(urdf, robot_file.urdf)), *worn.notices),
+        notices=(*map(notice, raised_inertias(urdf, robot_file.urdf)), *worn.notices, *map(notice, session.remarks)),
     )
 
 

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from exogauge.identification.result import Identification, Prediction
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.report.figures import draw_curve, draw_series, label
+from exogauge.studies.report.plan_section import plan_rows
 from exogauge.studies.report.report_head import kicker, lead, leads, tiles
 from exogauge.studies.report.report_tables import (
     base_table,
@@ -69,6 +70,7 @@ def render_report(evaluation: Evaluation) -> str:
         kicker=kicker(evaluation),
         lead=lead(evaluation, pooled),
         leads=leads(evaluation),
+        plan_rows=plan_rows(content["plans"]),
         gap=discrepancy_view(evaluation.discrepancy, content),
         support_views=motion_views(evaluation.support) if evaluation.support else [],
         stiffness_views=device_views(evaluation.stiffness),

@@ -31,6 +31,7 @@ from exogauge.studies.results.configuration import (
     stated_settings,
 )
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
+from exogauge.studies.results.plan_results import PlansOfStudy, plan_entries
 from exogauge.studies.results.schema import StudyResults
 from exogauge.studies.results.scope import scope_entry
 from exogauge.studies.results.support_results import (
@@ -62,6 +63,7 @@ class Evaluation:
     support, stiffness: None and empty where no device was worn; the study's own device comes first.
     discrepancy: None where that step was skipped. record: what was handed in, and what the logs reach. logs: those that
     a series shows the joints' motion of. taken_over: rank of a finding -> file of the device that states it.
+    plans: which logs are of which planned motion.
     """
 
     name: str
@@ -80,6 +82,7 @@ class Evaluation:
     support_settings: SupportSettings = field(default_factory=SupportSettings)
     logs: Sequence[Log] = ()
     taken_over: Mapping[int, str] = field(default_factory=dict)
+    plans: PlansOfStudy = field(default_factory=PlansOfStudy)
 
     @property
     def synthetic(self) -> bool:
@@ -142,6 +145,7 @@ def results(evaluation: Evaluation) -> dict[str, Any]:
         "criteria": entries(evaluation.settings.criteria),
         "warnings": [each.sentence for each in all_notices(evaluation)],
         "notices": [each.as_data() for each in all_notices(evaluation)],
+        "plans": plan_entries(evaluation.plans),
         "doctor": list(evaluation.findings),
         "identification": {
             "summary": [asdict(each) for each in summaries(found, joints)],

@@ -47,6 +47,12 @@ export function AskRobot({ motion }: { motion: Motion }) {
                 value={options.share === undefined ? undefined : 100 * options.share}
                 set={(share) => set(put(options, { share: share === undefined ? undefined : share / 100 }))}
               />
+              <NumberField
+                label="Margin of balance [mm]"
+                placeholder="20"
+                value={options.margin_m === undefined ? undefined : 1e3 * options.margin_m}
+                set={(margin) => set(put(options, { margin_m: margin === undefined ? undefined : margin / 1e3 }))}
+              />
               <NumberField label="Rate [Hz]" placeholder="200" value={options.rate_hz} set={(rate_hz) => set(put(options, { rate_hz }))} />
             </SimpleGrid>
             <Group gap="lg">

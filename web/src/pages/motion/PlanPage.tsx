@@ -4,7 +4,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { Link, useParams } from "react-router";
 
 import { usePlan, useStudiesOfPlan, type Plan } from "../../api/motions";
-import { isActive } from "../../api/studies";
+import { isActive, type Study } from "../../api/studies";
 import { DeleteButton } from "../../parts/DeleteButton";
 import { Loading } from "../../parts/Loading";
 import { percent } from "../../parts/digits";
@@ -13,8 +13,10 @@ import { ProblemBox } from "../../parts/ProblemBox";
 import { StateBadge } from "../../parts/StateBadge";
 import { useDeed } from "../../parts/useDeed";
 import { FilesSection } from "../study/FilesSection";
+import { FollowedPlans } from "../study/FollowedPlans";
 import { JobTrouble } from "../study/JobTrouble";
 import { useCancel, useJob, useRetry } from "../study/jobs";
+import { isEvaluation, useResults } from "../study/results";
 import { duration } from "../study/words";
 import { Certainties } from "./Certainties";
 import { Exports } from "./Exports";
@@ -181,18 +183,30 @@ function Played({ plan }: { plan: Plan }) {
   return (
     <section aria-labelledby="played">
       <Title order={2} size="h3" id="played" mb="xs">
-        Studies that hold it
+        Studies that played it
       </Title>
-      <List size="sm">
+      <Stack gap="md">
         {studies.items.map((study) => (
-          <List.Item key={study.id}>
-            <Anchor component={Link} to={`/studies/${study.id}`}>
-              {study.name}
-            </Anchor>
-          </List.Item>
+          <InStudy key={study.id} study={study} plan={plan} />
         ))}
-      </List>
+      </Stack>
     </section>
+  );
+}
+
+/** How far the robot strayed there; of a study that holds the plan and was not evaluated yet, its name. */
+function InStudy({ study, plan }: { study: Study; plan: Plan }) {
+  const job = study.latest_job;
+  const { data: results } = useResults(job?.id ?? "", job?.state === "succeeded");
+  const motion = plan.artifacts?.find(({ name }) => name === "motion.csv");
+  const found = isEvaluation(results) ? (results.plans ?? []).filter(({ sha256 }) => sha256 === motion?.sha256) : [];
+  return (
+    <div data-played-in={study.id}>
+      <Anchor component={Link} to={`/studies/${study.id}`}>
+        {study.name}
+      </Anchor>
+      {found.length > 0 && <FollowedPlans plans={found} onPlanPage />}
+    </div>
   );
 }
 

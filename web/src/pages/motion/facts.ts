@@ -18,6 +18,7 @@ export function planWords({ kind, request }: Plan): string {
   if (begin > 0 || end !== null) said.push(`from ${figure(begin)} s${end === null ? "" : ` to ${figure(end)} s`}`);
   if (asked["slow"] !== 1) said.push(`${figure(asked["slow"] as number)} times the time`);
   if (asked["share"] !== 1) said.push(`${percent(asked["share"] as number)} of the trunk’s angle`);
+  if (asked["margin_m"] !== undefined && asked["margin_m"] !== 0.02) said.push(`${figure(1e3 * (asked["margin_m"] as number))} mm of balance`);
   if ((asked["repeat"] as number) > 1) said.push(`${asked["repeat"]} times`);
   if (asked["mirror"]) said.push("left and right exchanged");
   for (const part of (asked["without"] as string[]) ?? []) said.push(`without ${part}`);

@@ -1,14 +1,10 @@
-import { Button, Code, Group, NativeSelect, Stack, Text, Title } from "@mantine/core";
+import { Code, NativeSelect, Stack, Text } from "@mantine/core";
 
 import { useStudies, type StateSought } from "../../api/studies";
 import { Empty } from "../../parts/Empty";
-import { Loading } from "../../parts/Loading";
-import { ProblemBox } from "../../parts/ProblemBox";
-import { Rows } from "../../parts/Rows";
-import { NothingFound, SearchBox } from "../../parts/SearchBox";
 import { count } from "../../parts/size";
+import { ThingList } from "../../parts/ThingList";
 import { useInAddress, useSought } from "../../parts/useSought";
-import styles from "./StudyList.module.css";
 import { StudyRow } from "./StudyRow";
 
 const STATES: { value: StateSought | ""; label: string }[] = [
@@ -25,46 +21,27 @@ export function StudyList() {
   const sought = useSought();
   const [said, setState] = useInAddress("state");
   const state = STATES.find(({ value }) => value === said) ?? { value: "" as const, label: "" };
-  const { data, error, refetch, hasNextPage, fetchNextPage, isFetchingNextPage } = useStudies(sought.words, state.value);
-  const seeking = sought.words !== "" || state.value !== "";
-
-  if (error && !data) return <ProblemBox error={error} retry={() => void refetch()} />;
-  if (!data) return <Loading what="the studies" />;
-  const studies = data.pages.flatMap((page) => page.items);
-  if (studies.length === 0 && !seeking) return <NoStudies />;
+  const query = useStudies(sought.words, state.value);
+  const studies = query.data?.pages.flatMap((page) => page.items);
+  const states = (
+    <NativeSelect aria-label="State" data={STATES} value={state.value} onChange={(event) => setState(event.currentTarget.value)} />
+  );
   return (
-    <Stack component="section" gap="sm" mt="xl" aria-labelledby="studies">
-      <Group justify="space-between" align="flex-end">
-        <Title order={2} size="h3" id="studies">
-          Handed in
-        </Title>
-        <Group gap="sm" className={styles.search} wrap="nowrap">
-          <SearchBox what="studies" placeholder="Name, robot or wear" sought={sought} />
-          <NativeSelect
-            aria-label="State"
-            data={STATES}
-            value={state.value}
-            onChange={(event) => setState(event.currentTarget.value)}
-          />
-        </Group>
-      </Group>
-      {studies.length > 0 ? (
-        <Text size="sm" c="dimmed" role="status">
-          {seeking ? `${count(studies.length, "study", "studies")} found${hasNextPage ? ", and more" : ""}` : ""}
-        </Text>
-      ) : (
-        <NothingFound sentence={nothing(sought.words, state)} clear={sought.clear} />
-      )}
-      <Rows>
-        {studies.map((study) => (
-          <StudyRow key={study.id} study={study} />
-        ))}
-      </Rows>
-      {hasNextPage && (
-        <Button variant="default" onClick={() => void fetchNextPage()} loading={isFetchingNextPage} mx="auto">
-          Show older studies
-        </Button>
-      )}
+    <Stack mt="xl">
+      <ThingList
+        things="studies"
+        pages={{ ...query, data: studies }}
+        search={{
+          sought,
+          placeholder: "Name, robot or wear",
+          nothing: nothing(sought.words, state),
+          found: `${count(studies?.length ?? 0, "study", "studies")} found${query.hasNextPage ? ", and more" : ""}`,
+          seeking: sought.words !== "" || state.value !== "",
+          beside: states,
+        }}
+        none={<NoStudies />}
+        row={(study) => <StudyRow key={study.id} study={study} />}
+      />
     </Stack>
   );
 }
@@ -76,7 +53,6 @@ function nothing(words: string, state: { value: string; label: string }): string
 
 function NoStudies() {
   return (
-    <Stack mt="xl">
       <Empty title="No studies yet">
         <Text>
           Drop one above. To try with synthetic data, let <Code>exogauge sample my-sample --seed 7</Code> write a
@@ -86,6 +62,5 @@ function NoStudies() {
           <Code>make demo</Code> does both, and waits for the result.
         </Text>
       </Empty>
-    </Stack>
   );
 }

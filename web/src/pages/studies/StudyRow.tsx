@@ -1,9 +1,7 @@
-import { Anchor, Group, Progress, Text } from "@mantine/core";
-import { Link } from "react-router";
-
+import { Group, Progress, Text } from "@mantine/core";
 import type { Study } from "../../api/studies";
-import { Row } from "../../parts/Rows";
 import { StateBadge } from "../../parts/StateBadge";
+import { ThingRow } from "../../parts/ThingList";
 import { When } from "../../parts/When";
 import { factsOf } from "./facts";
 import styles from "./StudyList.module.css";
@@ -11,23 +9,8 @@ import styles from "./StudyList.module.css";
 export function StudyRow({ study }: { study: Study }) {
   const job = study.latest_job;
   const running = job?.state === "running";
-  const words = (
-    <>
-      <Anchor component={Link} to={`/studies/${study.id}`} fw={600}>
-        {study.name}
-      </Anchor>
-      <Text size="sm" c="dimmed">
-        {factsOf(study).join(" · ")}
-      </Text>
-      {job?.state === "failed" && job.reason && (
-        <Text size="sm" lineClamp={2} className={styles.reason}>
-          {job.reason}
-        </Text>
-      )}
-    </>
-  );
   return (
-    <Row words={words}>
+    <ThingRow to={`/studies/${study.id}`} name={study.name} facts={factsOf(study).join(" · ")} job={job ?? null}>
       <div className={styles.state}>
         <Group gap="xs" justify="flex-end">
           {running && <Text size="sm">{Math.round(job.progress * 100)} %</Text>}
@@ -38,6 +21,6 @@ export function StudyRow({ study }: { study: Study }) {
           <When at={study.created_at} />
         </Text>
       </div>
-    </Row>
+    </ThingRow>
   );
 }

@@ -6,6 +6,7 @@ import { figure, NONE } from "../../parts/digits";
 import { count } from "../../parts/size";
 import { When } from "../../parts/When";
 import { numbers, WideTable } from "../../parts/WideTable";
+import { FollowedSection } from "./FollowedPlans";
 import type { Job } from "./jobs";
 import type { Results } from "./results";
 import { range, route, speed, type Configuration, type Scope, type StatedBand, type Told } from "./scope";
@@ -65,6 +66,7 @@ export function ScopeSection({ job, results }: { job: Job; results: Results }) {
           ))}
         </List>
       </section>
+      <FollowedSection plans={results.plans} />
       <Reached scope={scope} />
       <Configured results={results} found={configuration} />
     </Stack>

@@ -14,6 +14,7 @@ export type SteadyShare = Schemas["SteadySeconds"];
 export type Parameter = Schemas["IdentifiedParameter"];
 export type SensorFound = Schemas["SensorZero"];
 export type Support = Schemas["Support"];
+export type FollowedPlan = Schemas["PlanFollowed"];
 export type Approach = keyof Schemas["ByApproach"];
 export type Stiffness = Schemas["BandStiffness"];
 export type DoubtPart = Schemas["DoubtPart"];

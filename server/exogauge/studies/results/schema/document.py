@@ -12,6 +12,7 @@ from pydantic import Field
 from exogauge.studies.results.schema.device import BandStiffness, DoubtSource, StiffnessCheck, StiffnessFit, Support
 from exogauge.studies.results.schema.discrepancy import Discrepancy
 from exogauge.studies.results.schema.identification import Identification
+from exogauge.studies.results.schema.plans import PlanFollowed
 from exogauge.studies.results.schema.scope import Configuration, Scope, Settings
 from exogauge.studies.results.schema.values import Number, Part, later, maybe
 
@@ -88,6 +89,7 @@ class StudyResults(Part):
     criteria: list[Criterion] = later("by which numbers it was decided")
     warnings: list[str] = Field(description="in sentences")
     notices: list[Notice] = later("the same with what they are about, in the same order")
+    plans: list[PlanFollowed] = later("planned motions that study.yaml names or the service knows, and their logs")
     doctor: list[SignalDoubt] = Field(description="worst first, log by log")
     identification: Identification = Field(description="the robot")
     support: list[Support] = Field(description="by device, motion and joint; empty without a device")

@@ -1,0 +1,41 @@
+"""Errors that last: their autocovariance, and what they make of sums over a log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import next_fast_len, rfft
+
+Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+def by_autocovariance(spans: Sequence[slice], counts: BoolArray, e: Array, weighted: Array) -> Array:
+    """Σ gᵀ C g over logs and joints; g: (n, P) weighted slopes of a joint's torque, C: covariance of its errors, which
+    counts by its spectrum once no end of a log meets the other. counts, e: (N, D), weighted: (N, D, P)."""
+    P = weighted.shape[2]
+    total, felt = np.zeros((P, P)), np.flatnonzero(weighted.any(axis=(0, 2)))
+    for span in spans:
+        used, errors = counts[span][:, felt], e[span][:, felt]
+        c = [autocovariance(np.where(u, x, 0.0), u) for u, x in zip(used.T, errors.T, strict=True)]
+        length = next_fast_len(len(used) + max((len(each) for each in c), default=0), real=True)
+        waves = rfft(weighted[span][:, felt], length, axis=0)
+        both_ways = np.full(len(waves), 2.0 / length)
+        both_ways[[0] if length % 2 else [0, -1]] = 1.0 / length
+        for joint, own in enumerate(c):
+            spectrum = (2.0 * rfft(own, length).real - own[0]) * both_ways
+            for part in (waves[:, joint].real, waves[:, joint].imag):
+                total += part.T @ (spectrum[:, None] * part)
+    return 0.5 * (total + total.T)
+
+
+def autocovariance(errors: Array, used: BoolArray) -> Array:
+    """(lags,) about zero, up to half of the log or to where it is first not positive. errors: (n,), 0 where unused."""
+    n = len(errors)
+    products, pairs = (np.fft.irfft(np.abs(np.fft.rfft(x, 2 * n)) ** 2)[: max(n // 2, 1)] for x in (errors, used))
+    c: Array = products / np.maximum(pairs, 1.0)
+    positive = np.cumprod(c > 0.0)
+    positive[0] = 1
+    return c[: int(positive.sum())]
