@@ -11,13 +11,11 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import IO, TYPE_CHECKING, BinaryIO, Protocol, final
+from typing import IO, BinaryIO, Protocol, final
 
 from exogauge.errors import DiskFull, Fault, NotFound, TooLarge, Unavailable, no_room
 from exogauge.storage.held_files import hold, left_over, remove
-
-if TYPE_CHECKING:
-    from exogauge.storage.shared_pieces import SharedPieces
+from exogauge.storage.pieces import Pieces
 
 CHUNK = 1024 * 1024
 SHA256_HEX = re.compile(r"[0-9a-f]{64}")
@@ -27,7 +25,7 @@ class BlobStore(Protocol):
     """What the rest asks of a place that keeps bytes; an object store can fill it too."""
 
     @property
-    def pieces(self) -> SharedPieces | None:
+    def pieces(self) -> Pieces | None:
         """Where several servers see what arrives piece by piece; None: each on its own disk."""
         ...
 
@@ -74,7 +72,7 @@ class FolderBlobs:
     """Blobs in a folder: `ab/cdef…`. A write is temp file -> fsync -> rename -> fsync of the folder, so that a hash
     that is there holds all its bytes, whenever the process or the machine was killed."""
 
-    pieces: SharedPieces | None = None
+    pieces: Pieces | None = None
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -9,21 +9,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, final
+from typing import BinaryIO, final
 
 from exogauge.errors import NotFound
 from exogauge.storage.blobs import chunks, disk, fsync_folder
 from exogauge.storage.held_files import hold, left_over
-
-if TYPE_CHECKING:
-    from exogauge.storage.shared_pieces import SharedPieces
+from exogauge.storage.pieces import InUse, Pieces
 
 CHECKED = ".checking"  # beside a file: a piece whose checksum is not known yet
-
-
-@final
-class InUse(Exception):
-    """Another request writes to the file, at this server or another."""
 
 
 @final
@@ -32,7 +25,7 @@ class PartialFiles:
     """pieces: where other servers see what has arrived; what lies in the folder is then a copy that is made again."""
 
     folder: Path
-    pieces: SharedPieces | None = None
+    pieces: Pieces | None = None
 
     def create(self, key: str) -> None:
         with disk("begin the upload"):

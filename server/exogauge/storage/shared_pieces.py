@@ -10,7 +10,7 @@ import obstore
 from obstore.exceptions import AlreadyExistsError
 from obstore.store import S3Store
 
-from exogauge.storage.partial_files import InUse
+from exogauge.storage.pieces import InUse
 from exogauge.storage.reaching import reached
 
 FOLDER = "uploads"
