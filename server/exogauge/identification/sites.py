@@ -394,7 +394,7 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
     Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
     """
     samples = prepared.motion.samples
-    if not change.acc.any() and change.first_torque is not None:
+    if not (change.acc.any() or change.gyro.any() or change.gyro_dot.any()):
         return np.zeros((samples, len(equations.layout.told)))
     at = thinned(samples, prepared.log.rate_hz, cutoff_hz)
     m = prepared.motion.rows(at)
