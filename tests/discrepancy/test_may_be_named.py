@@ -18,6 +18,7 @@ from exogauge.findings.verdict import Why
 from exogauge.robots.description import Joint, Robot, WrenchSensor
 from exogauge.robots.ends import carries_nothing, takes_payload
 from exogauge.robots.urdf import load_tree
+from exogauge.search.finding import objection
 from exogauge.search.judge import refused, told
 from exogauge.studies.words.finding_sentences import objection_words
 
@@ -39,6 +40,14 @@ def test_nothing_is_named_whose_held_out_error_does_not_fall(before: float, afte
     (other,) = others
     assert other.objection.why is Why.NOT_FALLING
     assert (other.objection.value, other.objection.beside) == pytest.approx((before, after), nan_ok=True)
+
+
+def test_what_stands_at_its_noise_is_given_no_name_however_surely_it_falls() -> None:
+    """A differentiated encoder's own error at 125 Hz looked like a spring: from 0.97 noise floors to 0.71."""
+    assert objection(finding("elasticity", 0.2, 0.15), 0.08, 0.03, JUDGING) is None
+    why = objection(finding("elasticity", 0.097, 0.071), 0.08, 0.03, JUDGING)
+    assert why is not None
+    assert objection_words(why) == "the error is no more than the noise floor without it"
 
 
 def test_a_load_that_may_as_well_weigh_nothing_is_not_named() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.signal import butter, sosfiltfilt
-from tests.sensor_arm import GRAVITY, Reading, describe, record, wrist
+from tests.sensor_arm import GRAVITY, Reading, describe, record, truth, wrist
 
 from exogauge.detect.pipeline import Found, find_missing_effects
 from exogauge.effects.catalogue import missing_effects
@@ -122,6 +122,46 @@ def test_a_base_that_stands_askew_is_named_with_its_angles(search: Search) -> No
     told = found.discrepancy.findings[0].parameters
     size = np.hypot(told["about_x"].value, told["about_y"].value)
     assert size == pytest.approx(np.hypot(*tilt[:2]), rel=0.1)
+
+
+def test_what_is_identified_on_a_base_askew_is_as_true_as_on_one_that_stands(tmp_path: Path) -> None:
+    """A turn that is taken to first order makes gravity longer by 1/cos: the tool was 27 standard deviations light."""
+    sensors, tilt = [wrist()], np.array([0.1, -0.06, 0.0])
+    robot = describe(tmp_path, sensors)
+    found = searched(robot, [record(seed, sensors, LONG, pin.exp3(tilt).T @ GRAVITY) for seed in SEEDS])
+    assert named(found) == [("base_tilt", "base", "base", "")]
+    known = truth(robot, sensors)
+    friction = [each for each in found.identification.parameters if each.name.startswith(("k_d[", "tau_c["))]
+    far = [abs(each.value - known[each.name]) / each.std for each in friction]
+    assert len(far) == 8
+    assert sum(each < 1.96 for each in far) >= 7
+    assert max(far) < 3.0
+    told = found.discrepancy.findings[0].parameters
+    for axis, angle in zip("xy", tilt[:2], strict=True):
+        assert told[f"about_{axis}"].value == pytest.approx(-angle, rel=0.01)
+    tool = next(each for each in found.identification.parameters if each.name == "m[tool]")
+    assert tool.value == pytest.approx(known["m[tool]"], abs=3.0 * tool.std)
+
+
+def zeroed_elsewhere(log: Log, joint: str, angle: float) -> Log:
+    """The joint stands further by that angle than is read."""
+    channel = f"q.{joint}"
+    return replace(log, channels=log.channels | {channel: log.channels[channel] - angle})
+
+
+@pytest.mark.parametrize(("joint", "angle"), [("j2", 0.05), ("j3", -0.03)])
+def test_an_encoder_that_was_zeroed_elsewhere_is_named_with_its_angle(tmp_path: Path, joint: str, angle: float) -> None:
+    """Masses and friction beside it are as true as if it were right; it was told as a spring of the next joint."""
+    sensors = [wrist()]
+    robot = describe(tmp_path, sensors)
+    found = searched(robot, [zeroed_elsewhere(record(seed, sensors, LONG), joint, angle) for seed in SEEDS])
+    assert named(found) == [("encoder_zero", "joint", joint, "")]
+    told = found.discrepancy.findings[0].parameters["encoder_offset"]
+    assert told.value == pytest.approx(angle, abs=3.0 * told.std)
+    assert told.std < 0.002
+    known = truth(robot, sensors)
+    friction = [each for each in found.identification.parameters if each.name.startswith(("k_d[", "tau_c["))]
+    assert max(abs(each.value - known[each.name]) / each.std for each in friction) < 3.0
 
 
 @pytest.mark.parametrize("sees", ["payload_on_sensor", "sensor_on_payload"])

@@ -23,7 +23,12 @@ from exogauge.studies.words.finding_sentences import reason_words
 
 JUDGING = Judging()
 
-NOTHING = ("No effect is missing", "Nothing is left above the noise", "stand at their noise floors")
+NOTHING = (
+    "No effect is missing",
+    "No effect that matters is missing",
+    "Nothing is left above the noise",
+    "stand at their noise floors",
+)
 JOINTS = [f"tau.j{number}" for number in range(4)] + ["base.fz", "ft.wrist.fx", "support.j1"]
 
 ratios = st.one_of(st.floats(0.5, 30.0), st.just(math.nan))

@@ -13,6 +13,7 @@ from exogauge.effects.catalogue import (
     all_effects,
     band_effects,
     base_effects,
+    encoder_effects,
     link_effects,
     pair_effects,
     sensor_effects,
@@ -35,6 +36,7 @@ def tables() -> Mapping[str, str]:
     missing: dict[str, Mapping[str, Any]] = {
         "joint": shaped_effects(),
         "pair": pair_effects(),
+        "encoder": encoder_effects(),
         "sensor": sensor_effects(),
         "whole_sensor": whole_sensor_effects(),
         "link": link_effects(),

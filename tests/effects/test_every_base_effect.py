@@ -4,6 +4,7 @@ import importlib
 from dataclasses import fields, replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from exogauge.effects.catalogue import all_effects, base_effects, sensor_effects, shaped_effects
@@ -39,7 +40,7 @@ def fixed(samples=2000):
 
 
 def cut(whole, part):
-    constant = ("floating", "imu_at", "feet_feel")
+    constant = ("floating", "imu_at", "feet_feel", "turn")
     arrays = {f.name: getattr(whole, f.name)[part] for f in fields(whole) if f.name not in constant}
     return replace(whole, **arrays)
 
@@ -172,6 +173,27 @@ def test_a_tilt_is_the_slope_of_a_rotation_at_zero(axis):
     turned = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) if axis == 0 else np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
     slope = (whole.acc @ turned.T - whole.acc) / step
     np.testing.assert_allclose(EFFECTS["base_tilt"].changes(whole, ())[axis].acc, slope, atol=1e-4)
+
+
+@pytest.mark.parametrize("turn", [[0.02, -0.03, 0.0], [0.15, 0.1, 0.0], [0.0, 0.0, 0.0]])
+def test_a_tilt_that_was_found_leaves_gravity_its_size(turn):
+    """Seen from the turn that it is, the change is the whole rotation."""
+    turn, whole = np.array(turn), fixed()
+    changes = EFFECTS["base_tilt"].changes(replace(whole, turn=turn), ())
+    acc = whole.acc + sum(angle * each.acc for angle, each in zip(turn[:2], changes, strict=False))
+    np.testing.assert_allclose(acc, whole.acc @ pin.exp3(turn).T, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(acc, axis=1), 9.81, atol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [[0.02, -0.03, 0.05], [-0.1, 0.15, 0.1]])
+def test_an_imu_seen_from_its_turn_is_wholly_turned(turn):
+    turn, whole = np.array(turn), replace(floating(), imu_at=np.zeros(3))
+    changes = EFFECTS["imu_tilt"].changes(replace(whole, turn=turn), ())
+    for part in ("gyro", "gyro_dot"):
+        found = getattr(whole, part) + sum(
+            angle * getattr(each, part) for angle, each in zip(turn, changes, strict=True)
+        )
+        np.testing.assert_allclose(found, getattr(whole, part) @ pin.exp3(turn).T, atol=1e-12)
 
 
 def test_a_delay_is_made_good_by_the_rate_of_what_was_late():

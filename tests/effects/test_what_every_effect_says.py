@@ -8,6 +8,7 @@ import pytest
 from exogauge.effects.catalogue import (
     band_effects,
     base_effects,
+    encoder_effects,
     link_effects,
     pair_effects,
     sensor_effects,
@@ -21,6 +22,7 @@ from exogauge.studies.words.names import effect_words, parameter_words
 PLACES = {
     "joint": shaped_effects(),
     "pair": pair_effects(),
+    "encoder": encoder_effects(),
     "sensor": sensor_effects(),
     "whole_sensor": whole_sensor_effects(),
     "base": base_effects(),
@@ -30,6 +32,7 @@ PLACES = {
 UNITS = {
     "joint": {"N·m", "N·m/s", "N·m/rad", "N·m/rad³", "N·m·s/rad", "rad", "s", "s²", "1"},
     "pair": {"N·m", "N·m·s/rad", "kg·m²"},
+    "encoder": {"rad"},
     "sensor": {"1", "reading", "reading/s", "reading/reading"},  # of the component that it sits on
     "whole_sensor": {"rad"},
     "base": {"rad", "s", "N·m"},
@@ -39,13 +42,14 @@ UNITS = {
 SHAPE_UNITS = {
     "joint": {"1", "s", "1/s", "Hz", "rad", "1/rev", "1/K", *OWN_SIZES},
     "pair": {"1", "s"},
+    "encoder": set(),
     "sensor": {"1", "s"},
     "whole_sensor": set(),
     "base": set(),
     "link": {"1"},
     "band": {"s", "1", "m", "share", "travel"},
 }
-ERRS_BOTH_WAYS = ("sensor", "whole_sensor", "base")
+ERRS_BOTH_WAYS = ("encoder", "sensor", "whole_sensor", "base")
 FINEST = {"torque_ripple": 40, "band_slip": 120, "backlash": 13}  # values of one shape: orders, moments, landings
 FEW = 8
 

@@ -143,6 +143,17 @@ def test_a_weak_belief_keeps_its_digits_where_the_data_say_nothing():
     assert np.abs(null_space(R).T @ (x - mean)).max() < 1e-10
 
 
+@pytest.mark.parametrize(("decades", "digits"), [(3, 1e-11), (5, 1e-9), (9, 1e-5)])
+def test_the_solution_keeps_the_digits_that_squaring_the_data_loses(decades, digits):
+    """Squared, the last has a condition number of 1e18, which no normal equations bear."""
+    rng = np.random.default_rng(11)
+    n = 30
+    left, right = (np.linalg.qr(rng.normal(size=(n, n)))[0] for _ in range(2))
+    R, truth, strength = (left * np.logspace(0.0, -decades, n)) @ right, rng.normal(size=n), 1e-24
+    x = PriorLeastSquares(SquareRoot(R, R @ truth, 0.0), Prior(np.zeros(n), np.ones(n), np.eye(n)), strength).x
+    np.testing.assert_allclose(x, truth, atol=digits)
+
+
 @pytest.mark.parametrize("strength", [0.05, 1.0, 20.0])
 def test_the_covariance_is_that_of_errors_of_the_data_and_of_the_belief_through_the_solver(strength):
     """The estimate is linear in both: unit errors through the solver itself give its two gains, and they the sandwich.

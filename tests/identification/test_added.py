@@ -7,7 +7,7 @@ import pytest
 
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.identification.axis_signals import axis_signals, loads
-from exogauge.identification.identify import identify
+from exogauge.identification.identify import identify, seen_by_effects
 from exogauge.identification.model import AddedEffect, Extension
 from exogauge.identification.predict import predictions
 from exogauge.identification.result import Parameter
@@ -141,6 +141,19 @@ def test_noise_floors_of_the_parent_are_kept(recordings):
     extension = Extension(first.model, (AddedEffect(ASYMMETRIC, AxisSite(AXIS)),), floors)
     again = identify(truth.robot, logs, Settings(cutoff_hz=8.0), extension=extension)
     assert floors_of(again.validation) == floors
+
+
+def test_effects_see_the_robot_as_it_is_identified_with_them(recordings):
+    truth, logs = recordings(D_A)
+    settings = Settings(cutoff_hz=8.0)
+    first = identify(truth.robot, logs, settings)
+    extension = Extension(first.model, (AddedEffect(ASYMMETRIC, AxisSite(AXIS)),), floors_of(first.validation))
+    seen = seen_by_effects(truth.robot, logs, settings, extension)
+    told = identify(truth.robot, logs, settings, extension=extension).model
+    for own, other in ((seen.identified, told.identified), (seen.a_priori, told.a_priori), (seen.sizes, told.sizes)):
+        for name, values in vars(other).items():
+            np.testing.assert_array_equal(getattr(own, name), values, err_msg=name)
+    assert (seen.order, seen.cutoff_hz) == (told.order, told.cutoff_hz)
 
 
 def test_the_cut_off_is_the_parents(make_truth, make_log):

@@ -16,7 +16,7 @@ from exogauge.support.band_doubt import blocks, score_covariance
 from exogauge.support.band_fit import best_start, starts
 from exogauge.support.band_model import Belief, Setting, fit, shared
 from exogauge.support.band_rows import band_wires, rows_with
-from exogauge.support.band_weights import autocovariance
+from exogauge.support.coloured import autocovariance
 from exogauge.support.evaluate import estimate_support
 from exogauge.support.evidence import Nothing
 from exogauge.support.settings import PlainLog, WornLog

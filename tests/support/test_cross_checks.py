@@ -89,11 +89,12 @@ def test_a_pull_that_rubs_contradicts_itself_between_strokes(checked, suit):
     assert not found.bands[0].identifiable
 
 
-def test_approaches_that_contradict_each_other_are_both_no_longer_identifiable(checked, suit):
+@pytest.mark.parametrize("approach", ["B", "paired"])
+def test_approaches_that_contradict_each_other_are_both_no_longer_identifiable(checked, suit, approach):
     one = checked([suit, suit])
-    other = replace(checked([stiffer(suit, 1.5, 1.5)] * 2), approach="B")
+    other = replace(checked([stiffer(suit, 1.5, 1.5)] * 2), approach=approach)
     for each in judged([one, other], Supporting()):
         assert failed(each) == {"approaches"}
         assert {band.note.about for band in each.bands} == {About.APPROACHES_DISAGREE}
-    alike = judged([one, replace(one, approach="B")], Supporting())
+    alike = judged([one, replace(one, approach=approach)], Supporting())
     assert all(band.identifiable for each in alike for band in each.bands)

@@ -11,8 +11,8 @@ from exogauge.devices.device import Band, BenchTest, Device, ViaPoint
 from exogauge.effects.catalogue import band_effects
 from exogauge.remarks import About, Remark
 from exogauge.studies.results.support_results import stiffness_entries
-from exogauge.support.band_model import SHORTEST, SOFTEST, Added, Wear, at_bounds, shared
-from exogauge.support.stiffness import identify_bands, true_stiffness
+from exogauge.support.band_model import SHORTEST, SOFTEST, Added, Layout, Wear, at_bounds, shared
+from exogauge.support.stiffness import identify_bands, true_stiffness, undecided
 
 SIGMA = np.array([0.3, 0.3])
 NAMES = ["torso_pitch", "torso_yaw"]
@@ -252,3 +252,10 @@ def test_correlation_is_that_of_the_doubt(identified):
     np.testing.assert_allclose(np.diag(found.correlation), 1.0)
     np.testing.assert_allclose(found.correlation, found.correlation.T, atol=1e-12)
     assert found.correlation[0, 1] > 0.3  # stiffer and longer explain a bend alike
+
+
+def test_a_doubt_of_any_size_that_rounding_leaves_is_no_number_but_undecided():
+    plan = Layout(("stiffness[a]", "natural_length[left]", "natural_length[right]"), np.array([0, 0]), np.array([1, 2]))
+    shares = {"scatter": np.diag([1e2, 1e-4, 1e274]), "via_points": np.diag([1e3, 1e-6, 0.0])}
+    assert undecided(plan, shares) == {"natural_length[right]"}
+    assert undecided(plan, {"scatter": np.diag([np.inf, np.nan, 1.0])}) == {"stiffness[a]", "natural_length[left]"}

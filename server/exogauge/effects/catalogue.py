@@ -13,7 +13,7 @@ import exogauge.effects as package
 from exogauge.effects.band import BandEffect
 from exogauge.effects.effect import JointEffect
 from exogauge.effects.every_model import EFFECTS
-from exogauge.effects.places import BaseEffect, LinkEffect, PairEffect, SensorEffect, WholeSensorEffect
+from exogauge.effects.places import BaseEffect, EncoderEffect, LinkEffect, PairEffect, SensorEffect, WholeSensorEffect
 from exogauge.effects.shaped import MissingEffect, ShapedEffect
 from exogauge.errors import BadInput, ExogaugeError, Fault
 
@@ -36,6 +36,13 @@ def shaped_effects() -> Mapping[str, ShapedEffect]:
 def pair_effects() -> Mapping[str, PairEffect]:
     """Identifier -> effect of two neighbouring joints."""
     found: list[PairEffect] = _placed("pair")
+    return MappingProxyType({effect.name: effect for effect in found})
+
+
+@cache
+def encoder_effects() -> Mapping[str, EncoderEffect]:
+    """Identifier -> effect of what a joint's encoder reads."""
+    found: list[EncoderEffect] = _placed("encoder")
     return MappingProxyType({effect.name: effect for effect in found})
 
 
@@ -76,11 +83,11 @@ def link_effects() -> Mapping[str, LinkEffect]:
 
 
 def missing_effects() -> tuple[
-    ShapedEffect | PairEffect | SensorEffect | WholeSensorEffect | BaseEffect | LinkEffect, ...
+    ShapedEffect | PairEffect | EncoderEffect | SensorEffect | WholeSensorEffect | BaseEffect | LinkEffect, ...
 ]:
     """Every effect of joints, sensors, links and the base that a model may miss."""
     of_sensors = (sensor_effects(), whole_sensor_effects())
-    every = (shaped_effects(), pair_effects(), *of_sensors, link_effects(), base_effects())
+    every = (shaped_effects(), pair_effects(), encoder_effects(), *of_sensors, link_effects(), base_effects())
     return tuple(effect for placed in every for effect in placed.values())
 
 

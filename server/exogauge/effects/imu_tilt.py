@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from exogauge.effects.base_tilt import MOST
+from exogauge.effects.base_tilt import MOST, left_jacobian
 from exogauge.effects.effect import Quantity
 from exogauge.effects.places import Array, BaseChange, BaseSignals
 from exogauge.effects.shaped import Shape
@@ -14,7 +14,8 @@ from exogauge.effects.shaped import Shape
 
 @final
 class ImuTilt:
-    """All that the IMU reads is turned by a small rotation δ, first order: f_true = f + δ × f, likewise ω and its rate.
+    """All that the IMU reads is turned by δ: f_true = exp(δ) f = f + V (δ × f), likewise ω and its rate. V as
+    `BaseTilt` has it, at the turn that was found so far.
 
     The base's origin is r = -r_imu away from it, so a = f - ω̇ × r_imu - ω × (ω × r_imu) changes with all three.
     Feet that measure forces along all axes show it: m a = ΣF, and what stands still has ΣF = m g up, whatever the mass
@@ -39,20 +40,23 @@ class ImuTilt:
         still = signals.acc, signals.gyro, signals.gyro_dot
         if not self.applies(signals):
             return [_nothing(signals.acc)] * 3
-        return [turned(axis, *still, signals.imu_at) for axis in np.eye(3)]
+        V = left_jacobian(signals.turn)
+        return [turned(axis, *still, signals.imu_at, V) for axis in np.eye(3)]
 
     def applies(self, signals: BaseSignals) -> bool:
         return signals.floating and signals.feet_feel and len(signals.time) > 0
 
 
-def turned(delta: Array, acc: Array, gyro: Array, gyro_dot: Array, imu_at: Array) -> BaseChange:
-    """By how much the base moves otherwise than an IMU says that is turned by delta: (3,) [rad], first order.
+def turned(delta: Array, acc: Array, gyro: Array, gyro_dot: Array, imu_at: Array, V: Array | None = None) -> BaseChange:
+    """By how much the base moves otherwise than an IMU says that is turned by delta: (3,) [rad], first order in it.
 
-    acc, gyro, gyro_dot: (T, 3) of the base, as computed from it; imu_at: (3,) [m].
+    acc, gyro, gyro_dot: (T, 3) of the base, as computed from it; imu_at: (3,) [m]. V: (3, 3) what is left of the turn
+    is small beside; none: the whole turn is.
     """
     r, w = imu_at, gyro
     f = acc + np.cross(gyro_dot, r) + np.cross(w, np.cross(w, r))
-    df, dw, dw_dot = (np.cross(delta, each) for each in (f, w, gyro_dot))
+    onto = np.eye(3) if V is None else V.T
+    df, dw, dw_dot = (np.cross(delta, each) @ onto for each in (f, w, gyro_dot))
     at_origin = df - np.cross(dw_dot, r) - np.cross(dw, np.cross(w, r)) - np.cross(w, np.cross(dw, r))
     return BaseChange(at_origin, dw, dw_dot)
 

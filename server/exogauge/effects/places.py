@@ -1,5 +1,5 @@
-"""Places of a robot beside a single joint: two joints with one motor, a sensor that carries bodies, a link that carries
-a load, the base. Each has what an effect of it sees, and the protocol that its effects keep."""
+"""Places of a robot beside a single joint: two joints with one motor, an encoder, a sensor that carries bodies, a link
+that carries a load, the base. Each has what an effect of it sees, and the protocol that its effects keep."""
 
 from __future__ import annotations
 
@@ -42,6 +42,29 @@ class PairEffect(MissingEffect, Protocol):
         ...
 
     def applies(self, signals: PairSignals) -> bool:
+        """Whether the log holds what the effect needs."""
+        ...
+
+
+@final
+@dataclass(frozen=True)
+class EncoderSignals:
+    """T samples of what one joint's encoder has read. time: (T,) [s] from the log's start. position: (T,) [rad]."""
+
+    time: Array
+    position: Array
+
+
+class EncoderEffect(MissingEffect, Protocol):
+    """Of the angle that a joint's encoder reads, which every row feels. place is `encoder`; it is told of the joint.
+    coordinate: `position` or `time`."""
+
+    def errors(self, signals: EncoderSignals, shape: tuple[float, ...]) -> Array:
+        """(T, C) by how much the true angle is more than the one that was read, per unit of each coefficient; slow
+        beside the motion: its rate is not looked at."""
+        ...
+
+    def applies(self, signals: EncoderSignals) -> bool:
         """Whether the log holds what the effect needs."""
         ...
 
@@ -123,7 +146,8 @@ class BaseSignals:
     """T samples of the base link, in its frame: (T, 3) proper acceleration [m/s²], angular velocity [rad/s] and
     acceleration [rad/s²], and their rates. time: (T,) [s]. floating: measured by an IMU; else it stands still.
     first_angle: (T,) [rad] of the first joint. imu_at: (3,) [m] where the IMU is. feet_feel: every contact sensor
-    measures forces and moments along all axes (what nobody measured is logged as a constant)."""
+    measures forces and moments along all axes (what nobody measured is logged as a constant). turn: (3,) [rad] rotation
+    vector by which the base was found to be turned so far; zero before."""
 
     time: Array
     acc: Array
@@ -136,6 +160,7 @@ class BaseSignals:
     first_angle: Array
     imu_at: Array = field(default_factory=lambda: np.zeros(3))
     feet_feel: bool = False
+    turn: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @final

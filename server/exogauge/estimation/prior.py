@@ -75,8 +75,8 @@ class Prior:
 
     def information(self, strength: float) -> Array:
         """(F, F) of the free combinations, where the beliefs count `strength` times."""
-        information = strength * (self.whitening.T @ self.whitening)
-        information[self.measured_free] = (self.whitening.T @ self.whitening)[self.measured_free]
+        information = strength * self._precision
+        information[self.measured_free] = self._precision[self.measured_free]
         return np.asarray(information)
 
     def lift(self, x: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import final
 
@@ -31,7 +31,7 @@ from exogauge.identification.per_log import PerLog
 from exogauge.identification.physical import asked_for_negative_mass, possible_parameters
 from exogauge.identification.predict import Parameters, motor_gain, split
 from exogauge.identification.preparation import Prepared, prepare
-from exogauge.identification.prior import added_std, joint_prior, per_parameter, relative_std, scales
+from exogauge.identification.prior import Scales, added_std, joint_prior, per_parameter, relative_std, scales
 from exogauge.identification.ranges import clip_to_ranges
 from exogauge.identification.result import ChannelFit, Identification, Prediction, SteadyShare
 from exogauge.identification.settings import Recording, Settings
@@ -71,6 +71,88 @@ def identify(
     Raises BadStudy without a log to fit, BadLog for a log that lacks a channel or has gaps in time; `progress` may
     raise to stop.
     """
+    made = _made(robot, recordings, settings, progress, extension)
+    equations, solution, prior, fitted = made.equations, made.solution, made.prior, made.fitted
+    doubted = _doubted(made)
+    factor, covariance = doubted.factor, doubted.covariance
+    solution.solved.shift(-made.bias)
+    standard, notes = _standard_parameters(made, settings, progress, covariance)
+    identified, before = split(equations, standard), split(equations, prior.mean)
+    known_floors = extension.noise_floors if extension else {}
+    predictions, validation, steady = _validate(made, recordings, (identified, before), known_floors, progress)
+    condition, rank = solution.solved.condition_and_rank()
+    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
+    feet = settings.criteria.identifying.feet_against_mass
+    weighed = total_mass(equations.robot, solution.prior, standard, covariance, feet)
+    parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
+    model = _model(made, (identified, before), doubted.doubt, recordings, settings, extension)
+    model = replace(model, known_scale=factor.known, inputs=doubted.inputs)
+    names = [each.log.recording for each in fitted]
+    progress(1.0, Doing.IDENTIFIED)
+    return Identification(
+        phi=identified.phi,
+        joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
+        parameters=parameters,
+        unidentifiable=_unidentifiable(equations, solution, standard, covariance, factor),
+        validation=validation,
+        predictions=predictions,
+        consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
+        prior_strength=solution.strength,
+        prior_curve=solution.curve,
+        condition=condition,
+        rank=rank,
+        samples=sum(len(one.kept) for one in fitted),
+        cutoff_hz=made.cutoff_hz,
+        velocity_threshold=made.at_rest.threshold,
+        remarks=(
+            *_remarks(equations.robot, names, settings, solution, factor, notes, steady),
+            *remarks_on_total_mass(weighed),
+        ),
+        model=model,
+        steady=steady,
+        per_stated={} if factor.known else _per_stated(equations, identified, before),
+        factor=factor,
+        total_mass=weighed,
+    )
+
+
+def seen_by_effects(
+    robot: Robot, recordings: Sequence[Recording], settings: Settings, extension: Extension
+) -> RobotModel:
+    """The model of `identify` for the effects of another one to see: what it predicts is not computed, and of its doubt
+    no more than that of white residuals."""
+    made = _made(robot, recordings, settings, unwatched, extension)
+    made.solution.solved.shift(-made.bias)
+    standard, _ = _standard_parameters(made, settings, unwatched)
+    parameters = split(made.equations, standard), split(made.equations, made.prior.mean)
+    return _model(made, parameters, made.solution.unbounded.covariance(), recordings, settings, extension)
+
+
+@final
+@dataclass(frozen=True)
+class _Made:
+    """The solution and what it was made of. ready: prepares a log as the fitted ones. seen: what axes do in these.
+    bias: (P,) what noise in the regressor pulls the solution by, which it still holds."""
+
+    equations: Equations
+    fitted: Sequence[Prepared]
+    ready: Callable[[Log], Prepared]
+    at_rest: RestDetection
+    cutoff_hz: float
+    kept: PerLog
+    seen: Scales
+    prior: Prior
+    solution: Solution
+    bias: Array
+
+
+def _made(
+    robot: Robot,
+    recordings: Sequence[Recording],
+    settings: Settings,
+    progress: Progress,
+    extension: Extension | None,
+) -> _Made:
     fitted_logs = _fitted_logs(recordings)
     names = [log.recording for log in fitted_logs]
     progress(0.0, Doing.CHOOSING_BANDWIDTH)
@@ -91,62 +173,37 @@ def identify(
     prior = per_parameter(robot, equations.base, equations.effects, seen, added, equations.added)
     solution = solve(equations, fitted, prior, settings, progress)
     _refuse_impossible_gains(equations, solution)
-
     progress(0.75, Doing.ESTIMATING_UNCERTAINTY)
-    doubted = _doubted(equations, fitted, at_rest, solution, kept, cutoff_hz)
-    bias, factor, doubt, covariance = doubted.bias, doubted.factor, doubted.doubt, doubted.covariance
-    solution.solved.shift(-bias)
-    standard, notes = _standard_parameters(equations, prior, solution, covariance, settings, progress)
-    identified, before = split(equations, standard), split(equations, prior.mean)
-    known_floors = extension.noise_floors if extension else {}
-    predictions, validation, steady = _validate(
-        equations, recordings, fitted, ready, at_rest, (identified, before), known_floors, kept, progress
-    )
-    condition, rank = solution.solved.condition_and_rank()
-    sizes = AxisSizes(seen.velocity, seen.torque, _ranges(robot, fitted), _inertias(equations, identified, fitted))
-    parameters = describe(equations, solution.prior, standard, covariance, solution.sticking, factor.known)
-    weighed = total_mass(robot, solution.prior, standard, covariance, settings.criteria.identifying.feet_against_mass)
-    parameters = with_parts(parameters, lifted_by_source(doubted.inputs, solution.prior.lifted))
-    model = RobotModel(
+    bias = noise_bias(equations, fitted, at_rest, solution, kept)
+    return _Made(equations, fitted, ready, at_rest, cutoff_hz, kept, seen, prior, solution, bias)
+
+
+def _model(
+    made: _Made,
+    parameters: tuple[Parameters, Parameters],
+    covariance: Array,
+    recordings: Sequence[Recording],
+    settings: Settings,
+    extension: Extension | None,
+) -> RobotModel:
+    """parameters: identified, and as they were believed to be."""
+    equations, fitted, seen = made.equations, made.fitted, made.seen
+    inertias = _inertias(equations, parameters[0], fitted)
+    return RobotModel(
         equations=equations,
-        identified=identified,
-        a_priori=before,
-        covariance=doubt,
-        a_priori_covariance=prior.seen_covariance,
-        at_rest=at_rest,
-        cutoff_hz=cutoff_hz,
-        solution=solution,
-        sizes=sizes,
+        identified=parameters[0],
+        a_priori=parameters[1],
+        covariance=covariance,
+        a_priori_covariance=made.prior.seen_covariance,
+        at_rest=made.at_rest,
+        cutoff_hz=made.cutoff_hz,
+        solution=made.solution,
+        sizes=AxisSizes(seen.velocity, seen.torque, _ranges(equations.robot, fitted), inertias),
         extension=extension,
         order={recording.log.name: number for number, recording in enumerate(recordings)},
-        known_scale=factor.known,
         criteria=settings.criteria,
-        prepared=kept,
-        computed=kept.beside(),
-        inputs=doubted.inputs,
-    )
-    progress(1.0, Doing.IDENTIFIED)
-    return Identification(
-        phi=identified.phi,
-        joint_values={effect.coefficient.name: identified.xi[:, k] for k, effect in enumerate(equations.effects)},
-        parameters=parameters,
-        unidentifiable=_unidentifiable(equations, solution, standard, covariance, factor),
-        validation=validation,
-        predictions=predictions,
-        consistent_links=tuple(bool(is_physical(one)) for one in identified.phi),
-        prior_strength=solution.strength,
-        prior_curve=solution.curve,
-        condition=condition,
-        rank=rank,
-        samples=sum(len(one.kept) for one in fitted),
-        cutoff_hz=cutoff_hz,
-        velocity_threshold=at_rest.threshold,
-        remarks=(*_remarks(robot, names, settings, solution, factor, notes, steady), *remarks_on_total_mass(weighed)),
-        model=model,
-        steady=steady,
-        per_stated={} if factor.known else _per_stated(equations, identified, before),
-        factor=factor,
-        total_mass=weighed,
+        prepared=made.kept,
+        computed=made.kept.beside(),
     )
 
 
@@ -155,32 +212,26 @@ def identify(
 class _Doubted:
     """What is known of the solution's errors.
 
-    bias: (X,) what noise in the regressor pulls the solution by. doubt: (X, X) covariance of the solution, with gains,
-    noise, and what no log shows (inputs). covariance: (S, S) the same of the standard parameters.
+    doubt: (X, X) covariance of the solution, with gains, noise, and what no log shows (inputs). covariance: (S, S) the
+    same of the standard parameters.
     """
 
-    bias: Array
     factor: CommonFactor
     inputs: TypeB
     doubt: Array
     covariance: Array
 
 
-def _doubted(
-    equations: Equations,
-    fitted: Sequence[Prepared],
-    at_rest: RestDetection,
-    solution: Solution,
-    kept: PerLog,
-    cutoff_hz: float,
-) -> _Doubted:
+def _doubted(made: _Made) -> _Doubted:
+    """Of the solution before its bias is taken off."""
+    equations, fitted, solution = made.equations, made.fitted, made.solution
     meat = score_covariance(equations, fitted, solution.solved.x, solution.weights)
-    bias = noise_bias(equations, fitted, at_rest, solution, kept)
     factor = common_factor(equations, solution, meat)
-    inputs = type_b(equations, fitted, solution, motor_gain(equations, split(equations, _lifted(solution))), cutoff_hz)
-    doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(bias, bias)
+    k_T = motor_gain(equations, split(equations, _lifted(solution)))
+    inputs = type_b(equations, fitted, solution, k_T, made.cutoff_hz)
+    doubt = solution.unbounded.covariance(meat) + solution.gains.doubt + np.outer(made.bias, made.bias)
     doubt += sum(inputs.by_log.values(), inputs.alike)
-    return _Doubted(bias, factor, inputs, doubt, solution.prior.lift_covariance(doubt))
+    return _Doubted(factor, inputs, doubt, solution.prior.lift_covariance(doubt))
 
 
 def _lifted(solution: Solution) -> Array:
@@ -197,11 +248,15 @@ def _fitted_logs(recordings: Sequence[Recording]) -> list[Log]:
 
 def _equations(robot: Robot, settings: Settings, extension: Extension | None) -> Equations:
     """With the zeros of sensors, the loads that some logs carry, and the effects that were added."""
+    added = (*zero_columns(robot), *load_columns(robot), *(extension.columns if extension else ()))
+    effects, criteria = choose(settings.effects), settings.criteria
+    parent = extension.parent.equations if extension else None
+    if parent is not None and parent.robot.tree is robot.tree:  # what bodies do to the rows is the same
+        return replace(parent, robot=robot, effects=effects, added=added, criteria=criteria)
     base = find_base_parameters(robot.tree)
     blocks = RowBlocks(robot.tree, base, robot.axes_from_joints)
-    added = (*zero_columns(robot), *load_columns(robot), *(extension.columns if extension else ()))
     cuts = [CutRows(robot.tree, base, sensor.frame) for sensor in robot.cuts]
-    return Equations(robot, blocks, base, choose(settings.effects), added, cuts, settings.criteria)
+    return Equations(robot, blocks, base, effects, added, cuts, criteria)
 
 
 def _cutoff(
@@ -240,22 +295,22 @@ def _prepared_alike(extension: Extension | None, robot: Robot, cutoff_hz: float,
 
 
 def _standard_parameters(
-    equations: Equations,
-    prior: Prior,
-    solution: Solution,
-    covariance: Array,
-    settings: Settings,
-    progress: Progress,
+    made: _Made, settings: Settings, progress: Progress, covariance: Array | None = None
 ) -> tuple[Array, tuple[Remark, ...]]:
-    """(S,) [φ; ξ], with static friction filled in and every link possible where that is asked for; and notes."""
+    """(S,) [φ; ξ], with static friction filled in and every link possible where that is asked for; and notes.
+
+    covariance: (S, S) of them; without it nothing is noted of what data alone would have asked for.
+    """
+    equations, solution, prior = made.equations, made.solution, made.prior
     standard, notes = _lifted(solution), tuple[Remark, ...]()
     if settings.consistency == "physical":
         progress(0.8, Doing.MAKING_LINKS_POSSIBLE)
-        std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
         free, robot = standard, equations.robot
         decided = NO_GAINS if scale_is_measured(robot) else solution.gains.columns
         standard, notes = possible_parameters(robot, solution.solved, decided)
-        notes = (*notes, *asked_for_negative_mass(robot, free, std, settings.criteria.identifying.negative_mass))
+        if covariance is not None:
+            std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+            notes = (*notes, *asked_for_negative_mass(robot, free, std, settings.criteria.identifying.negative_mass))
     x = fill_static_friction(equations, solution.statistics, prior, prior.seen @ standard).x
     phi = standard[: equations.robot.tree.phi.size]
     return np.concatenate([phi, clip_to_ranges(equations, x[equations.base_size :])]), notes
@@ -298,17 +353,14 @@ def _inertias(equations: Equations, identified: Parameters, logs: Sequence[Prepa
 
 
 def _validate(
-    equations: Equations,
+    made: _Made,
     recordings: Sequence[Recording],
-    fitted: Sequence[Prepared],
-    prepared_anew: Callable[[Log], Prepared],
-    at_rest: RestDetection,
     parameters: tuple[Parameters, Parameters],
     known_floors: Mapping[tuple[str, str], NoiseFloor],
-    kept: PerLog,
     progress: Progress,
 ) -> tuple[tuple[Prediction, ...], tuple[ChannelFit, ...], tuple[SteadyShare, ...]]:
     """Predictions and fits of every recording, those that were fitted included and marked; and their steady motion."""
+    equations, fitted, kept = made.equations, made.fitted, made.kept
     ready = {id(prepared.log): prepared for prepared in fitted}
     k_T = motor_gain(equations, parameters[0])
     known = known_noise(equations.robot, [each.log for each in recordings], fitted[0].low_pass.cutoff_hz)
@@ -317,10 +369,10 @@ def _validate(
     held_out: list[Prepared] = []
 
     def predicted(recording: Recording) -> tuple[Prepared, Prediction, tuple[ChannelFit, ...]]:
-        prepared = ready.get(id(recording.log)) or prepared_anew(recording.log)
+        prepared = ready.get(id(recording.log)) or made.ready(recording.log)
         prediction = predict_log(equations, prepared, *parameters, k_T, recording.held_out, kept)
         floors = {channel: floor for (log, channel), floor in known_floors.items() if log == recording.log.name}
-        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, at_rest, prediction, known))
+        floors = floors or dict(noise_floors(equations, prepared, parameters[0], k_T, made.at_rest, prediction, known))
         return prepared, prediction, fits(prediction, prepared, equations, parameters[0], floors)
 
     progress(0.85, Doing.PREDICTING, recordings[0].log.name)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from exogauge.effects.places import BaseChange, BaseSignals, LinkSignals, PairSignals, SensorSignals
+from exogauge.effects.places import BaseChange, BaseSignals, EncoderSignals, LinkSignals, PairSignals, SensorSignals
 from exogauge.effects.shaped import AxisSignals, in_si
 from exogauge.identification.added_columns import COMPONENTS, kinds_of_body
 from exogauge.identification.axis_signals import axis_signals
@@ -141,9 +141,7 @@ class BaseSite:
         return "base", "base", ""
 
     def kinds(self, equations: Equations) -> tuple[int, ...]:
-        layout, joints = equations.layout, enumerate(equations.robot.joints)
-        axes = [layout.axis(axis) for axis, joint in joints if joint.actuation != "none"]
-        return (*layout.numbers(RowType.BASE), *axes, *layout.numbers(RowType.SENSOR))
+        return every_kind(equations)
 
     def see(self, model: RobotModel, prepared: Prepared) -> Seen:
         motion, rate = prepared.motion, prepared.log.rate_hz
@@ -154,7 +152,7 @@ class BaseSite:
         place = np.zeros(3) if imu is None else imu.translation
         feel = bool(feet.size) and bool(np.all(np.ptp(feet, axis=0) > 0.0))
         floating = model.robot.floating
-        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel)
+        signals = BaseSignals(time, *still, acc, gyro, gyro_dot, floating, motion.q[:, 0], place, feel, _turn(model))
         layout = model.equations.layout
         own = layout.in_told(self.kinds(model.equations))
 
@@ -168,6 +166,76 @@ class BaseSite:
             return np.stack([each[:, own] for each in rows], axis=1)
 
         return Seen(signals, columns)
+
+    def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
+        return 1.0, unit
+
+
+def _turn(model: RobotModel) -> Array:
+    """(3,) [rad] by which the model holds the base to be turned."""
+    found = _found_at(model, BaseSite())
+    return np.array([found.get(f"about_{axis}", 0.0) for axis in "xyz"])
+
+
+def _found_at(model: RobotModel, site: Site) -> dict[str, float]:
+    """Name of a coefficient -> its value, of what the model holds at a site."""
+    effects = model.extension.effects if model.extension else ()
+    names = [(each.site, one.name) for each in effects for one in each.effect.coefficients]
+    own = model.identified.added[len(model.identified.added) - len(names) :]
+    return {name: float(value) for (at, name), value in zip(names, own, strict=True) if at == site}
+
+
+def every_kind(equations: Equations) -> tuple[int, ...]:
+    """Rows of the base, of all driven axes and of sensors inside the robot."""
+    layout, joints = equations.layout, enumerate(equations.robot.joints)
+    axes = [layout.axis(axis) for axis, joint in joints if joint.actuation != "none"]
+    return (*layout.numbers(RowType.BASE), *axes, *layout.numbers(RowType.SENSOR))
+
+
+@final
+@dataclass(frozen=True)
+class EncoderSite:
+    """What a joint's encoder reads: every row feels where the links beyond it are. joint: its number."""
+
+    joint: int
+
+    def label(self, equations: Equations) -> tuple[str, str, str]:
+        return "joint", equations.robot.joints[self.joint].name, ""
+
+    def kinds(self, equations: Equations) -> tuple[int, ...]:
+        return every_kind(equations)
+
+    def see(self, model: RobotModel, prepared: Prepared) -> Seen:
+        layout = model.equations.layout
+        time, position = prepared.log.time - prepared.log.time[0], prepared.motion.q[:, self.joint]
+        signals = EncoderSignals(time, position)
+        own, found = layout.in_told(self.kinds(model.equations)), _found_at(model, self)
+
+        def columns(effect: Any, shape: tuple[float, ...]) -> Array:
+            phi, errors = model.bodies_in(prepared.log.recording), effect.errors(signals, shape)
+            names = [each.name for each in effect.coefficients]
+            rows = [
+                self._moved(model, phi, prepared, error, found.get(name, 0.0))[:, own]
+                for name, error in zip(names, errors.T, strict=True)
+            ]
+            return np.stack(rows, axis=1)
+
+        return Seen(signals, columns)
+
+    def _moved(self, model: RobotModel, phi: Array, prepared: Prepared, error: Array, found: float) -> Array:
+        """(T, told rows) what an error of the angle takes off each per unit. found: as large as it is held to be:
+        it is whole there, and no slope."""
+        samples, equations = prepared.motion.samples, model.equations
+        at = thinned(samples, prepared.log.rate_hz, model.cutoff_hz)
+        m, way = prepared.motion.rows(at), np.zeros((len(at), len(model.robot.joints)))
+        way[:, self.joint] = error[at]
+
+        def rows(step: float) -> Array:
+            return equations.of_bodies(Motion(m.q + step * way, m.dq, m.ddq, m.acc, m.gyro, m.gyro_dot), phi)
+
+        low, high = (0.0, found) if abs(found) > STEP else (-STEP, STEP)
+        moved = (rows(low) - rows(high)) / (high - low)
+        return moved if len(at) == samples else np.asarray(CubicSpline(at, moved)(np.arange(samples)))
 
     def in_si(self, model: RobotModel, unit: str, shape: tuple[float, ...]) -> tuple[float, str]:
         return 1.0, unit
@@ -255,6 +323,29 @@ def seen_by(model: RobotModel, prepared: Prepared, sites: Sequence[Site]) -> dic
     return found
 
 
+def encoders(robot: Robot) -> list[EncoderSite]:
+    """Of joints that turn. Not of the first one of a fixed base, whose zero turns the robot as a whole; nor of those
+    that bear an outside wrench, which acts elsewhere then."""
+    tree = robot.tree
+    bearing = {body for sensor in robot.contacts for body in _way_to_base(tree, tree.frames[sensor.frame][0])}
+    return [
+        EncoderSite(int(joint))
+        for body, joint in enumerate(tree.dof)
+        if joint >= 0
+        and not tree.prismatic[body]
+        and body not in bearing
+        and (robot.floating or any(tree.dof[each] >= 0 for each in _way_to_base(tree, int(tree.parent[body]))))
+    ]
+
+
+def _way_to_base(tree: RigidTree, body: int) -> list[int]:
+    way = list[int]()
+    while body >= 0:
+        way.append(body)
+        body = int(tree.parent[body])
+    return way
+
+
 def neighbours(robot: Robot) -> list[PairSite]:
     """Every driven joint with the next driven one on its way to the base."""
     tree, found = robot.tree, list[PairSite]()
@@ -303,7 +394,7 @@ def response(equations: Equations, cutoff_hz: float, phi: Array, prepared: Prepa
     Computed at some of the samples, with a cubic spline between: whatever moves, moves below the cut-off.
     """
     samples = prepared.motion.samples
-    if not change.acc.any() and change.first_torque is not None:
+    if not (change.acc.any() or change.gyro.any() or change.gyro_dot.any()):
         return np.zeros((samples, len(equations.layout.told)))
     at = thinned(samples, prepared.log.rate_hz, cutoff_hz)
     m = prepared.motion.rows(at)

@@ -16,9 +16,11 @@ from exogauge.identification.preparation import Prepared
 from exogauge.identification.sites import (
     AxisSite,
     BaseSite,
+    EncoderSite,
     LinkSite,
     PairSite,
     SensorSite,
+    encoders,
     end_links,
     neighbours,
 )  # fmt: skip
@@ -49,22 +51,37 @@ class Candidate:
 
 
 def sites(model: RobotModel) -> tuple[Site, ...]:
-    """Where effects can sit: axes whose drive is logged, neighbouring ones of them, components of sensors, contact
-    sensors as a whole, links that carry nothing, the base."""
+    """Where effects can sit: axes whose drive is logged, neighbouring ones of them, encoders, components of sensors,
+    contact sensors as a whole, links that carry nothing, the base."""
     joints = model.robot.joints
     axes = [AxisSite(axis) for axis, joint in enumerate(joints) if joint.actuation != "none"]
     of_cuts = [SensorSite(index, row) for index in range(len(model.robot.cuts)) for row in range(6)]
     tree = model.robot.tree
     contacts = [index for index, sensor in enumerate(model.robot.contacts) if tree.frames[sensor.frame][0] >= 0]
     of_contacts = [SensorSite(index, row, contact=True) for index in contacts for row in (*range(6), None)]
-    return (*axes, *neighbours(model.robot), *of_cuts, *of_contacts, *end_links(model.equations), BaseSite())
+    return (
+        *axes,
+        *neighbours(model.robot),
+        *encoders(model.robot),
+        *of_cuts,
+        *of_contacts,
+        *end_links(model.equations),
+        BaseSite(),
+    )
 
 
 def place_kind(site: Site) -> str:
     """`Effect.place` of the effects that can sit here."""
     if isinstance(site, SensorSite) and site.component is None:
         return "whole_sensor"
-    return {AxisSite: "joint", PairSite: "pair", SensorSite: "sensor", LinkSite: "link", BaseSite: "base"}[type(site)]
+    return {
+        AxisSite: "joint",
+        PairSite: "pair",
+        EncoderSite: "encoder",
+        SensorSite: "sensor",
+        LinkSite: "link",
+        BaseSite: "base",
+    }[type(site)]
 
 
 def grid(effect: Effect) -> Iterator[tuple[float, ...]]:

@@ -96,8 +96,11 @@ def channel_of(equations: Equations, kind: int) -> str:
 def objection(finding: Finding, without: float, with_it: float, judging: Judging) -> Objection | None:
     """Why an effect is dropped again once the robot has been identified with it. without, with_it: `low_passed`.
 
-    The error has to fall as it is told as well, in steady motion, and the size of the effect to be known.
+    The error has to fall as it is told as well, in steady motion and from above the noise, and the size of the effect
+    to be known.
     """
+    if finding.held_out.rmse_before <= finding.held_out.noise_floor:
+        return Objection(Why.AT_FLOOR)
     if with_it > judging.falls * without:
         return Objection(Why.NOT_FALLING_AGAIN, without, with_it, finding.held_out.unit)
     return refused(finding, judging)

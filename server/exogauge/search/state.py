@@ -8,13 +8,14 @@ from typing import final
 
 from exogauge.effects.soft_coulomb import SOFT_COULOMB
 from exogauge.findings.result import Alternative, Finding
-from exogauge.identification.identify import identify
+from exogauge.identification.identify import identify, seen_by_effects
 from exogauge.identification.model import AddedEffect, Effect, Extension, Site
 from exogauge.identification.result import Identification
 from exogauge.identification.settings import Recording, Settings
-from exogauge.identification.sites import AxisSite, PairSite, SensorSite
+from exogauge.identification.sites import AxisSite, BaseSite, EncoderSite, PairSite, SensorSite
 from exogauge.identification.validate import floors_of
 from exogauge.progress import Doing, Progress, unwatched
+from exogauge.resident import give_back
 from exogauge.search.ambiguity import Undecided
 from exogauge.search.baseline import Ground, lay_ground
 from exogauge.search.creeping import Creeping
@@ -90,15 +91,19 @@ class Search:
     def identified(self, effects: Sequence[AddedEffect]) -> Identification:
         """The robot with these effects."""
         problem = self.problem
-        floors = floors_of(problem.base.validation)
-        twice = any(_depends_on_loads(each) for each in effects)
-        found, passes = problem.base, problem.settings.criteria.search.relinearised if twice else 1
-        if self.eyes is not None:
-            found, passes = self.eyes, 1
-        for _ in range(passes):
-            extension = Extension(found.model, tuple(effects), floors)
-            found = identify(problem.base.model.robot, problem.recordings, problem.settings, extension=extension)
-        return found
+        robot, floors = problem.base.model.robot, floors_of(problem.base.validation)
+        eyes = (self.eyes or problem.base).model
+        for _ in range(0 if self.eyes else self._passes(effects) - 1):
+            seen = Extension(eyes, tuple(effects), floors)
+            eyes = seen_by_effects(robot, problem.recordings, problem.settings, seen)
+        extension = Extension(eyes, tuple(effects), floors)
+        return identify(robot, problem.recordings, problem.settings, extension=extension)
+
+    def _passes(self, effects: Sequence[AddedEffect]) -> int:
+        criteria = self.problem.settings.criteria.search
+        if any(isinstance(each.site, BaseSite | EncoderSite) for each in effects):
+            return criteria.turned
+        return criteria.relinearised if any(_depends_on_loads(each) for each in effects) else 1
 
     def screened(self, found: Identification, at: Site | None = None) -> tuple[Search, Ground]:
         """Every candidate scored beside this model; at one site only, if it is given."""
@@ -109,6 +114,7 @@ class Search:
             problem.tell(share + 0.2 * fraction, doing, of)
 
         ground = lay_ground(found.model, problem.recordings, [*problem.effects, *soft], tick, problem.only, at)
+        give_back()
         tried = max(self.tried, sum(len(each) for each in ground.candidates.values()))
         return replace(self, rounds=self.rounds + 1, tried=tried), ground
 

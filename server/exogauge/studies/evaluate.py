@@ -25,6 +25,7 @@ from exogauge.logs.followed import followed
 from exogauge.logs.model import Log
 from exogauge.progress import Doing, Progress, Stage
 from exogauge.remarks import About, Remark
+from exogauge.resident import give_back
 from exogauge.robots.export import export_urdf
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.side_by_side import each as side_by_side
@@ -54,7 +55,14 @@ from exogauge.studies.results.worse_than_before import refuse_what_made_it_worse
 from exogauge.studies.series.write import Moved, write_series
 from exogauge.studies.words.notices import Notice, notice
 from exogauge.studies.words.progress_words import phrase
-from exogauge.support.evaluate import Gathered, beside_named, conclude_support, consequences, gather_support
+from exogauge.support.evaluate import (
+    Consequences,
+    Gathered,
+    beside_named,
+    conclude_support,
+    consequences,
+    gather_support,
+)
 from exogauge.support.result import Trial
 from exogauge.support.settings import PlainLog, WornLog
 
@@ -110,10 +118,11 @@ def _evaluate(
         plans = _plans_of(study, [*(each.log for each in recordings), *(each.log for each in worn)])
         spans = _spans(report, bool(worn), "discrepancy" in doing)
         try:
-            found = first = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
+            found = identify(study.robot, recordings, study.settings, spans[Stage.IDENTIFY])
         except BadLog as error:  # what the doctor suspects comes first: it knows the cause
             raise BadLog([*suspects(findings), *error.faults]) from error
-        doubts = refuse_what_made_it_worse(first, recordings, findings)
+        doubts, bare = refuse_what_made_it_worse(found, recordings, findings), found.model
+        give_back()
         failed = list[FailedStep]()
         discrepancy: Discrepancy | None = None
         used = study.settings
@@ -122,23 +131,29 @@ def _evaluate(
         if "discrepancy" in doing:
             with keeping(failed, "discrepancy"):
                 missing = find_missing_effects(
-                    first, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY], _moving(study)
+                    found, recordings, missing_effects(), study.settings, spans[Stage.DISCREPANCY], _moving(study)
                 )
                 alike = filtered_alike(worn, missing.recordings, missing.settings.criteria.stored_filter)
                 discrepancy, found, used = missing.discrepancy, missing.identification, missing.settings
                 plain_now, worn_now = logs.as_plain(missing.recordings), alike
         support, stiffness = None, tuple[StiffnessResult, ...]()
+        give_back()
         if worn:
             with keeping(failed, *(step for step in ("support", "stiffness") if step in doing)):
-                span, twice = spans[Stage.SUPPORT], discrepancy is not None and found is not first
-                begin = _part(0.0, 0.5, span) if twice else span
+                span, twice = spans[Stage.SUPPORT], found.model is not bare
+                begin, untold = _part(0.0, 0.5, span) if twice else span, list[FailedStep]()
+                earlier: Consequences | None = None
+                with keeping(untold, "discrepancy"):
+                    if twice:  # first, as what logs say of two models is too much to be held at once
+                        earlier = consequences(bare, plain, worn, study.support_settings, begin)
+                        begin = _part(0.5, 1.0, span)
+                        give_back()
                 gathered = gather_support(found.model, plain_now, worn_now, study.support_settings, begin)
                 support, stiffness = conclude_support(found.model, gathered, worn_now, study.support_settings, begin)
-                if discrepancy is not None:
+                failed += untold
+                if discrepancy is not None and not untold:
                     with keeping(failed, "discrepancy"):
-                        if twice:
-                            again = _part(0.5, 1.0, span)
-                            earlier = consequences(first.model, plain, worn, study.support_settings, again)
+                        if earlier is not None:
                             difference = before_after(earlier, (support, stiffness))
                             discrepancy = replace(discrepancy, before_after=difference)
                         discrepancy = _with_wear(study, found, plain_now, gathered, stiffness, discrepancy, span)

@@ -319,19 +319,22 @@ def band_wires(logs: WearLogs, routing: Routing) -> tuple[Wire, ...]:
 
 def stretches(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) [m] beyond l_0 (W,), low-passed as the torque: the low-pass rounds the corner where a band comes taut."""
-    return _as_torque(wires, lambda run, rest: np.maximum(run.length - rest, 0.0), l_0)
+    return _as_torque(wires, lambda length, rest: np.maximum(length - rest, 0.0), l_0)
 
 
 def taut(wires: Sequence[Wire], l_0: Array) -> Array:
     """(N, W) share of the moment that bands of natural length l_0 are taut: minus the slope of `stretches` with l_0."""
-    return _as_torque(wires, lambda run, rest: (run.length > rest).astype(np.float64), l_0)
+    return _as_torque(wires, lambda length, rest: (length > rest).astype(np.float64), l_0)
 
 
-def _as_torque(wires: Sequence[Wire], pull: Callable[[Run, float], Array], l_0: Array) -> Array:
-    """Of all wires of a log side by side, which costs little more than one."""
+def _as_torque(wires: Sequence[Wire], pull: Callable[[Array, float], Array], l_0: Array) -> Array:
+    """Of all wires of a log side by side, which costs little more than one; of all logs where none is filtered."""
+    if wires and all(run.log.low_pass is None for run in wires[0].runs):
+        return np.stack([pull(wire.length, rest) for wire, rest in zip(wires, l_0, strict=True)], axis=1)
     found = []
     for runs in zip(*(wire.runs for wire in wires), strict=True):
-        found.append(runs[0].log.as_torque(np.stack([pull(*each) for each in zip(runs, l_0, strict=True)], axis=1)))
+        pulls = [pull(run.length, rest) for run, rest in zip(runs, l_0, strict=True)]
+        found.append(runs[0].log.as_torque(np.stack(pulls, axis=1)))
     return np.concatenate(found) if found else np.zeros((0, 0))
 
 

@@ -25,7 +25,7 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
-from exogauge.support.band_model import Fitted, Setting, at_bounds, fit, thinned
+from exogauge.support.band_model import NULL, Fitted, Layout, Setting, at_bounds, fit, thinned
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
 from exogauge.support.cross_checks import within
@@ -133,7 +133,7 @@ def fit_springs(
     blind |= _without_pull(seen, known)
     of_robot = {ROBOT: robot_doubt} if approach == "prior" else model.doubt_by_source
     shares = contributions(seen.setting, seen.fitted, of_robot, seen.null, seen.joint_weight)
-    return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind))
+    return Springs(device.bands, seen, tuple(notes), of_robot, shares, frozenset(blind | undecided(plan, shares)))
 
 
 def identify_bands(
@@ -176,6 +176,13 @@ def _stated_laws(device: Device) -> list[Remark]:
     other = [band for band in device.bands if band.law != LINEAR]
     names, laws = tuple(band.name for band in other), tuple(band.law for band in other)
     return [Remark(About.LAW_STATED, names, beside=laws)] if other else []
+
+
+def undecided(plan: Layout, shares: Mapping[str, Array]) -> set[str]:
+    """Values doubted by so much that the samples hold nothing of them: a curvature beside which the scale's own is all,
+    of which a finite number of any size may be left by rounding."""
+    std = np.sqrt(np.diag(np.sum(list(shares.values()), axis=0)))[: len(plan.names)]
+    return {plan.names[place] for place in np.flatnonzero(~(std < plan.scale / np.sqrt(NULL)))}
 
 
 def _without_pull(seen: BandFit, known: set[int]) -> set[str]:

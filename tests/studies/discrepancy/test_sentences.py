@@ -8,18 +8,19 @@ from typing import Any
 import pytest
 
 from exogauge.devices.result import Estimate
-from exogauge.findings.result import Discrepancy, Excess
+from exogauge.findings.result import Alternative, Discrepancy, Excess, Place
+from exogauge.findings.verdict import Objection, Why
 from exogauge.studies.results.discrepancy_results import discrepancy_entry
 from exogauge.studies.results.document import finite
 from exogauge.studies.words.discrepancy_sentences import left_sentence, moves, verdict_sentence
-from exogauge.studies.words.names import at_place, listed, place_words, words_of_effects
+from exogauge.studies.words.names import at_place, listed, place_words, titled, words_of_effects
 
 CONTRACT = """
 motor_gain viscous coulomb static_friction motor_offset stribeck load_coulomb asym_viscous nonlinear_viscous presliding
 backlash elasticity joint_spring torque_ripple rotor_inertia kt_gain kt_saturation thermal_viscous
 torque_offset_drift torque_delay friction_shift coupling payload link_mass contact base_tilt ft_gain ft_crosstalk
 ft_drift imu_delay band_stiffness band_length band_viscous band_relaxation band_hardening band_slip band_via_friction
-extra_band band_limited_log"""
+extra_band band_limited_log encoder_zero"""
 
 
 def entry(found: Discrepancy) -> dict[str, Any]:
@@ -57,9 +58,25 @@ def test_a_named_effect_that_does_not_help_is_not_said_to(one: Discrepancy) -> N
 
 
 def test_nothing_missing_is_no_more_than_these_logs_can_show(clean: Discrepancy) -> None:
-    assert verdict_sentence(clean) == (
+    assert verdict_sentence(dataclasses.replace(clean, rejected=())) == (
         "No effect is missing as far as these logs can show: none of 214 candidates surely explains anything "
         "beyond noise."
+    )
+
+
+def test_what_is_there_and_small_is_said_once_for_each_place(clean: Discrepancy) -> None:
+    """`Nothing surely explains anything` was said of it."""
+    small = Objection(Why.TOO_SMALL, 0.109, 0.263)
+    at = Place("joint", "j1")
+    rejected = [
+        Alternative("nonlinear_viscous", at, 0.156, small),
+        Alternative("stribeck", at, 0.159, small),
+        Alternative("elasticity", Place("joint", "j2"), 0.3, Objection(Why.LITTLE, 0.0)),
+    ]
+    text = verdict_sentence(dataclasses.replace(clean, rejected=tuple(rejected)))
+    assert text == (
+        "No effect that matters is missing as far as these logs can show. There, and smaller than what matters: "
+        f"{titled('stribeck', at)} (0.11 where the sensors' noise is 0.26)."
     )
 
 
@@ -87,7 +104,8 @@ def test_what_stays_after_all_that_was_named_is_said(discrepancy: Discrepancy, o
     assert left_sentence(discrepancy) == (
         "One channel stays above the noise, at torso_yaw (0.811 N·m RMSE, noise floor 0.622)."
     )
-    assert left_sentence(one) == "Nothing is left above the noise."
+    assert left_sentence(dataclasses.replace(one, rejected=())) == "Nothing is left above the noise."
+    assert left_sentence(one).startswith("Nothing is left above the noise. There, and smaller than what matters: ")
     two = (*discrepancy.unexplained, Excess("tau.r_elbow", "N·m", 0.9, 0.6, float("nan")))
     assert left_sentence(dataclasses.replace(discrepancy, unexplained=two)).startswith(
         "2 channels stay above the noise, most at torso_yaw"

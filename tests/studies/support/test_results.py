@@ -168,6 +168,19 @@ def test_stiffness_entries_hold_value_interval_truth_and_error(stiffness: tuple[
     assert details[0]["correlation"][0][1] == 0.97
 
 
+@pytest.mark.parametrize(("stds", "chosen"), [((60.0, 35.0), "A"), ((60.0, 20.0), "B"), ((20.0, 35.0), "A")])
+def test_the_headline_stiffness_is_the_best_known_for_its_size(
+    stiffness: tuple[StiffnessResult, ...], stds: tuple[float, float], chosen: str
+) -> None:
+    """190 by A, 95 by B: a doubt of 35 N/m is more of the smaller one than 60 N/m are of the other."""
+    made = []
+    for each, value, std in zip(stiffness[:2], (190.0, 95.0), stds, strict=True):
+        own = [dataclasses.replace(b, stiffness=Estimate(value, std, "N/m"), identifiable=True) for b in each.bands]
+        made.append(dataclasses.replace(each, bands=tuple(own)))
+    told = {one["approach"] for one in stiffness_entries(made) if one["headline"]}
+    assert told == {chosen}
+
+
 def test_the_tables_hold_every_number(support: SupportResult, stiffness: tuple[StiffnessResult, ...]) -> None:
     found = rows(support_table(support))
     assert len(found) == 12 * (5 + 4 * 5)  # whole motion and four phases, by five approaches

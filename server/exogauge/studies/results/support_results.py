@@ -235,10 +235,11 @@ def stiffness_entries(found: Sequence[StiffnessResult]) -> list[dict[str, Any]]:
 
 
 def headline_approach(found: Sequence[StiffnessResult], device: str, group: str) -> str | None:
-    """The approach that decides a group's stiffness with the smallest doubt, what it finds on logs without the device
-    in it; None where none decides it."""
+    """The approach that decides a group's stiffness with the smallest doubt for its size, what it finds on logs without
+    the device in it; None where none decides it. Levers and gains are doubted in proportion: the smallest doubt in N/m
+    would be that of the smallest stiffness."""
     decided = {
-        each.approach: band.stiffness.std
+        each.approach: band.stiffness.std / abs(band.stiffness.value)
         for each in found
         for band in each.bands
         if (each.device, band.group) == (device, group) and each.approach != "prior" and band.identifiable

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from exogauge.devices.result import Estimate
-from exogauge.findings.result import Discrepancy, Excess, Finding, HeldOut
+from exogauge.findings.result import Alternative, Discrepancy, Excess, Finding, HeldOut, Place
+from exogauge.findings.verdict import Why
 from exogauge.studies.words.finding_sentences import reason_words
 from exogauge.studies.words.names import capital, channel, counted, listed, place_words, titled
 from exogauge.studies.words.rounding import significant
@@ -25,9 +26,30 @@ def verdict_sentence(found: Discrepancy) -> str:
         return _unexplained(found)
     if found.verdict == "undecided":
         return f"Whether the model lacks an effect is undecided. {_reason(found)}"
+    small = small_sentence(found)
+    if small:
+        return f"No effect that matters is missing as far as these logs can show. {small}"
     return (
         f"No effect is missing as far as these logs can show: {_none_of(found)} surely explains anything beyond noise."
     )
+
+
+def small_sentence(found: Discrepancy) -> str:
+    """What is surely there and takes off less than matters beside the sensors' noise, the likeliest of each place;
+    empty where there is nothing of the kind."""
+    small = [each for each in found.rejected if each.objection.why is Why.TOO_SMALL]
+    best: dict[Place, Alternative] = {}
+    for each in sorted(small, key=lambda one: -one.score):
+        best.setdefault(each.place, each)
+    if not best:
+        return ""
+    shown = [
+        f"{titled(each.effect, each.place)} ({each.objection.value:.2g} where the sensors' noise is "
+        f"{each.objection.beside:.2g})"
+        for each in best.values()
+    ][:NAMED]
+    more = len(best) - len(shown)
+    return f"There, and smaller than what matters: {listed([*shown, f'{more} more'] if more else shown)}."
 
 
 def left_sentence(found: Discrepancy) -> str:
@@ -35,7 +57,7 @@ def left_sentence(found: Discrepancy) -> str:
     if found.verdict != "effects":
         return ""
     if found.decision.left == "nothing":
-        return "Nothing is left above the noise."
+        return f"Nothing is left above the noise. {small_sentence(found)}".rstrip()
     if found.decision.left == "open":
         return f"Whether anything is left above the noise is undecided. {_reason(found)}"
     left = found.unexplained

@@ -18,7 +18,7 @@ SOURCES: dict[str, tuple[str, str]] = {
     "ft_zero": ("zeros of the force/torque sensors", "Take zeros with the robot hanging, before each log."),
     "kt_drift": (
         "torque per ampere, drifting from log to log",
-        "Warm the motors up, record without, with and again without the device, and state what it does as kt_drift.",
+        "Record without, with and again without the device, and say when each log began (started).",
     ),
     "torque_zero": (
         "constant torques that differ from log to log",

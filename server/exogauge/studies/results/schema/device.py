@@ -199,7 +199,7 @@ class BandStiffness(Part):
     truth_n_per_m: Number = Field(description="where `ground_truth: true` [N/m]")
     error_percent: Number = Field(description="of the stiffness against the truth [%]")
     identifiable: bool = Field(description="whether the data decide the stiffness")
-    headline: bool = later("of the approach with the smallest doubt, its null test in it")
+    headline: bool = later("of the approach with the smallest doubt for its size, its null test in it")
     length_identifiable: bool = Field(description="whether the data decide the natural length")
     note: str = Field(description="why not, in words, or empty")
     budget: list[BandShare] = Field(description="what the doubt is made of, largest share of the stiffness first")
