@@ -6,20 +6,24 @@ the same study and the same result.
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import final
 
 from exogauge import synthetic
 from exogauge.client import Client
-from exogauge.errors import Unavailable
+from exogauge.errors import BadMotion, Fault, Unavailable
 from exogauge.published import published
 from exogauge.settings import Settings
 from exogauge.studies.report.summary_text import summary_text
@@ -31,15 +35,29 @@ START_S = 120.0
 ANNOUNCED = "exogauge serves on "
 
 
-def demo(settings: Settings, realism: str = DEFAULT) -> None:
-    """Make the sample, serve, upload, run, print."""
+@final
+@dataclass(frozen=True)
+class Captured:
+    """A person's motion for the demonstration. end: [s] of it, None for all. slow: times the time. margin_m: of the
+    centre of pressure from the soles' edges; nothing but the plan keeps the sample's robot upright."""
+
+    file: Path
+    skeleton: Path | None = None
+    end: float | None = None
+    slow: float = 1.5
+    margin_m: float = 0.04
+
+
+def demo(settings: Settings, realism: str = DEFAULT, captured: Captured | None = None) -> None:
+    """Make the sample, serve, upload, run, print. captured: what the robot plays in place of its own motions."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # in step with stderr, also through a pipe
     print("A synthetic humanoid's logs go through the service, over HTTP; about two minutes the first time.\n")
-    with timed("sample"):
-        sample = make_sample(settings.data_dir / "sample", realism)
     with running_server(settings) as url, Client(url) as client:
         print(f"service     {url}")
+        planned = None if captured is None else plan_captured(client, captured, settings.data_dir / "sample")
+        with timed("sample"):
+            sample = make_sample(settings.data_dir / "sample", realism, planned)
         with timed("upload"):
             study = client.upload_study(sample)
         print(f"study       {study.name}, content {study.content_hash[:12]}")
@@ -65,16 +83,40 @@ def timed(what: str) -> Iterator[None]:
     print(f"{what:11} {time.monotonic() - start:.1f} s")
 
 
-def make_sample(folder: Path, realism: str) -> Path:
-    """The sample study below `folder`, generated when it is not there; a half-made one never looks whole."""
-    target = folder / f"hrp4_like_{SEED}{'' if realism == DEFAULT else f'_{realism}'}"
+def plan_captured(client: Client, captured: Captured, folder: Path) -> Path:
+    """The motion of a person as one of the sample's robot, in a table below `folder`. Raises BadMotion where it breaks
+    a bound."""
+    synthetic.write_sample_robot(folder / "robot")
+    with timed("motion"):
+        motion = client.upload_motion(captured.file, captured.skeleton)
+        robot = client.upload_robot(folder / "robot" / "robot.yaml")
+        options = {"slow": captured.slow, "margin_m": captured.margin_m}
+        options |= {} if captured.end is None else {"end": captured.end}
+        plan = client.wait_plan(client.plan_motion(motion, robot, **options))
+    broken = (plan.found or {}).get("broken", [])
+    if broken:
+        advice = "Take a shorter part of it (--to), or play it slower (--slow)"
+        raise BadMotion(Fault(f"the robot cannot: {'; '.join(broken)}", "bound_broken", advice, captured.file.name))
+    print(f"plan        {plan.name}, {(plan.found or {})['seconds']:.1f} s")
+    table = folder / f"{re.sub(r'[^A-Za-z0-9_-]', '_', captured.file.stem)}.csv"
+    return client.export_plan(plan, "csv", table)
+
+
+def make_sample(folder: Path, realism: str, planned: Path | None = None) -> Path:
+    """The sample study below `folder`, generated when it is not there; a half-made one never looks whole. planned: a
+    motion that is played; each has a sample of its own."""
+    own = "" if planned is None else f"_{hashlib.sha256(planned.read_bytes()).hexdigest()[:12]}"
+    target = folder / f"hrp4_like_{SEED}{'' if realism == DEFAULT else f'_{realism}'}{own}"
     if not _is_there(target, realism):
         unfinished = folder / f".unfinished-{os.getpid()}"
         shutil.rmtree(unfinished, ignore_errors=True)
         print("generating the sample study, once; it is kept in the data folder")
         with bar("sample") as progress:
             processes = synthetic.processors()
-            synthetic.write_sample(unfinished, SEED, progress=progress, processes=processes, realism=realism)
+            motions = [] if planned is None else [planned]
+            synthetic.write_sample(
+                unfinished, SEED, progress=progress, processes=processes, realism=realism, motions=motions
+            )
         shutil.rmtree(target, ignore_errors=True)
         unfinished.replace(target)
     return target

@@ -33,6 +33,11 @@ def add_commands(commands: Commands) -> None:
 
     demo = commands.add_parser("demo", help="evaluate the sample study through the service, and print the result")
     add_realism(demo)
+    capture = "a person's motion (C3D, TRC, BVH, AMC) that the sample's robot plays in place of its own"
+    demo.add_argument("--motion", type=Path, metavar="FILE", help=capture)
+    demo.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
+    demo.add_argument("--to", dest="end", type=float, metavar="S", help="end of what is played of it")
+    demo.add_argument("--slow", type=float, default=1.5, metavar="FACTOR", help="times the time (default: 1.5)")
     demo.set_defaults(command=show_demo)
 
 
@@ -65,8 +70,11 @@ def upgrade_database(_: argparse.Namespace) -> int:
 
 
 def show_demo(options: argparse.Namespace) -> int:
-    from exogauge.demo import demo
+    from exogauge.demo import Captured, demo
     from exogauge.settings import Settings
 
-    demo(Settings(), options.realism)
+    captured = None
+    if options.motion is not None:
+        captured = Captured(options.motion, options.skeleton, options.end, options.slow)
+    demo(Settings(), options.realism, captured)
     return 0

@@ -37,6 +37,17 @@ def write_sample(
     write_study(out, seed, hidden, suit, progress, processes=processes, disturbed=disturbed, played=played)
 
 
+def write_sample_robot(folder: Path) -> None:
+    """robot.yaml and robot.urdf of the sample's robot, for planning motions before there is a sample."""
+    import yaml
+
+    from exogauge.synthetic.urdf import robot_file, robot_urdf
+
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "robot.urdf").write_text(robot_urdf(), encoding="utf-8")
+    (folder / "robot.yaml").write_text(yaml.safe_dump(dict(robot_file()), sort_keys=False), encoding="utf-8")
+
+
 def write_payload_sample(out: Path, seed: int, hidden: Sequence[str] | None = None) -> None:
     """Write a synthetic payload recording into `out`, truth.json included; see `payload.write_payload`."""
     if find_spec("mujoco") is None:
