@@ -17,7 +17,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 unexport PYTHONDONTWRITEBYTECODE  # what is compiled is kept: every worker and every child would compile it again
 
 SCREENSHOTS ?= screenshots
-.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz chaos bench coverage tables plain blind same lock clean
+.PHONY: help install demo serve web web-dev openapi test e2e screenshots check types style layers page fuzz chaos load bench coverage tables plain blind same lock clean
 
 help:  ## list the targets
 	@grep -E '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 12
@@ -97,8 +97,13 @@ fuzz: web  ## studies with slips, damaged files, odd requests: STUDIES=300 REQUE
 
 RUNS ?= 50
 
-chaos: $(READY)  ## kill -9 of the whole service at random moments, on both databases: RUNS=50 SEED=1 DATABASE=both
-	$(BIN)/python -m tests.chaos --runs $(RUNS) --seed $(SEED) --database $(or $(DATABASE),both)
+chaos: $(READY)  ## kill -9 of the whole service at random moments, on both databases: RUNS=50 SEED=1 DATABASE=both BLOBS=folder|s3
+	$(BIN)/python -m tests.chaos --runs $(RUNS) --seed $(SEED) --database $(or $(DATABASE),both) --blobs $(or $(BLOBS),folder)
+
+STUDIES_STORED ?= 10000
+
+load: $(READY)  ## what a request costs with 16 clients, 10⁴ studies and an evaluation running, on both databases: DATABASE=both
+	$(BIN)/python -m tests.load --studies $(STUDIES_STORED) --database $(or $(DATABASE),both)
 
 tables: $(READY)  ## the tables of docs/effects.md and docs/criteria.md
 	$(BIN)/python -m tests.effects.tables

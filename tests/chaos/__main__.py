@@ -1,6 +1,6 @@
 """`make chaos`: a service, its workers and their children are killed together at random moments, again and again.
 
-    python -m tests.chaos --runs 50 --database sqlite|postgresql|both --seed 1
+    python -m tests.chaos --runs 50 --database sqlite|postgresql|both --blobs folder|s3 --seed 1
 
 Each run: the service starts, clients send studies and ask for jobs until a random moment, then every process of the
 service is killed with SIGKILL. At the end it starts once more, all that was acknowledged is asked for, every job has to
@@ -11,33 +11,27 @@ exit code is 1 where any of these is not 0.
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import json
-import os
 import random
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
 import httpx
+from tests.object_store import BUCKET, KEYS, s3_server
+from tests.whole_service import SERVER, Service, database, small_study
 
-TESTS = Path(__file__).parents[1]
-PROGRAM = TESTS / "jobs" / "burning.py"
-ANNOUNCED = "exogauge serves on "
+PROGRAM = Path(__file__).parents[1] / "jobs" / "burning.py"
 CLIENTS = 3
-SERVER = "postgresql://root@127.0.0.1:5432/postgres"
 JOB_S = 0.3
-START_S, END_S = 90.0, 240.0
+END_S = 240.0
 
 
 @dataclass
@@ -49,90 +43,11 @@ class Ledger:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
 
-class Service:
-    """The whole of it in a process group of its own, which a kill reaches as one."""
-
-    def __init__(self, folder: Path, url: str) -> None:
-        self.folder = folder
-        self.environment = {
-            **os.environ,
-            "EXOGAUGE_DATA_DIR": str(folder / "data"),
-            "EXOGAUGE_DATABASE_URL": url,
-            "EXOGAUGE_PORT": "0",
-            "EXOGAUGE_WORKERS": "2",
-            "EXOGAUGE_REQUESTS_PER_S": "0",
-            "PYTHONPATH": str(PROGRAM.parent),
-        }
-        self.log = folder / "service.log"
-
-    def start(self) -> str:
-        self.log.write_text("")
-        with self.log.open("ab") as sink:
-            self.process = subprocess.Popen(
-                [sys.executable, str(PROGRAM), "serve"],
-                env=self.environment, stdin=subprocess.DEVNULL, stdout=sink, stderr=sink, start_new_session=True,
-            )  # fmt: skip
-        end = time.monotonic() + START_S
-        while time.monotonic() < end and self.process.poll() is None:
-            for line in self.log.read_text().splitlines():
-                if line.startswith(ANNOUNCED):
-                    return line.removeprefix(ANNOUNCED)
-            time.sleep(0.05)
-        raise SystemExit(f"the service did not start:\n{self.log.read_text()[-3000:]}")
-
-    def kill(self) -> int:
-        """Every process below it, readers of uploads in sessions of their own too; how many there were."""
-        found = descendants(self.process.pid)
-        for pid in [self.process.pid, *found]:
-            with suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        self.process.wait()
-        return 1 + len(found)
-
-    def command(self, *words: str) -> Any:
-        done = subprocess.run(
-            [sys.executable, "-m", "exogauge.cli", *words, "--json"],
-            env=self.environment,
-            capture_output=True,
-            text=True,
-        )
-        if not done.stdout:
-            raise SystemExit(f"exogauge {' '.join(words)}: {done.stderr}")
-        return json.loads(done.stdout)
-
-
-def descendants(pid: int) -> list[int]:
-    children: dict[int, list[int]] = {}
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            except (OSError, IndexError):
-                continue
-            children.setdefault(parent, []).append(int(entry.name))
-    found, left = list[int](), [pid]
-    while left:
-        below = children.get(left.pop(), [])
-        found += below
-        left += below
-    return found
-
-
-def small_study(number: str) -> dict[str, bytes]:
-    """Right in every way, and unlike any other."""
-    found = importlib.util.spec_from_file_location("small", TESTS / "api" / "conftest.py")
-    assert found is not None
-    assert found.loader is not None
-    small = importlib.util.module_from_spec(found)
-    found.loader.exec_module(small)
-    texts = {
-        "study.yaml": f"{small.STUDY}\n# {number}\n",
-        "robot.yaml": small.ROBOT,
-        "robot.urdf": small.URDF,
-        "logs/id.csv": small.table(0.0),
-        "logs/val.csv": small.table(0.7),
-    }
-    return {path: text.encode() for path, text in texts.items()}
+def whole(folder: Path, url: str, **stored: str) -> Service:
+    """stored: settings of an object store."""
+    service = Service(folder, url, [str(PROGRAM)], workers="2", **stored)
+    service.environment["PYTHONPATH"] = str(PROGRAM.parent)
+    return service
 
 
 def work(url: str, ledger: Ledger, folder: Path, seed: int, stop: threading.Event) -> None:
@@ -219,20 +134,13 @@ def judged(service: Service, ledger: Ledger) -> dict[str, Any]:
 
 
 @contextmanager
-def database(kind: str, folder: Path, server: str) -> Iterator[str]:
-    if kind == "sqlite":
-        yield ""
+def object_store(kind: str) -> Iterator[dict[str, str]]:
+    """Settings of a real S3 server that is not killed; of none."""
+    if kind == "folder":
+        yield {}
         return
-    import psycopg
-
-    name = f"chaos_{uuid4().hex[:12]}"
-    with psycopg.connect(server, autocommit=True) as connection:
-        connection.execute(f'CREATE DATABASE "{name}"')
-    try:
-        yield server.rpartition("/")[0] + f"/{name}"
-    finally:
-        with psycopg.connect(server, autocommit=True) as connection:
-            connection.execute(f'DROP DATABASE IF EXISTS "{name}" WITH (FORCE)')
+    with s3_server() as port:
+        yield {"blob_url": f"s3://{BUCKET}/chaos", "s3_endpoint": f"http://127.0.0.1:{port}", **KEYS}
 
 
 def main() -> int:
@@ -240,9 +148,8 @@ def main() -> int:
     options.add_argument("--runs", type=int, default=50)
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--database", choices=("sqlite", "postgresql", "both"), default="both")
-    options.add_argument(
-        "--server", default="postgresql://root@127.0.0.1:5432/postgres", help="where databases are made"
-    )
+    options.add_argument("--blobs", choices=("folder", "s3"), default="folder", help="where bytes are kept")
+    options.add_argument("--server", default=SERVER, help="where databases are made")
     options.add_argument("--longest", type=float, default=15.0, metavar="S", help="between a start and its kill")
     given = options.parse_args()
     bad = False
@@ -250,8 +157,8 @@ def main() -> int:
         folder = Path(tempfile.mkdtemp(prefix="exogauge-chaos-"))
         begun = time.monotonic()
         print(f"{kind}: {given.runs} kills, seed {given.seed}", flush=True)
-        with database(kind, folder, given.server) as url:
-            service, ledger = Service(folder, url), Ledger()
+        with database(kind, given.server) as url, object_store(given.blobs) as stored:
+            service, ledger = whole(folder, url, **stored), Ledger()
             killed = rounds(service, ledger, given.runs, random.Random(given.seed), given.longest)
             found = judged(service, ledger)
         told = {"studies": len(ledger.studies), "jobs": len(ledger.jobs), "processes_killed": killed, **found}

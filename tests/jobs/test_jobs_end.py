@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
 
 from exogauge.errors import NotFound
-from exogauge.jobs import claims, requests
+from exogauge.jobs import bell, claims, requests
 from exogauge.jobs.claims import MAX_CRASHES
 from exogauge.storage.scope import AllLabsSession
 from exogauge.storage.tables import Artifact, AuditEntry, Job, Result
@@ -80,7 +81,8 @@ def test_a_queued_job_is_cancelled_at_once_and_never_runs(staffed):
 def test_the_same_request_is_one_job_until_it_has_failed(staffed):
     first, second = staffed.submit("same"), staffed.submit("same")
     assert first.id == second.id
-    staffed.ended(first)
+    done = staffed.ended(first)
+    assert done.state == "succeeded", f"{done.reason}\n{done.log}"
     assert staffed.submit("same").id == first.id
     assert staffed.words("same") == ["start", "end"]
     failing = staffed.submit("failing", mode="bad")
@@ -160,3 +162,31 @@ def test_a_job_that_went_back_into_the_queue_is_where_its_age_puts_it(staffed):
     for job in (first, second):
         staffed.cancel(job)
         staffed.ended(job)
+
+
+def test_a_worker_that_has_nothing_to_do_sleeps_until_the_bell_rings(staffed):
+    staffed.ended(staffed.submit("before"))
+    time.sleep(bell.BUSY_S + 1.0)
+    before = wakings(staffed.workers[0].pid)
+    time.sleep(5.0)
+    assert (wakings(staffed.workers[0].pid) - before) / 5.0 < MOST_WAKINGS
+    took = []
+    for again in range(
+        3
+    ):  # without a bell one of three would begin within five seconds by chance in one of eight cases
+        asked = time.monotonic()
+        staffed.until(staffed.submit(f"after {again}"), lambda now: now.state != "queued")
+        took.append(time.monotonic() - asked)
+        time.sleep(bell.BUSY_S + 1.0)
+    assert max(took) < bell.QUIET_S / 2
+
+
+MOST_WAKINGS = (
+    60.0  # a second; the driver's listeners look ten times a second each, DBOS at its defaults wakes 135 times
+)
+
+
+def wakings(pid: int) -> int:
+    """How often any thread of a process had gone to sleep."""
+    lines = "".join(each.read_text() for each in Path(f"/proc/{pid}/task").glob("*/status")).splitlines()
+    return sum(int(line.split()[1]) for line in lines if line.startswith("voluntary_ctxt_switches"))

@@ -163,7 +163,8 @@ def test_a_job_is_of_one_thing_and_its_newest_is_found(storage: Storage) -> None
     with storage.transaction() as store:
         made = world(store)
         job = planned(store, made["plan"])
-        assert store.jobs.latest([made["plan"], made["motion"]])[made["plan"]].id == job
+        assert store.jobs.latest("plan", [made["plan"]])[made["plan"]].id == job
+        assert store.jobs.latest("motion", [made["motion"]]) == {}
         assert store.results.newest("plan", made["plan"]).job_id == job
         with pytest.raises(NotFound):
             store.results.newest("motion", made["motion"])

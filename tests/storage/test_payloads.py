@@ -97,12 +97,12 @@ def test_the_latest_result_of_a_payload_is_no_plan_and_not_a_study_s(storage: St
     with storage.reading() as store:
         assert store.results.of_payload(payload).sha256 == f"{0:064}"
         assert store.results.of_study(study).sha256 == f"{2:064}"
-        latest = store.jobs.latest([payload, study])
-        assert {key: job.kind for key, job in latest.items()} == {payload: "payload", study: "evaluate"}
+        for noun, key, kind in (("payload", payload, "payload"), ("study", study, "evaluate")):
+            assert {key: job.kind for key, job in store.jobs.latest(noun, [key]).items()} == {key: kind}
         assert [job.kind for job in store.jobs.page(None, 9, payload_id=payload).items] == ["payload_plan", "payload"]
         assert [job.kind for job in store.jobs.page(None, 9, payload_id=payload, kind="payload").items] == ["payload"]
         with pytest.raises(NotFound, match="of a payload"):
-            store.study_of(latest[payload])
+            store.study_of(store.jobs.page(None, 1, payload_id=payload).items[0])
 
 
 def test_a_live_stream_counts_while_it_is_open_and_ends_once(storage: Storage) -> None:

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from exogauge import __version__
@@ -53,6 +53,7 @@ from exogauge.api.metrics import OfInstallation
 from exogauge.api.observed import Measures, Observed
 from exogauge.api.openid import Provider
 from exogauge.api.rate import Rate
+from exogauge.api.routing import Router
 from exogauge.api.uploads_resumable import TusHeaders
 from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
@@ -159,7 +160,7 @@ def has_accounts(installation: Installation) -> bool:
         return Accounts(reading).any()
 
 
-def job_routers() -> list[APIRouter]:
+def job_routers() -> list[Router]:
     """The job engine's own routers."""
     found = []
     for name in ("jobs", "events"):

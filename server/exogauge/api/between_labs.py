@@ -9,11 +9,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Annotated, Any, Literal, final
 
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from pydantic import BaseModel
 
 from exogauge.api.datacite import permalink
 from exogauge.api.dependencies import NO_NUL, CallerDep, InstallationDep, PublicAddress
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer
 from exogauge.errors import NotFound
 from exogauge.storage.blobs import BlobStore
@@ -21,7 +22,7 @@ from exogauge.storage.store import Installation
 from exogauge.storage.visible_results import VisibleResult, visible_results
 from exogauge.studies.results.between_labs import DeviceKey, Wearing, compared, wearings
 
-router = APIRouter(tags=["compare"])
+router = Router(tags=["compare"])
 MOST = 500  # studies, and as many publications, the newest
 Words = Annotated[str, Query(max_length=200, pattern=NO_NUL)]
 Found = tuple[VisibleResult, Wearing]

@@ -33,7 +33,7 @@ async def bundle_body(request: Request) -> AsyncIterator[BundleUpload]:
     """The files of a multipart form; they are closed when the request ends."""
     if media_type(request) != FORM:
         raise HTTPException(415, f"send the files as {FORM}")
-    async with request.form(max_files=get_settings(request).max_bundle_files, max_fields=20) as form:
+    async with request.form(max_files=(await get_settings(request)).max_bundle_files, max_fields=20) as form:
         files = tuple(value for _, value in form.multi_items() if isinstance(value, UploadFile))
         if not files:
             raise refused(("body", "files"), "missing", "the form holds no file")

@@ -6,10 +6,11 @@ from pathlib import Path as FilesystemPath
 from typing import Annotated, Any, TypeVar
 from uuid import UUID
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import Path, Request, Response
 
 from exogauge.api.dependencies import ReaderDep, StoreDep, encoded_cursor
 from exogauge.api.results import ANY_FILE, FilePath, file_response
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Kept, ListOf
 from exogauge.api.uploads import root_of
 from exogauge.storage.bundles import Bundles, Record
@@ -41,10 +42,12 @@ def keep(
     return kept, files, new
 
 
-def listed(store: Store, page: Page[Record], answer: type[Answered], of_list: Callable[..., Listed]) -> Listed:
+def listed(
+    store: Store, bundles: Bundles[Record], page: Page[Record], answer: type[Answered], of_list: Callable[..., Listed]
+) -> Listed:
     """One page of a list; with the newest job of each, where they have jobs."""
     keys = [record.id for record in page.items] if "latest_job" in answer.model_fields else []
-    jobs = store.jobs.latest(keys) if keys else {}
+    jobs = store.jobs.latest(bundles.sort.noun, keys) if keys else {}
     items = [answer.of(record, jobs.get(record.id)) for record in page.items]
     return of_list(items=items, next_cursor=encoded_cursor(page.after))
 
@@ -52,11 +55,11 @@ def listed(store: Store, page: Page[Record], answer: type[Answered], of_list: Ca
 def shown(store: Store, bundles: Bundles[Record], key: str, answer: type[Answered]) -> Answered:
     """One of them with its files. Raises NotFound."""
     record = bundles.get(key)
-    job = store.jobs.latest([key]).get(key) if "latest_job" in answer.model_fields else None
+    job = store.jobs.latest(bundles.sort.noun, [key]).get(key) if "latest_job" in answer.model_fields else None
     return answer.of(record, job, bundles.files(key))
 
 
-def let_go(router: APIRouter, noun: str, nouns: str, of: Callable[[Store], Any], what_else: str) -> None:
+def let_go(router: Router, noun: str, nouns: str, of: Callable[[Store], Any], what_else: str) -> None:
     """Add the route by which one is deleted. what_else: goes with it, and what stays."""
     Key = Annotated[UUID, Path(alias=f"{noun}_id", description="id of the thing")]
 
@@ -73,7 +76,7 @@ def let_go(router: APIRouter, noun: str, nouns: str, of: Callable[[Store], Any],
         return Response(status_code=204)
 
 
-def give_files(router: APIRouter, noun: str, nouns: str, bundles: Callable[[Store], Bundles[Any]]) -> None:
+def give_files(router: Router, noun: str, nouns: str, bundles: Callable[[Store], Bundles[Any]]) -> None:
     """Add the route by which the files of a bundle are had."""
     Key = Annotated[UUID, Path(alias=f"{noun}_id", description="id of the thing")]
 

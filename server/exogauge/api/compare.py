@@ -6,15 +6,16 @@ from datetime import datetime
 from typing import Annotated, Any, Literal, final
 from uuid import UUID
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import ReaderDep
 from exogauge.api.results import content_of
+from exogauge.api.routing import Router
 from exogauge.storage.store import Store
 from exogauge.studies.results.comparison import as_csv, as_latex, compare, verdict
 
-router = APIRouter(tags=["compare"])
+router = Router(tags=["compare"])
 MOST_JOBS = 20
 FORMATS = {"csv": "text/csv; charset=utf-8", "latex": "application/x-latex; charset=utf-8"}
 TABLES: dict[int | str, dict[str, Any]] = {

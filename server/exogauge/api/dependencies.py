@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import binascii
 import json
-from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Annotated
 from uuid import UUID
@@ -25,12 +24,12 @@ LONGEST_PAGE = 200
 NO_NUL = r"^[^\x00]*$"  # PostgreSQL has no text with it
 
 
-def get_settings(request: Request) -> Settings:
+async def get_settings(request: Request) -> Settings:
     settings: Settings = request.app.state.settings
     return settings
 
 
-def get_installation(request: Request) -> Installation:
+async def get_installation(request: Request) -> Installation:
     """What no lab owns: how many workers live, what is to be swept."""
     installation: Installation = request.app.state.installation
     return installation
@@ -54,7 +53,7 @@ def storage_of(connection: HTTPConnection) -> Storage:
     return installation.of_lab(caller.lab_id, caller.actor)
 
 
-def get_caller(request: Request) -> Caller:
+async def get_caller(request: Request) -> Caller:
     return caller_of(request)
 
 
@@ -64,13 +63,13 @@ def refuse_changed(if_match: str | None, etag: str, what: str) -> None:
         raise HTTPException(412, f"{what} has been changed meanwhile; read it again")
 
 
-def public_address(request: Request) -> str:
+async def public_address(request: Request) -> str:
     """Of the page, without a slash at its end, as others find it."""
-    settings = get_settings(request)
+    settings = await get_settings(request)
     return settings.public_url or str(request.base_url).rstrip("/")
 
 
-def accounts_are_on(request: Request) -> None:
+async def accounts_are_on(request: Request) -> None:
     """409 where there are none."""
     if not request.app.state.accounts:
         raise Conflict(
@@ -78,24 +77,22 @@ def accounts_are_on(request: Request) -> None:
         )
 
 
-def get_storage(request: Request) -> Storage:
+async def get_storage(request: Request) -> Storage:
     """The request's lab, for what must happen outside a transaction (writing blobs)."""
     return storage_of(request)
 
 
-def get_store(storage: Annotated[Storage, Depends(get_storage)]) -> Iterator[Store]:
-    """A store that commits before the answer is sent: use it with `scope="function"`."""
-    with storage.transaction() as store:
-        yield store
+async def get_store(storage: Annotated[Storage, Depends(get_storage)]) -> Store:
+    """What an endpoint of `api.routing` reads and writes in one transaction: it has committed before the answer."""
+    return storage.store()
 
 
-def get_reader(storage: Annotated[Storage, Depends(get_storage)]) -> Iterator[Store]:
-    """A store for reading only; it never waits for a writer."""
-    with storage.reading() as store:
-        yield store
+async def get_reader(storage: Annotated[Storage, Depends(get_storage)]) -> Store:
+    """The same for reading only; it never waits for a writer."""
+    return storage.store(readonly=True)
 
 
-def decoded_cursor(
+async def decoded_cursor(
     cursor: Annotated[str | None, Query(max_length=500, description="`next_cursor` of the page before")] = None,
 ) -> tuple[datetime, str] | None:
     """Where a list continues."""
@@ -136,8 +133,8 @@ SettingsDep = Annotated[Settings, Depends(get_settings)]
 InstallationDep = Annotated[Installation, Depends(get_installation)]
 CallerDep = Annotated[Caller, Depends(get_caller)]
 StorageDep = Annotated[Storage, Depends(get_storage)]
-StoreDep = Annotated[Store, Depends(get_store, scope="function")]
-ReaderDep = Annotated[Store, Depends(get_reader, scope="function")]
+StoreDep = Annotated[Store, Depends(get_store)]
+ReaderDep = Annotated[Store, Depends(get_reader)]
 PublicAddress = Annotated[str, Depends(public_address)]
 IfMatch = Annotated[str | None, Header(alias="If-Match", max_length=100, description="ETag of what is replaced")]
 AccountsOn = Depends(accounts_are_on)

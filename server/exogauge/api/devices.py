@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, device_body
@@ -24,6 +24,7 @@ from exogauge.api.dependencies import (
     StorageDep,
 )
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.routing import Router
 from exogauge.api.shapes import DeviceList, DeviceOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -31,7 +32,7 @@ from exogauge.storage.blobs import copy_out
 from exogauge.storage.files import PinnedFile
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["devices"])
+router = Router(tags=["devices"])
 DEVICE = "device.yaml"
 ROBOT = {"type": "string", "maxLength": 64, "description": "id of the robot whose links the via points name"}
 FORM = bundle_schema(
@@ -75,7 +76,7 @@ def list_devices(
     robot_id: Key = None,
 ) -> DeviceList:
     page = store.devices.page(cursor, limit, search=search, name=name, robot_id=robot_id)
-    return listed(store, page, DeviceOut, DeviceList)
+    return listed(store, store.devices, page, DeviceOut, DeviceList)
 
 
 @router.get("/devices/{device_id}", operation_id="getDevice")

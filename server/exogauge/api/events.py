@@ -15,12 +15,13 @@ from contextlib import contextmanager
 from typing import Annotated, final
 
 import sqlalchemy as sa
-from fastapi import APIRouter, Depends, Header, Request
+from fastapi import Depends, Header, Request
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
 from exogauge.api.dependencies import Id, StorageDep
 from exogauge.api.jobs import JobOut
+from exogauge.api.routing import Router
 from exogauge.errors import Unavailable
 from exogauge.jobs import requests
 from exogauge.storage.scope import OF_ALL_LABS
@@ -28,7 +29,7 @@ from exogauge.storage.store import Installation, Storage
 from exogauge.storage.tables import Job
 
 log = logging.getLogger(__name__)
-router = APIRouter(tags=["jobs"])
+router = Router(tags=["jobs"])
 
 LOOK_EVERY_S = 0.25
 AT_ONCE = 500  # jobs in one statement

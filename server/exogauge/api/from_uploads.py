@@ -10,12 +10,13 @@ from typing import Annotated, Any, TypeVar, final
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, Response, UploadFile
+from fastapi import Response, UploadFile
 from pydantic import BaseModel, ConfigDict, Field
 
 from exogauge.api.dependencies import SettingsDep, StorageDep
 from exogauge.api.logs import MAPPING, receive
 from exogauge.api.payloads import PayloadOut, keep_payload
+from exogauge.api.routing import Router
 from exogauge.api.shapes import LogOut, StudyOut
 from exogauge.api.studies import keep_study
 from exogauge.api.uploads import lay_out, scratch_folder
@@ -27,7 +28,7 @@ from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["uploads"])
+router = Router(tags=["uploads"])
 Kept = TypeVar("Kept")
 FilePath = Annotated[str, Field(min_length=1, max_length=400)]
 MappingGiven = Annotated[dict[str, Any] | str, Field(description="the content of mapping.yaml, as JSON or as its text")]

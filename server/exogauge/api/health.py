@@ -5,17 +5,18 @@ from __future__ import annotations
 import logging
 from typing import Literal, final
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 from pydantic import BaseModel
 
 from exogauge import __version__
 from exogauge.api.dependencies import InstallationDep, SettingsDep
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Health
 from exogauge.errors import Unavailable
 from exogauge.storage.store import Installation
 
 log = logging.getLogger(__name__)
-router = APIRouter(tags=["health"])
+router = Router(tags=["health"])
 
 
 @final

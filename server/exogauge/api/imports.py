@@ -16,13 +16,14 @@ from typing import Any, Literal, final
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, HTTPException, Response
+from fastapi import HTTPException, Response
 from pydantic import BaseModel, ConfigDict
 
 from exogauge.api.dependencies import Id, IfMatch, ReaderDep, SettingsDep, StorageDep
 from exogauge.api.from_uploads import MappingGiven, mapping_text
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.problems import ProblemError, of_fault
+from exogauge.api.routing import Router
 from exogauge.api.uploads import Allowance, scratch_folder, write
 from exogauge.api.uploads_resumable import FilesDep, whole
 from exogauge.errors import BadInput, BadLog, BadStudy, Fault, NotFound, TooLarge
@@ -33,7 +34,7 @@ from exogauge.storage.files import safe_path
 from exogauge.storage.records import MappingRecord
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["import"])
+router = Router(tags=["import"])
 CHILD, MAPPING = "exogauge.api.opening_log", "mapping.yaml"
 
 

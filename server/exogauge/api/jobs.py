@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Any, Self, final
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 from sqlalchemy.orm import Session
 
 from exogauge.api.dependencies import Cursor, Id, InstallationDep, Key, Limit, ReaderDep, StoreDep, encoded_cursor
 from exogauge.api.problems import Problem, of_failure
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf, State
 from exogauge.errors import BadInput, Fault
 from exogauge.jobs import requests
@@ -21,7 +22,7 @@ from exogauge.jobs.recipes import recipe_for
 from exogauge.progress import Stage
 from exogauge.storage.records import JobRecord
 
-router = APIRouter(tags=["jobs"])
+router = Router(tags=["jobs"])
 CREATING = threading.Lock()
 
 

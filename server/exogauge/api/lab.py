@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from typing import Annotated, Literal, final
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException
 
@@ -26,6 +26,7 @@ from exogauge.api.dependencies import (
     encoded_cursor,
     refuse_changed,
 )
+from exogauge.api.routing import Router
 from exogauge.api.session import (
     Code,
     Email,
@@ -47,7 +48,7 @@ from exogauge.storage.secrets import hashed
 from exogauge.storage.store import Store
 from exogauge.storage.tables import utc_now
 
-router = APIRouter(tags=["accounts"], dependencies=[AccountsOn])
+router = Router(tags=["accounts"], dependencies=[AccountsOn])
 LONGEST_DAYS = 3650  # that a token may hold: ten years, as long as a robot is in use; it can be revoked at any time
 
 

@@ -8,18 +8,19 @@ from datetime import datetime
 from typing import Any, final
 from uuid import UUID
 
-from fastapi import APIRouter, Request, Response, WebSocket, WebSocketDisconnect
+from fastapi import Request, Response, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor, storage_of
 from exogauge.api.live_hub import Hub, Running, Watcher, greet
 from exogauge.api.problems import of_error
 from exogauge.api.results import ANY_FILE, file_response
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, ExogaugeError, Fault, NotFound
 from exogauge.payload.live_frames import CLIENT_BYTES, CLIENT_TEXT
 
-router = APIRouter(tags=["live"])
+router = Router(tags=["live"])
 
 MOST_BYTES = 256 * 1024  # of a message: 1024 samples of 30 columns
 MOST_MESSAGES = 2000  # per second: a sample each at 1 kHz, and as much again

@@ -202,6 +202,7 @@ class Hub:
         found = await run_in_threadpool(self._found, storage, payload_id, key)
         running = self._running.get(key)
         if running is None and found.state == "open":
+            self._refuse_elsewhere(key)
             raise Conflict(f"nobody sends stream {key} now; watch it when its writer is back")
         if running is None:
             raise Conflict(f"stream {key} has ended; GET /api/v1/streams/{key}/log is what came")
@@ -218,9 +219,19 @@ class Hub:
 
     def _old(self, found: LiveStreamRecord) -> float:
         """Its rate. Of a stream whose process, or server, is no more."""
-        if found.state != "open" or not (self._folder / found.id).is_dir():
+        if found.state == "open":
+            self._refuse_elsewhere(found.id)
+        if found.state != "open":
             raise Conflict(f"stream {found.id} has ended; begin another")
         return float(found.summary["rate_hz"])
+
+    def _refuse_elsewhere(self, key: str) -> None:
+        """A stream lies at the server that took it."""
+        if not (self._folder / key).is_dir():
+            raise Conflict(
+                f"stream {key} is not at this server. Where there are several, their proxy has to send all that "
+                "concerns one payload to one of them"
+            )
 
     def _found(self, storage: Storage, payload_id: str, key: str) -> LiveStreamRecord:
         with storage.reading() as store:

@@ -6,11 +6,12 @@ from pathlib import PurePosixPath
 from typing import Annotated, Any
 from uuid import UUID
 
-from fastapi import APIRouter, File, Form, Response, UploadFile
+from fastapi import File, Form, Response, UploadFile
 
 from exogauge.api import checking
 from exogauge.api.bundles import let_go
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, SettingsDep, StorageDep, encoded_cursor
+from exogauge.api.routing import Router
 from exogauge.api.shapes import LogList, LogOut
 from exogauge.api.uploads import Allowance, scratch_folder, write
 from exogauge.settings import Settings
@@ -18,7 +19,7 @@ from exogauge.storage.blobs import copy_out
 from exogauge.storage.files import PinnedFile, safe_path
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["logs"])
+router = Router(tags=["logs"])
 MAPPING = "mapping.yaml"
 
 

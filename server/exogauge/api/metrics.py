@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from typing import final
 
 import sqlalchemy as sa
-from fastapi import APIRouter, Request, Response
+from fastapi import Request, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.core import GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from exogauge.api.dependencies import SettingsDep
+from exogauge.api.routing import Router
 from exogauge.errors import NotFound, Unavailable
 from exogauge.sandbox.asking import at_once
 from exogauge.settings import Settings
@@ -21,7 +22,7 @@ from exogauge.storage.database import database_now
 from exogauge.storage.store import Installation
 from exogauge.storage.tables import STATES, Job, LiveStream
 
-router = APIRouter(tags=["health"])
+router = Router(tags=["health"])
 LOSSES = ("corrupt", "missing", "sizes", "broken")
 
 

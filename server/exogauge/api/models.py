@@ -8,15 +8,15 @@ from datetime import datetime
 from hashlib import sha256
 from typing import Any, final
 
-from fastapi import APIRouter
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import Id, ReaderDep
 from exogauge.api.results import content_of
+from exogauge.api.routing import Router
 from exogauge.storage.jobs import RESULTS
 from exogauge.storage.records import JobRecord
 
-router = APIRouter(tags=["models"])
+router = Router(tags=["models"])
 MOST_JOBS = 50
 
 

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal, Self, final
 
 import yaml
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field, ValidationError
 
@@ -30,6 +30,7 @@ from exogauge.api.dependencies import (
     StoreDep,
 )
 from exogauge.api.raw_series import opened, shelf_of
+from exogauge.api.routing import Router
 from exogauge.api.scenes import hashed
 from exogauge.api.series import (
     FILE,
@@ -54,7 +55,7 @@ from exogauge.sandbox.limits import Limits
 from exogauge.storage.records import MapRecord
 from exogauge.storage.store import Storage, Store
 
-router = APIRouter(tags=["motions"])
+router = Router(tags=["motions"])
 MOTION = "motion.yaml"
 CHILD = "exogauge.api.opening_capture"
 CAPTURES, SKELETON = (".c3d", ".trc", ".mot", ".sto", ".bvh", ".amc"), ".asf"
@@ -191,7 +192,7 @@ def list_motions(
     name: Name = None,
 ) -> MotionList:
     page = store.motions.page(cursor, limit, search=search, name=name)
-    return listed(store, page, MotionOut, MotionList)
+    return listed(store, store.motions, page, MotionOut, MotionList)
 
 
 @router.get("/motions/{motion_id}", operation_id="getMotion")

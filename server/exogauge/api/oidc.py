@@ -13,7 +13,7 @@ from datetime import datetime
 from typing import Annotated, Literal, final
 from urllib.parse import urlencode
 
-from fastapi import APIRouter, Request, Response
+from fastapi import Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from sqlalchemy.orm import Session
@@ -31,6 +31,7 @@ from exogauge.api.dependencies import (
     SettingsDep,
 )
 from exogauge.api.openid import Flow, Identity, NotSignedIn, Provider
+from exogauge.api.routing import Router
 from exogauge.api.session import Code, account_of, refuse_open_line
 from exogauge.api.shapes import Answer
 from exogauge.errors import Conflict, NotFound
@@ -39,7 +40,7 @@ from exogauge.storage.callers import Caller
 from exogauge.storage.identities import Identities
 from exogauge.storage.store import Installation
 
-router = APIRouter(tags=["accounts"], dependencies=[AccountsOn])
+router = Router(tags=["accounts"], dependencies=[AccountsOn])
 log = logging.getLogger(__name__)
 LASTS_S = 600  # of which a browser may take to sign in there
 OWN_PATH = r"^/([^/\\\x00-\x1f][^\\\x00-\x1f]{0,500})?$"  # of the page, not of another host

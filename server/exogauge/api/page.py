@@ -13,16 +13,17 @@ import secrets
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Request
 from fastapi import Path as PathParameter
+from fastapi import Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 from starlette.convertors import Convertor, register_url_convertor
 from starlette.exceptions import HTTPException
 
 from exogauge.api.dependencies import SettingsDep
+from exogauge.api.routing import Router
 from exogauge.settings import Settings, packaged_folder
 
-router = APIRouter(include_in_schema=False)
+router = Router(include_in_schema=False)
 
 PLACES = (  # the first part of a page's address
     "", "studies", "import", "robots", "devices", "payloads", "motions", "plans", "compare",

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import final
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 
 from exogauge.api import checking
 from exogauge.api.dependencies import SettingsDep, StorageDep
 from exogauge.api.payload_draft_shapes import PayloadDraft, PayloadFindingOut, PayloadLookOut, PayloadVerdictOut
 from exogauge.api.payloads import PAYLOAD, PayloadOut, keep_payload
 from exogauge.api.problems import of_fault
+from exogauge.api.routing import Router
 from exogauge.api.uploads import Allowance, free_path, scratch_folder, write
 from exogauge.api.uploads_resumable import FilesDep, remove, whole
 from exogauge.errors import BadInput, BadStudy, Fault
@@ -27,7 +28,7 @@ from exogauge.storage.partial_files import PartialFiles
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["payloads"])
+router = Router(tags=["payloads"])
 OF_ROBOTS = (".urdf", ".xml")
 OF_MESHES = (".stl", ".dae", ".obj", ".ply")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, final
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi import Path as InPath
 from pydantic import BaseModel
 
@@ -26,6 +26,7 @@ from exogauge.api.dependencies import (
 )
 from exogauge.api.jobs import JobOut, QueueDep, located
 from exogauge.api.results import NOT_MODIFIED, file_response
+from exogauge.api.routing import Router
 from exogauge.api.shapes import ArtifactOut, Kept, LatestJob, ListOf, Part
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.jobs import requests
@@ -75,7 +76,7 @@ class PlanList(BaseModel):
     items: list[PlanOut]
 
 
-router = APIRouter(tags=["payloads"])
+router = Router(tags=["payloads"])
 PAYLOAD = "payload.yaml"
 PLANS, MOST_PLANS = "payload_plan", 50
 FORM = bundle_schema("payload.yaml and what it names, under their relative paths, or one zip of them")
@@ -127,7 +128,7 @@ def list_payloads(
     name: Name = None,
 ) -> PayloadList:
     page = store.payloads.page(cursor, limit, search=search, name=name)
-    return listed(store, page, PayloadOut, PayloadList)
+    return listed(store, store.payloads, page, PayloadOut, PayloadList)
 
 
 @router.get("/payloads/{payload_id}", operation_id="getPayload")

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from exogauge.api.shapes import Answer, ArtifactOut, FileOut, LatestJob, ListOf, Part
 from exogauge.errors import BadMotion, Fault
 from exogauge.motion.contract import ExciteEntry, Kind, RetargetEntry
-from exogauge.storage.records import JobRecord, PlanRecord
+from exogauge.storage.records import LatestJobRecord, PlanRecord
 
 
 @final
@@ -156,7 +156,7 @@ class MotionPlanOut(Answer):
     files: list[FileOut] | None = None
 
     @classmethod
-    def of(cls, plan: PlanRecord, job: JobRecord | None) -> Self:
+    def of(cls, plan: PlanRecord, job: LatestJobRecord | None) -> Self:
         said = {"kind": "retarget", "request": {}, "robot": "", "motion": None, **plan.summary}
         answer = cls.model_validate(
             {**vars(plan), **{key: said[key] for key in ("kind", "request", "robot", "motion")}}

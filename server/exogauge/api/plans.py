@@ -7,8 +7,8 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import yaml
-from fastapi import APIRouter, Query, Request, Response
 from fastapi import Path as InPath
+from fastapi import Query, Request, Response
 
 from exogauge.api.bundles import give_files, let_go
 from exogauge.api.dependencies import (
@@ -28,6 +28,7 @@ from exogauge.api.motions import asked
 from exogauge.api.opening_capture import EXPORT
 from exogauge.api.plan_shapes import MotionPlanList, MotionPlanOut, PlanAsked, PlanFound
 from exogauge.api.results import file_response
+from exogauge.api.routing import Router
 from exogauge.api.series import SeriesList, described, opened, series_of
 from exogauge.api.shapes import ArtifactOut, FileOut, State
 from exogauge.api.uploads import scratch_folder
@@ -40,7 +41,7 @@ from exogauge.storage.files import PinnedFile
 from exogauge.storage.records import ResultRecord, RobotRecord
 from exogauge.storage.store import Store
 
-router = APIRouter(tags=["plans"])
+router = Router(tags=["plans"])
 PLAN = "plan.yaml"
 FORMATS = "csv, hrpsys, mc_rtc, ros2-yaml, ros2-mcap, mujoco or mot"
 ZIP: dict[int | str, dict[str, Any]] = {
@@ -104,7 +105,7 @@ def list_plans(
 ) -> MotionPlanList:
     """Newest first."""
     page = store.plans.page(cursor, limit, search=search, robot_id=robot_id, motion_id=motion_id, state=state)
-    jobs = store.jobs.latest([plan.id for plan in page.items])
+    jobs = store.jobs.latest("plan", [plan.id for plan in page.items])
     items = [MotionPlanOut.of(plan, jobs.get(plan.id)) for plan in page.items]
     return MotionPlanList(items=items, next_cursor=encoded_cursor(page.after))
 
@@ -165,7 +166,7 @@ def export_plan(
 
 def whole(store: Store, plan_id: str) -> MotionPlanOut:
     plan = store.plans.get(plan_id)
-    answer = MotionPlanOut.of(plan, store.jobs.latest([plan_id]).get(plan_id))
+    answer = MotionPlanOut.of(plan, store.jobs.latest("plan", [plan_id]).get(plan_id))
     answer.files = [FileOut.model_validate(file) for file in store.plans.files(plan_id)]
     if (found := result_of(store, plan_id)) is not None:
         answer.found = PlanFound.model_validate_json(bytes_of(store, found.sha256))

@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Annotated, Any, Literal, Self, final
 from uuid import UUID
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from pydantic import BaseModel, Field, StringConstraints
 
 from exogauge.api.datacite import link
@@ -22,13 +22,14 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.results import content_of
+from exogauge.api.routing import Router
 from exogauge.api.session import Name
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import NotFound
 from exogauge.storage.records import PublicationRecord, PublishedFile
 from exogauge.storage.store import Store
 
-router = APIRouter(tags=["publications"])
+router = Router(tags=["publications"])
 MOST_CREATORS = 100  # judgement: of a publication; each is a line of its page
 DOI = r"^10\.\d{4,9}/[\x21-\x7e]+$"
 ORCID = r"^\d{4}-\d{4}-\d{4}-\d{3}[\dX]$"

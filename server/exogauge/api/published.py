@@ -5,18 +5,19 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Self, final
 
-from fastapi import APIRouter, Path, Request
+from fastapi import Path, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from exogauge.api.datacite import citation, datacite, link
 from exogauge.api.dependencies import InstallationDep, PublicAddress
 from exogauge.api.publications import About, PublishedFileOut
 from exogauge.api.results import ANY_FILE, FilePath, file_response
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer
 from exogauge.storage.publications import published, published_file, versions_of
 from exogauge.storage.records import PublicationRecord
 
-router = APIRouter(tags=["published"])
+router = Router(tags=["published"])
 Key = Annotated[str, Path(pattern=r"^[0-9a-z]{1,16}$", description="the last part of a permalink")]
 SUMS: dict[int | str, dict[str, Any]] = {200: {"content": {"text/plain": {"schema": {"type": "string"}}}}}
 

@@ -11,11 +11,12 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from exogauge.api.dependencies import Id, SettingsDep, StorageDep
 from exogauge.api.opening_raw import RAW
+from exogauge.api.routing import Router
 from exogauge.api.scenes import hashed
 from exogauge.api.series import (
     FILE,
@@ -44,7 +45,7 @@ from exogauge.storage.store import Storage
 if TYPE_CHECKING:
     from exogauge.studies.series.file import SeriesFile
 
-router = APIRouter(prefix="/studies/{study_id}/series/{name}", tags=["series"])
+router = Router(prefix="/studies/{study_id}/series/{name}", tags=["series"])
 CHILD = "exogauge.api.opening_raw"
 VERSION = "1"  # of what the child writes
 KEPT_BYTES = 4 << 30

@@ -9,10 +9,11 @@ import json
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Request
+from fastapi import Path, Request
 from fastapi.responses import FileResponse, Response, StreamingResponse
 
 from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.routing import Router
 from exogauge.api.shapes import ArtifactList, ArtifactOut
 from exogauge.errors import BadInput, Fault
 from exogauge.storage.blobs import BlobStore, chunks
@@ -20,7 +21,7 @@ from exogauge.storage.jobs import RESULTS
 from exogauge.storage.store import Store
 from exogauge.studies.results.schema import StudyResults
 
-router = APIRouter(tags=["results"])
+router = Router(tags=["results"])
 
 NOT_MODIFIED: dict[str, Any] = {"description": "The ETag given in If-None-Match still holds"}
 FilePath = Annotated[str, Path(max_length=500, pattern=r"^[^\x00]*$")]

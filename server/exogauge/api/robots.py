@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import Depends, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_body, bundle_schema
 from exogauge.api.bundles import give_files, keep, let_go, listed, shown
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, Search, SettingsDep, StorageDep
+from exogauge.api.routing import Router
 from exogauge.api.shapes import RobotList, RobotOut
 from exogauge.api.uploads import lay_out, scratch_folder
 
-router = APIRouter(tags=["robots"])
+router = Router(tags=["robots"])
 FORM = bundle_schema("robot.yaml and its URDF, under their relative paths, or one zip of them")
 
 
@@ -42,7 +43,7 @@ def create_robot(
 
 @router.get("/robots", operation_id="listRobots")
 def list_robots(store: ReaderDep, cursor: Cursor, limit: Limit = 50, search: Search = "") -> RobotList:
-    return listed(store, store.robots.page(cursor, limit, search=search), RobotOut, RobotList)
+    return listed(store, store.robots, store.robots.page(cursor, limit, search=search), RobotOut, RobotList)
 
 
 @router.get("/robots/{robot_id}", operation_id="getRobot")

@@ -8,13 +8,14 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, final
 
-from fastapi import APIRouter, Request
 from fastapi import Path as InPath
+from fastapi import Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from exogauge.api.dependencies import Id, ReaderDep, SettingsDep, StorageDep
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.routing import Router
 from exogauge.api.series import opened, series_of
 from exogauge.api.shapes import Role
 from exogauge.api.uploads import scratch_folder
@@ -32,7 +33,7 @@ from exogauge.storage.store import Storage, Store
 if TYPE_CHECKING:
     from exogauge.studies.series.file import SeriesFile
 
-router = APIRouter(tags=["scenes"])
+router = Router(tags=["scenes"])
 CREATING = threading.Lock()
 KEPT_BYTES = 512 << 20
 MEDIA_TYPE = "application/gzip"

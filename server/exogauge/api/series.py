@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer
 from exogauge.errors import BadInput, Fault, NotFound
 from exogauge.storage.blobs import BlobStore
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from exogauge.studies.series.file import SeriesFile
     from exogauge.studies.series.tiles import BlockCache
 
-router = APIRouter(tags=["series"])
+router = Router(tags=["series"])
 FOLDER, SUFFIX = "series/", ".parquet"
 MOST_CHANNELS = 64
 NEVER_CHANGES = "private, max-age=86400, immutable"  # what a job made never changes

@@ -6,13 +6,14 @@ import hmac
 import re
 from typing import Annotated, Literal, final
 
-from fastapi import APIRouter, Request, Response
+from fastapi import Request, Response
 from pydantic import AfterValidator, BaseModel, Field, StringConstraints
 from starlette.exceptions import HTTPException
 
 from exogauge.api import passwords
 from exogauge.api.access import end_session, session_key, set_session
 from exogauge.api.dependencies import CALLER, AccountsOn, CallerDep, InstallationDep, SettingsDep
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer
 from exogauge.errors import BadInput, Conflict, Fault
 from exogauge.settings import Settings
@@ -20,7 +21,7 @@ from exogauge.storage.accounts import Accounts
 from exogauge.storage.callers import Caller
 from exogauge.storage.rows import record
 
-router = APIRouter(tags=["accounts"])
+router = Router(tags=["accounts"])
 
 EMAIL = r"^[^@\s\x00-\x1f]{1,64}@[^@\s\x00-\x1f]{1,189}$"  # not more: only sending to it would tell
 NO_CONTROL = r"^[^\x00-\x1f\x7f]*$"

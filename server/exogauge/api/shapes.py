@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from exogauge.api.problems import Problem, of_failure
 from exogauge.storage.files import PinnedFile
-from exogauge.storage.records import ArtifactRecord, JobRecord
+from exogauge.storage.records import ArtifactRecord, LatestJobRecord
 
 State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 Role = Literal["identification", "validation", "without_device", "with_device"]
@@ -42,7 +42,7 @@ class Kept(Answer):
     files: list[FileOut] | None = None
 
     @classmethod
-    def of(cls, record: Any, job: JobRecord | None = None, files: Sequence[PinnedFile] | None = None) -> Self:
+    def of(cls, record: Any, job: LatestJobRecord | None = None, files: Sequence[PinnedFile] | None = None) -> Self:
         """record: of the store; job: its newest; files: of one that is asked for, None in a list."""
         short = files is None and cls.long
         summary = {key: value for key, value in record.summary.items() if not short or key not in cls.long}
@@ -104,7 +104,7 @@ class LatestJob(Answer):
     finished_at: datetime | None
 
     @classmethod
-    def of(cls, job: JobRecord) -> Self:
+    def of(cls, job: LatestJobRecord) -> Self:
         answer = cls.model_validate(job)
         answer.problem = of_failure(job.failure, job.reason)
         return answer

@@ -5,15 +5,16 @@ from __future__ import annotations
 from datetime import datetime
 from typing import final
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 from pydantic import BaseModel
 
 from exogauge.api.dependencies import AccountsOn, CallerDep, Id, InstallationDep, ReaderDep, StoreDep
+from exogauge.api.routing import Router
 from exogauge.api.session import Name
 from exogauge.api.shapes import Answer
 from exogauge.storage.shares import shared_with
 
-router = APIRouter(tags=["accounts"], dependencies=[AccountsOn])
+router = Router(tags=["accounts"], dependencies=[AccountsOn])
 
 
 @final

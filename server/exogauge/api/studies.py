@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from uuid import UUID
 
 import yaml
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from exogauge.api import checking
 from exogauge.api.bodies import BundleUpload, bundle_schema, study_body
@@ -24,6 +24,7 @@ from exogauge.api.dependencies import (
 )
 from exogauge.api.devices import lay_out_device
 from exogauge.api.logs import lay_out_robot
+from exogauge.api.routing import Router
 from exogauge.api.shapes import State, StudyFromParts, StudyList, StudyOut
 from exogauge.api.uploads import lay_out, scratch_folder
 from exogauge.errors import BadStudy, Fault
@@ -31,7 +32,7 @@ from exogauge.storage.accounts import Accounts
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.store import Storage
 
-router = APIRouter(tags=["studies"])
+router = Router(tags=["studies"])
 STUDY = "study.yaml"
 LOGS = "logs"
 BODY = bundle_schema("study.yaml and what it names, under their relative paths, or one zip of them", StudyFromParts)
@@ -82,7 +83,7 @@ def list_studies(
     page = store.studies.page(
         cursor, limit, search=search, state=state, robot_id=robot, plan_id=None if plan_id is None else str(plan_id)
     )
-    return listed(store, page, StudyOut, StudyList)
+    return listed(store, store.studies, page, StudyOut, StudyList)
 
 
 @router.get("/studies/{study_id}", operation_id="getStudy")

@@ -1,7 +1,8 @@
 """Resumable uploads by the tus protocol 1.0.0: a file arrives in pieces, and goes on where it was if the line breaks.
 
-Creation, termination, checksum and expiration are spoken. How far a file has come is how long it is on disk, so a
-client that asks after a crash of either side gets the truth. No body is read before everything about the request has
+Creation, termination, checksum and expiration are spoken. How far a file has come is how long it is on disk, or
+in the object store where there is one, so a client that asks after a crash of either side gets the truth, from
+whichever server it asks. No body is read before everything about the request has
 been found right. What arrived is used by `createStudyFromUpload`, `createLogFromUpload` or `previewLog`.
 """
 
@@ -19,7 +20,7 @@ from email.utils import format_datetime
 from pathlib import Path
 from typing import Annotated, Any, BinaryIO, final
 
-from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi import Depends, Header, Request, Response
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import MutableHeaders
@@ -27,17 +28,19 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from exogauge.api.dependencies import Id, SettingsDep, StorageDep
+from exogauge.api.dependencies import Id, InstallationDep, SettingsDep, StorageDep
 from exogauge.api.problems import problem_response
+from exogauge.api.routing import Router
 from exogauge.errors import Conflict, DiskFull, Fault, TooLarge
 from exogauge.settings import Settings
 from exogauge.storage.files import safe_path
-from exogauge.storage.partial_files import InUse, PartialFiles, copy_piece, sync, write_all
+from exogauge.storage.partial_files import PartialFiles, copy_piece, sync, write_all
+from exogauge.storage.pieces import InUse
 from exogauge.storage.records import UploadRecord
 from exogauge.storage.store import Storage
 from exogauge.storage.tables import new_id, utc_now
 
-router = APIRouter(tags=["uploads"])
+router = Router(tags=["uploads"])
 VERSION = "1.0.0"
 EXTENSIONS = "creation,termination,checksum,expiration"
 PIECE = "application/offset+octet-stream"
@@ -87,8 +90,8 @@ def spoken(
         raise HTTPException(412, detail, {"Tus-Version": VERSION})
 
 
-def partial_files(settings: SettingsDep) -> PartialFiles:
-    return PartialFiles(settings.uploads)
+async def partial_files(settings: SettingsDep, installation: InstallationDep) -> PartialFiles:
+    return PartialFiles(settings.uploads, installation.blobs.pieces)
 
 
 Spoken = Depends(spoken)
@@ -179,7 +182,8 @@ async def append_upload(
         detail = "the piece is not what its checksum says; it was left out, send it again"
         return problem_response(MISMATCH, "checksum-mismatch", "Checksum mismatch", detail, instance=request.url.path)
     upload = await run_in_threadpool(kept_longer, upload, storage, settings)
-    return Response(status_code=204, headers=told(upload, files.offset(upload.id)))
+    there = await run_in_threadpool(files.offset, upload.id)
+    return Response(status_code=204, headers=told(upload, there))
 
 
 @router.delete(
@@ -200,7 +204,7 @@ async def receive(
 ) -> bool:
     """Append the body; False where its checksum does not fit. Raises InUse, and Conflict at another offset."""
     with ExitStack() as stack:
-        file = stack.enter_context(files.appending(upload.id))
+        file = await run_in_threadpool(stack.enter_context, files.appending(upload.id))
         there = os.fstat(file.fileno()).st_size
         if there != offset:
             raise Conflict(f"upload {upload.id} has {there} bytes, the piece begins at {offset}; ask for its offset")
@@ -219,6 +223,7 @@ async def receive(
             raise
         finally:
             await run_in_threadpool(sync, file)
+            await run_in_threadpool(files.share, upload.id, file, there)
 
 
 async def pour(request: Request, file: BinaryIO, room: int, hashed: Any) -> None:
@@ -296,9 +301,10 @@ def whole(keys: Sequence[str], storage: Storage, files: PartialFiles) -> list[tu
     found = []
     for key in keys:
         upload = find(key, storage)
-        if (there := files.offset(key)) != upload.size:
+        path, there = files.whole(key)
+        if there != upload.size:
             raise Conflict(f"upload {key} ({upload.name}) has {there} of {upload.size} bytes; send the rest first")
-        found.append((upload, files.path(key)))
+        found.append((upload, path))
     return found
 
 

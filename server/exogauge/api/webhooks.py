@@ -5,15 +5,16 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Literal, final
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 from pydantic import BaseModel, Field, StringConstraints
 
 from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, StoreDep, encoded_cursor
+from exogauge.api.routing import Router
 from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, Fault
 from exogauge.upkeep.public_line import LONGEST_URL, Refused, checked
 
-router = APIRouter(tags=["webhooks"])
+router = Router(tags=["webhooks"])
 Event = Literal["job.ended", "publication.published", "publication.revoked"]
 Url = Annotated[str, StringConstraints(max_length=LONGEST_URL, pattern=r"^[\x21-\x7e]+$")]
 

@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 
 from exogauge.api.dependencies import Id, SettingsDep, StorageDep
+from exogauge.api.routing import Router
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if_shapes import WhatIfOut, WhatIfRequest
 from exogauge.errors import BadInput, BadStudy, Fault
@@ -28,7 +29,7 @@ from exogauge.studies.intake.yaml_file import suggestion
 if TYPE_CHECKING:
     from exogauge.api.benches import Ready
 
-router = APIRouter(tags=["what-if"])
+router = Router(tags=["what-if"])
 CREATING = threading.Lock()
 
 

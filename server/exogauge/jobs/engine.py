@@ -9,15 +9,18 @@ job does no harm and a lost one is written again by the reaper.
 from __future__ import annotations
 
 import logging
+import threading
 import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import cast, final
 
+import dbos._dbos
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
 from sqlalchemy.orm import Session
 
+from exogauge.jobs.bell import Bell, Patience, ring_when_committed
 from exogauge.storage.database import make_engine
 from exogauge.storage.row_security import grant_schema
 
@@ -26,7 +29,8 @@ QUEUE = "jobs"
 SCHEMA = "dbos"  # on PostgreSQL
 WORKFLOW = "run_job"
 VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
-POLL_S = 1.0  # half of what a worker costs that has nothing to do; a job begins half a second later in the mean
+POLL_S = 1.0  # while the bell has just rung (`bell`)
+UNUSED_S = 600.0  # how often DBOS looks for what nobody here asks it for
 WAITING = ["ENQUEUED", "DELAYED"]
 TAKEN = "PENDING"
 
@@ -76,6 +80,7 @@ class JobQueue:
         entry = f"{job_id}.{uuid.uuid4().hex[:8]}"
         options = {"workflow_name": WORKFLOW, "queue_name": QUEUE, "workflow_id": entry, "app_version": VERSION}
         self._client.enqueue_in_transaction(connection, options, job_id)
+        ring_when_committed(connection)
         return entry
 
     def entries(self) -> list[Entry]:
@@ -107,11 +112,20 @@ class JobQueue:
         self._client.destroy()
 
 
-def take_jobs(database_url: str, worker_id: str, run: Callable[[], None]) -> None:
-    """Begin to take entries and call `run()` for each, one at a time, in a thread of the engine."""
+def take_jobs(database_url: str, worker_id: str, run: Callable[[], None], bell: Bell) -> None:
+    """Begin to take entries and call `run()` for each, one at a time, in a thread of the engine. It looks for them when
+    the bell rings. What DBOS does beside that many times a second is for what is not used here (notifications, delays,
+    deadlines, schedules): it was most of what an idle worker cost."""
 
     def run_job(_job_id: str) -> None:
-        run()
+        try:
+            run()
+        finally:
+            bell.ring()  # there may be more
+
+    look, sweep = dbos._dbos.queue_thread, dbos._dbos.background_jobs_thread
+    dbos._dbos.queue_thread = lambda stop, of: look(cast(threading.Event, Patience(stop, bell)), of)
+    dbos._dbos.background_jobs_thread = lambda _stop, _of: None
 
     DBOS(
         config={
@@ -121,12 +135,16 @@ def take_jobs(database_url: str, worker_id: str, run: Callable[[], None]) -> Non
             "application_version": VERSION,
             "log_level": "ERROR",
             "max_executor_threads": 4,
+            "notification_coalesce_sec": UNUSED_S,
+            "notification_listener_polling_interval_sec": UNUSED_S,
+            "scheduler_polling_interval_sec": UNUSED_S,
             "run_migrations": False,
         }
     )
     DBOS.workflow(name=WORKFLOW, max_recovery_attempts=1000)(run_job)  # `attempts` of the job row is the guard
     DBOS.listen_queues([QUEUE])
     DBOS.launch()
+    dbos._dbos.queue_thread, dbos._dbos.background_jobs_thread = look, sweep
     DBOS.register_queue(QUEUE, worker_concurrency=1, polling_interval_sec=POLL_S, on_conflict="always_update")
 
 

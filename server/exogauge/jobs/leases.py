@@ -19,7 +19,7 @@ import socket
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import final
@@ -124,28 +124,22 @@ class Reaper:
 
         may_judge: whether silent workers may be declared dead in this pass.
         """
-        if may_judge:
-            self._judge()
-        self._give_again()
+        with AllLabsSession(self._engine) as session, session.begin():
+            for worker in delete_stale(session, self._ttl_s) if may_judge else ():
+                log.warning("worker %s did not answer for %.0f s; its work goes to another", worker, self._ttl_s)
+            waiting = unattended(session)
+        if waiting:
+            self._give_again(waiting)
         self._sweep()
         if self._passes % FORGET_EVERY == 0:
             self._queue.forget_before((datetime.now(UTC) - KEEP_ENTRIES).isoformat())
         self._passes += 1
 
-    def _judge(self) -> None:
-        with AllLabsSession(self._engine) as session, session.begin():
-            for worker in delete_stale(session, self._ttl_s):
-                log.warning("worker %s did not answer for %.0f s; its work goes to another", worker, self._ttl_s)
-
-    def _give_again(self) -> None:
+    def _give_again(self, waiting: Sequence[str]) -> None:
         """Entries of dead workers are dropped; there are as many waiting entries as jobs that wait.
 
         Leases are read after the entries: a worker takes its lease before its first entry, so none is misjudged.
         """
-        with AllLabsSession(self._engine) as session, session.begin():
-            waiting = unattended(session)
-        if not waiting:
-            return
         entries = self._queue.entries()
         live = self._live()
         stranded = [entry for entry in entries if entry.taken_by is not None and entry.taken_by not in live]

@@ -10,6 +10,7 @@ import tempfile
 import threading
 
 from exogauge.jobs.attempt import Runner
+from exogauge.jobs.bell import Bell, listen
 from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue, take_jobs
 from exogauge.jobs.leases import Lease, Reaper, new_worker_id
@@ -54,7 +55,9 @@ def work(settings: Settings, *, with_parent: bool = False, idle_s: float = math.
     runner.temporary.mkdir(parents=True, exist_ok=True)
     os.environ["TMPDIR"] = tempfile.tempdir = str(runner.temporary)  # also of what computes: swept with the worker
     lease.keep(lost, reaper.reap)
-    take_jobs(settings.database_url, worker_id, runner.run)
+    bell = Bell()
+    listen(installation.engine, bell)
+    take_jobs(settings.database_url, worker_id, runner.run, bell)
     log.info("worker %s takes jobs", worker_id)
     while not leaving.wait(None if idle_s == math.inf else LOOKED_EVERY_S):
         if runner.idle_s() >= idle_s:

@@ -151,7 +151,7 @@ class Accounts:
     def invitation(self, code: str) -> InvitationRecord:
         """NotFound unless it is open; what was wrong with it is not told."""
         open_ = Invitation.accepted_at.is_(None), Invitation.revoked_at.is_(None), Invitation.expires_at > utc_now()
-        known = Invitation.code_hash == hashed(code), is_open(Invitation)
+        known = Invitation.code_hash == hashed(code), is_open(Invitation.lab_id)
         row = self.session.scalars(sa.select(Invitation).where(*known, *open_)).first()
         if row is None:
             raise NotFound(NO_INVITATION)

@@ -15,6 +15,7 @@ from typing import IO, BinaryIO, Protocol, final
 
 from exogauge.errors import DiskFull, Fault, NotFound, TooLarge, Unavailable, no_room
 from exogauge.storage.held_files import hold, left_over, remove
+from exogauge.storage.pieces import Pieces
 
 CHUNK = 1024 * 1024
 SHA256_HEX = re.compile(r"[0-9a-f]{64}")
@@ -22,6 +23,11 @@ SHA256_HEX = re.compile(r"[0-9a-f]{64}")
 
 class BlobStore(Protocol):
     """What the rest asks of a place that keeps bytes; an object store can fill it too."""
+
+    @property
+    def pieces(self) -> Pieces | None:
+        """Where several servers see what arrives piece by piece; None: each on its own disk."""
+        ...
 
     def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
         """Keep all of `source`, durably, and return its SHA-256 in hex. More than `limit` bytes raise TooLarge."""
@@ -65,6 +71,8 @@ class BlobStore(Protocol):
 class FolderBlobs:
     """Blobs in a folder: `ab/cdef…`. A write is temp file -> fsync -> rename -> fsync of the folder, so that a hash
     that is there holds all its bytes, whenever the process or the machine was killed."""
+
+    pieces: Pieces | None = None
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import Literal, cast, final
+from typing import Any, Literal, cast, final
 
 import sqlalchemy as sa
-from sqlalchemy.orm import Session, aliased
+from sqlalchemy.orm import Session
 
 from exogauge.storage.account_tables import Account, ApiToken, LabRow, Membership, SessionRow
+from exogauge.storage.database import UtcDateTime
 from exogauge.storage.secrets import hashed
-from exogauge.storage.tables import Owned, utc_now
+from exogauge.storage.tables import utc_now
 
 Role = Literal["viewer", "member", "admin"]
 RANK: dict[str, int] = {"viewer": 0, "member": 1, "admin": 2}
@@ -36,18 +37,40 @@ class Caller:
     guest: bool = False
 
 
+_account, _token, _session = Account.__table__.c, ApiToken.__table__.c, SessionRow.__table__.c
+_of_lab, _closed = Membership.__table__.c, LabRow.__table__.alias()
+NOW, KEY = sa.bindparam("now", type_=UtcDateTime()), sa.bindparam("key", type_=sa.String())
+
+
+def is_open(lab_id: Any) -> sa.ColumnElement[bool]:
+    """That lab is not closed; whether or not the query around it asks for labs, too."""
+    return ~sa.exists().where(_closed.c.id == lab_id, _closed.c.closed_at.is_not(None))
+
+
+# Made once: what a request costs is mostly what is made anew with each.
+BY_SESSION = (
+    sa.select(_session.id, _session.seen_at, _account.id, _session.at_lab, _of_lab.role)
+    .join(Account.__table__, _account.id == _session.account_id)
+    .outerjoin(
+        Membership.__table__,
+        sa.and_(_of_lab.account_id == _account.id, _of_lab.lab_id == _session.at_lab, is_open(_of_lab.lab_id)),
+    )
+    .where(_session.key_hash == KEY, _session.expires_at > NOW, _account.disabled_at.is_(None))
+    .where(_session.seen_at > sa.bindparam("idle_since", type_=UtcDateTime()))
+)
+BY_TOKEN = (
+    sa.select(_token.id, _token.used_at, _token.account_id, _token.lab_id, _token.scope, _of_lab.role)
+    .outerjoin(Account.__table__, _account.id == _token.account_id)
+    .outerjoin(Membership.__table__, sa.and_(_of_lab.account_id == _token.account_id, _of_lab.lab_id == _token.lab_id))
+    .where(_token.token_hash == KEY, _token.revoked_at.is_(None), _account.disabled_at.is_(None))
+    .where(sa.or_(_token.expires_at.is_(None), _token.expires_at > NOW), is_open(_token.lab_id))
+)
+
+
 def by_session(session: Session, key: str) -> tuple[Caller, bool] | None:
     """And whether its use is to be noted. None: not known, over, or of an account that was disabled."""
     now = utc_now()
-    of_lab = sa.and_(Membership.account_id == Account.id, Membership.lab_id == SessionRow.at_lab, is_open(Membership))
-    query = (
-        sa.select(SessionRow.id, SessionRow.seen_at, Account.id, SessionRow.at_lab, Membership.role)
-        .join(Account, Account.id == SessionRow.account_id)
-        .outerjoin(Membership, of_lab)
-        .where(SessionRow.key_hash == hashed(key), SessionRow.expires_at > now, SessionRow.seen_at > now - IDLE)
-        .where(Account.disabled_at.is_(None))
-    )
-    found = session.execute(query).first()
+    found = session.execute(BY_SESSION, {"key": hashed(key), "now": now, "idle_since": now - IDLE}).first()
     if found is None:
         return None
     row, seen_at, account, lab, kept = found
@@ -60,16 +83,7 @@ def by_token(session: Session, token: str) -> tuple[Caller, bool] | None:
     """And whether its use is to be noted. None: not known, revoked, over, or of an account that was disabled or is of
     the lab no more."""
     now = utc_now()
-    of_lab = sa.and_(Membership.account_id == ApiToken.account_id, Membership.lab_id == ApiToken.lab_id)
-    query = (
-        sa.select(ApiToken.id, ApiToken.used_at, ApiToken.account_id, ApiToken.lab_id, ApiToken.scope, Membership.role)
-        .outerjoin(Account, Account.id == ApiToken.account_id)
-        .outerjoin(Membership, of_lab)
-        .where(ApiToken.token_hash == hashed(token), ApiToken.revoked_at.is_(None))
-        .where(sa.or_(ApiToken.expires_at.is_(None), ApiToken.expires_at > now), Account.disabled_at.is_(None))
-        .where(is_open(ApiToken))
-    )
-    found = session.execute(query).first()
+    found = session.execute(BY_TOKEN, {"key": hashed(token), "now": now}).first()
     if found is None:
         return None
     row, used_at, account, lab, scope, of_account = found
@@ -80,12 +94,6 @@ def by_token(session: Session, token: str) -> tuple[Caller, bool] | None:
         role = cast(Role, of_account)
     caller = Caller(f"token:{row}", lab, role, account_id=account, token_id=row)
     return caller, used_at is None or now - used_at > NOTED_EVERY
-
-
-def is_open(table: type[Owned]) -> sa.ColumnElement[bool]:
-    """The lab of a row is not closed."""
-    closed = aliased(LabRow)  # whether or not the query around it asks for labs, too
-    return ~sa.exists().where(closed.id == table.lab_id, closed.closed_at.is_not(None))
 
 
 def note(session: Session, caller: Caller) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import math
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
@@ -19,12 +20,12 @@ from typing import Any, final
 import sqlalchemy as sa
 from sqlalchemy import event
 from sqlalchemy.engine import URL, Connection, Dialect, Engine, make_url
-from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import DBAPIError, DisconnectionError, InterfaceError, OperationalError
 from sqlalchemy.orm import Session
 from sqlalchemy.types import TypeDecorator
 
 from exogauge.errors import DiskFull, Unavailable
-from exogauge.storage.row_security import ALL, ROLE, SETTING
+from exogauge.storage.row_security import ALL, ROLE, SETTING, seeing
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +38,8 @@ NAMING = {
 }
 PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreign_keys=ON")
 DISK_FULL = "53100"  # PostgreSQL's SQLSTATE
-READONLY = {"readonly": True, "postgresql_readonly": True}
+READONLY, LAB = "readonly", "lab"  # execution options of a transaction: it does not write; whose rows it sees
+TRUSTED_S = 5.0  # a connection that answered so lately is not asked whether it still does
 
 
 @final
@@ -92,15 +94,17 @@ def make_engine(text: str, *, migrating: bool = False) -> Engine:
     url = database_url(text)
     if url.get_backend_name() == "postgresql":
         role = f"-c {SETTING}={ALL}" if migrating else f"-c role={ROLE}"
-        return sa.create_engine(
+        engine = sa.create_engine(
             url,
-            pool_pre_ping=True,
             pool_size=10,
             connect_args={
                 "connect_timeout": 5,
                 "options": f"-c timezone=UTC -c idle_in_transaction_session_timeout=600000 {role}",
             },
         )
+        begin_in_one(engine)
+        ask_the_idle(engine)
+        return engine
     assert url.database is not None
     Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
     engine = sa.create_engine(url, pool_size=10)
@@ -114,10 +118,48 @@ def make_engine(text: str, *, migrating: bool = False) -> Engine:
 
     @event.listens_for(engine, "begin")
     def begin(connection: Connection) -> None:
-        readonly = connection.get_execution_options().get("readonly")
+        readonly = connection.get_execution_options().get(READONLY)
         connection.exec_driver_sql("BEGIN" if readonly else "BEGIN IMMEDIATE")
 
     return engine
+
+
+def begin_in_one(engine: Engine) -> None:
+    """PostgreSQL: BEGIN and what the transaction may see go there in one message; the driver would send each alone."""
+
+    @event.listens_for(engine, "connect")
+    def configure(connection: Any, _record: Any) -> None:
+        connection.autocommit = True  # the driver's own implicit BEGIN is off; ours follows
+
+    @event.listens_for(engine, "begin")
+    def begin(connection: Connection) -> None:
+        options, statements = connection.get_execution_options(), []
+        if getattr(
+            connection.connection.driver_connection, "autocommit", False
+        ):  # off where an isolation level is asked
+            statements.append("BEGIN READ ONLY" if options.get(READONLY) else "BEGIN")
+        if LAB in options:
+            statements.append(seeing(options[LAB]))
+        if statements:
+            connection.exec_driver_sql("; ".join(statements))
+
+
+def ask_the_idle(engine: Engine) -> None:
+    """Whether a connection is still there is asked where it was not used just now; else who uses it finds out, and all
+    that are as old are thrown away with it."""
+
+    @event.listens_for(engine, "checkin")
+    def note(_connection: Any, record: Any) -> None:
+        record.info["used"] = time.monotonic()
+
+    @event.listens_for(engine, "checkout")
+    def ask(connection: Any, record: Any, _fairy: Any) -> None:
+        if time.monotonic() - record.info.get("used", -math.inf) < TRUSTED_S or connection is None:
+            return
+        try:
+            engine.dialect.do_ping(connection)
+        except engine.dialect.loaded_dbapi.Error as error:
+            raise DisconnectionError("the connection was lost while nobody used it") from error
 
 
 @contextmanager

@@ -15,8 +15,8 @@ from sqlalchemy.orm import InstrumentedAttribute
 
 from exogauge.errors import NotFound
 from exogauge.storage import tables
-from exogauge.storage.records import ArtifactRecord, JobRecord, Page, ResultRecord
-from exogauge.storage.rows import Lab, as_record
+from exogauge.storage.records import ArtifactRecord, JobRecord, LatestJobRecord, Page, ResultRecord
+from exogauge.storage.rows import Lab, as_record, names_of
 from exogauge.storage.tables import Job
 
 ASIDE = ("whatif", "payload_plan")  # kinds that answer a question about a study or a payload and do not evaluate it
@@ -50,18 +50,15 @@ class Jobs:
             query = query.where(Job.state == state)
         return self.lab.page(JobRecord, Job, query, after, limit)
 
-    def latest(self, owner_ids: Sequence[str], state: str | None = None) -> dict[str, JobRecord]:
-        """id of what jobs are of -> its newest job (in `state`, where given) that says where it stands."""
-        columns = [getattr(Job, f"{noun}_id") for noun in tables.OWNERS]
-        owner = sa.func.coalesce(*columns)
-        theirs = sa.or_(*(column.in_(owner_ids) for column in columns))
-        mine = sa.and_(Job.lab_id == self.lab.lab_id, theirs, Job.kind.not_in(ASIDE))
-        chosen = mine if state is None else sa.and_(mine, Job.state == state)
+    def latest(self, noun: str, keys: Sequence[str]) -> dict[str, LatestJobRecord]:
+        """id of one of `tables.OWNERS` -> its newest job that says where it stands."""
+        owner = getattr(Job, f"{noun}_id")
         rank = sa.func.row_number().over(partition_by=owner, order_by=(Job.created_at.desc(), Job.id.desc()))
-        ranked = sa.select(Job.id, rank.label("rank")).where(chosen).subquery()
-        newest = sa.select(ranked.c.id).where(ranked.c.rank == 1)
-        rows = self.lab.session.scalars(self.lab.select(Job).where(Job.id.in_(newest)))
-        return {tables.owner_of(row)[1]: as_record(JobRecord, row) for row in rows}
+        columns = [getattr(Job, name) for name in names_of(LatestJobRecord)]
+        query = sa.select(owner.label("owner"), *columns, rank.label("rank"))
+        ranked = query.where(Job.lab_id == self.lab.lab_id, owner.in_(keys), Job.kind.not_in(ASIDE)).subquery()
+        newest = self.lab.session.execute(sa.select(ranked).where(ranked.c.rank == 1))
+        return {row[0]: LatestJobRecord(*row[1:-1]) for row in newest}
 
 
 def latest_state(key: InstrumentedAttribute[str], owner: Any = Job.study_id) -> sa.ScalarSelect[str]:

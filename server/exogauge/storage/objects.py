@@ -11,20 +11,22 @@ import io
 import os
 from collections.abc import Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from datetime import timedelta
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, BinaryIO, cast, final
 
 import obstore
-from obstore.exceptions import AlreadyExistsError, BaseError
+from obstore.exceptions import AlreadyExistsError
 from obstore.store import S3Store
 
 from exogauge.errors import NotFound, Unavailable
 from exogauge.settings import Settings
 from exogauge.storage.blobs import CHUNK, SHA256_HEX, copy_hashed, disk, refuse_full
 from exogauge.storage.held_files import OwnFolder
+from exogauge.storage.reaching import reached
+from exogauge.storage.shared_pieces import SharedPieces
 from exogauge.storage.shelf import Shelf
 
 if TYPE_CHECKING:
@@ -69,6 +71,11 @@ class ObjectBlobs:
     def __init__(self, store: S3Store, folder: Path, kept_bytes: int, sending: OwnFolder) -> None:
         self._store, self._largest, self._sending = store, LARGEST_SHARE * kept_bytes, sending
         self._shelf = Shelf(folder, kept_bytes, COPY, at_once=PARTS_AT_ONCE)
+        self._pieces = SharedPieces(store)
+
+    @property
+    def pieces(self) -> SharedPieces:
+        return self._pieces
 
     def put(self, source: bytes | Path | BinaryIO, limit: int | None = None) -> str:
         with disk("store the file"), NamedTemporaryFile(dir=self._sending.path, delete=False) as temporary:
@@ -204,18 +211,3 @@ def key_of(sha256: str) -> str:
     if not SHA256_HEX.fullmatch(sha256):
         raise NotFound("not the name of a blob")
     return f"{sha256[:2]}/{sha256[2:]}"
-
-
-@contextmanager
-def reached(what: str, sha256: str | None = None) -> Iterator[None]:
-    """A store that cannot be reached, or refuses, is `Unavailable`. sha256: of what it may lack, which is NotFound."""
-    try:
-        yield
-    except AlreadyExistsError:
-        raise
-    except (BaseError, OSError) as error:
-        if isinstance(error, FileNotFoundError) and sha256 is not None:
-            raise NotFound(f"no blob {sha256}") from error
-        lacks = isinstance(error, FileNotFoundError) or "NoSuchBucket" in str(error)
-        why = "has no such bucket" if lacks else "does not answer, or refuses"
-        raise Unavailable(f"cannot {what} now: the object store {why}") from error

@@ -109,6 +109,23 @@ class LiveStreamRecord:
 
 @final
 @dataclass(frozen=True)
+class LatestJobRecord:
+    """Where what a job is of stands, as far as a list tells. Fields as of JobRecord."""
+
+    id: str
+    kind: str
+    state: str
+    progress: float
+    message: str
+    reason: str | None
+    failure: Mapping[str, Any] | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+@final
+@dataclass(frozen=True)
 class JobRecord:
     """study_id, payload_id, motion_id, plan_id: one of them is what the job is of. progress: 0..1. reason: why it
     failed.

@@ -40,6 +40,13 @@ def see(connection: Connection, lab: str) -> None:
         connection.execute(sa.text(f"SELECT set_config('{SETTING}', :lab, true)"), {"lab": lab})
 
 
+def seeing(lab: str) -> str:
+    """The same as a statement for a transaction that has just begun."""
+    if "\0" in lab:
+        raise ValueError(f"{lab!a} is no lab")
+    return f"SET LOCAL {SETTING} = '{lab.replace(chr(39), 2 * chr(39))}'"
+
+
 def sees_all(connection: Connection) -> bool:
     """Whether the transaction sees the rows of all labs: what is not seen is no proof that nothing is there."""
     if connection.dialect.name != "postgresql":

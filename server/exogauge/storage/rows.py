@@ -34,8 +34,8 @@ class Lab:
         return sa.select(table).where(table.lab_id == self.lab_id).execution_options(populate_existing=True)
 
     def one(self, record: type[Record], query: sa.Select[Any]) -> Record | None:
-        row = self.session.scalars(query.limit(1)).first()
-        return None if row is None else as_record(record, row)
+        row = self.session.execute(columns_of(record, query).limit(1)).first()
+        return None if row is None else record(*row)
 
     def get(self, record: type[Record], table: type[tables.Owned], key: str, noun: str) -> Record:
         found = self.one(record, self.select(table).where(table.id == key)) if UUID_TEXT.fullmatch(key) else None
@@ -55,10 +55,11 @@ class Lab:
             when, key = after
             older = sa.and_(table.created_at == when, table.id < key)
             query = query.where(sa.or_(table.created_at < when, older))
-        rows = self.session.scalars(query.order_by(table.created_at.desc(), table.id.desc()).limit(limit + 1)).all()
+        newest = query.order_by(table.created_at.desc(), table.id.desc()).limit(limit + 1)
+        rows = self.session.execute(columns_of(record, newest)).all()
         shown = rows[:limit]
         end = (shown[-1].created_at, shown[-1].id) if len(rows) > limit else None
-        return Page(tuple(as_record(record, row) for row in shown), end)
+        return Page(tuple(record(*row) for row in shown), end)
 
     def find_or_add(
         self, find: Callable[[], Record | None], make: Callable[[], list[tables.Base]], noun: str
@@ -105,6 +106,17 @@ def record(
     session.add(entry)
 
 
+def columns_of(record: type[Record], query: sa.Select[Any]) -> sa.Select[Any]:
+    """The same rows, of each only what the record has, in its order: no object of the mapper is made of it."""
+    table = query.column_descriptions[0]["entity"]
+    return query.with_only_columns(*(getattr(table, name) for name in names_of(record)))
+
+
+def names_of(record: Any) -> tuple[str, ...]:
+    """Fields of a record, in order."""
+    return tuple(field.name for field in fields(record))
+
+
 def as_record(record: type[Record], row: Any) -> Record:
-    """The one conversion from a row to what leaves `storage`: by equal names."""
-    return record(**{field.name: getattr(row, field.name) for field in fields(record)})  # type: ignore[arg-type]
+    """What leaves `storage` of a row that the mapper has made: by equal names."""
+    return record(*(getattr(row, name) for name in names_of(record)))

@@ -8,10 +8,11 @@ from typing import Any, final
 
 import sqlalchemy as sa
 from sqlalchemy import event
-from sqlalchemy.engine import Connection, Engine, Result
+from sqlalchemy.engine import Engine, Result
 from sqlalchemy.orm import ORMExecuteState, Session, with_loader_criteria
 
 from exogauge.storage.blobs import BlobStore
+from exogauge.storage.database import LAB, READONLY
 from exogauge.storage.orphans import names_a_blob, spare
 from exogauge.storage.row_security import ALL, see
 from exogauge.storage.tables import Owned
@@ -24,8 +25,8 @@ class LabSession(Session):
     """Closed as any session; the queue's own statements pass as they are. Rows that name blobs spare them. actor: who
     the audit names."""
 
-    def __init__(self, engine: Engine, lab_id: str, actor: str, blobs: BlobStore) -> None:
-        super().__init__(engine)
+    def __init__(self, engine: Engine, lab_id: str, actor: str, blobs: BlobStore, *, readonly: bool = False) -> None:
+        super().__init__(engine.execution_options(**{LAB: lab_id, READONLY: readonly}), expire_on_commit=False)
         self.lab_id, self.actor, self.blobs = lab_id, actor, blobs
 
 
@@ -33,15 +34,8 @@ class LabSession(Session):
 class AllLabsSession(Session):
     """For the queue, for sweeping and for finding out who asks."""
 
-
-@event.listens_for(LabSession, "after_begin")
-def name_lab(session: Session, _: Any, connection: Connection) -> None:
-    see(connection, lab_of(session))
-
-
-@event.listens_for(AllLabsSession, "after_begin")
-def name_all(_session: Session, _: Any, connection: Connection) -> None:
-    see(connection, ALL)
+    def __init__(self, engine: Engine, *, readonly: bool = False) -> None:
+        super().__init__(engine.execution_options(**{LAB: ALL, READONLY: readonly}), expire_on_commit=False)
 
 
 @event.listens_for(LabSession, "do_orm_execute")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import sqlalchemy as sa
 from sqlalchemy.orm import Session
@@ -60,20 +60,33 @@ class Shares:
         return self.lab.get(StudyRecord, Study, key, "study")
 
 
+_share, _job = Share.__table__.c, Job.__table__.c
+_key, _reader = sa.bindparam("key", type_=sa.String()), sa.bindparam("reader", type_=sa.String())
+
+
+def _host(study: Any) -> sa.Select[Any]:
+    """Whose study it is, where that lab lets the reader's read it."""
+    let_in = sa.or_(_share.to_lab == _reader, _share.to_lab.is_(None))
+    mine = _share.study_id == study, _share.lab_id != _reader
+    return sa.select(_share.lab_id).where(*mine, let_in, is_open(_share.lab_id)).limit(1)
+
+
+HOST = {"studies": _host(_key), "jobs": _host(sa.select(_job.study_id).where(_job.id == _key).scalar_subquery())}
+
+
 def host_of(session: Session, lab_id: str, thing: str, key: str) -> str | None:
     """Whose study, or job of a study, this is, where that lab lets this one read it. thing: studies or jobs. In a
     session of all labs."""
-    study = key if thing == "studies" else sa.select(Job.study_id).where(Job.id == key).scalar_subquery()
-    let_in = sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None))
-    return session.scalar(
-        sa.select(Share.lab_id).where(Share.study_id == study, Share.lab_id != lab_id, let_in, is_open(Share)).limit(1)
-    )
+    found: str | None = session.scalar(HOST[thing], {"key": key, "reader": lab_id})
+    return found
 
 
 def shared_with(session: Session, lab_id: str) -> list[SharedStudy]:
     """What other labs let this one read, newest first. In a session of all labs."""
     query = sa.select(Study.id, Study.name, LabRow.name, sa.func.max(Share.created_at))
     query = query.join(Share, Share.study_id == Study.id).join(LabRow, LabRow.id == Share.lab_id)
-    query = query.where(Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share))
+    query = query.where(
+        Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share.lab_id)
+    )
     query = query.group_by(Study.id, Study.name, LabRow.name).order_by(sa.func.max(Share.created_at).desc(), Study.id)
     return [SharedStudy(*row) for row in session.execute(query)]

@@ -13,7 +13,7 @@ blob that nobody names, never a row whose bytes are missing.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any, final
@@ -26,7 +26,7 @@ from exogauge.errors import NotFound
 from exogauge.settings import Settings
 from exogauge.storage.blobs import BlobStore, FolderBlobs
 from exogauge.storage.bundles import DEVICES, MOTIONS, PAYLOADS, PLANS, ROBOTS, STUDIES, Bundles
-from exogauge.storage.database import READONLY, database_now, make_engine, serving
+from exogauge.storage.database import database_now, make_engine, serving
 from exogauge.storage.held_files import own_folder
 from exogauge.storage.jobs import Jobs, Results
 from exogauge.storage.keys import Keys
@@ -98,6 +98,15 @@ class Store:
         return self.studies.get(job.study_id)
 
 
+@contextmanager
+def whole(store: Store) -> Iterator[Store]:
+    """The store's one transaction: commits at the end, rolls back on any error. Reading ends with a commit too: at a
+    rollback PostgreSQL's driver forgets what it has prepared."""
+    with serving("answer"), store.session as session:
+        yield store
+        session.commit()
+
+
 @final
 @dataclass(frozen=True)
 class Storage:
@@ -110,20 +119,16 @@ class Storage:
     actor: str = LOCAL
     quotas: Quotas = NO_LIMIT
 
-    @contextmanager
-    def transaction(self) -> Iterator[Store]:
-        with (
-            serving("answer"),
-            LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session,
-            session.begin(),
-        ):
-            yield Store(session, self.blobs, self.lab_id, self.quotas)
+    def store(self, *, readonly: bool = False) -> Store:
+        """For `whole`: its transaction begins with its first statement."""
+        session = LabSession(self.engine, self.lab_id, self.actor, self.blobs, readonly=readonly)
+        return Store(session, self.blobs, self.lab_id, self.quotas)
 
-    @contextmanager
-    def reading(self) -> Iterator[Store]:
-        with serving("answer"), LabSession(self.engine, self.lab_id, self.actor, self.blobs) as session:
-            session.connection(execution_options=READONLY)
-            yield Store(session, self.blobs, self.lab_id, self.quotas)
+    def transaction(self) -> AbstractContextManager[Store]:
+        return whole(self.store())
+
+    def reading(self) -> AbstractContextManager[Store]:
+        return whole(self.store(readonly=True))
 
 
 @final
@@ -150,9 +155,9 @@ class Installation:
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """The same for reading only; it never waits for the writer."""
-        with serving("answer"), AllLabsSession(self.engine) as session:
-            session.connection(execution_options=READONLY)
+        with serving("answer"), AllLabsSession(self.engine, readonly=True) as session:
             yield session
+            session.commit()
 
     def workers_alive(self, within: timedelta = timedelta(seconds=15)) -> int:
         """How many workers have given a sign of life on the database's clock; they serve all labs."""

@@ -75,10 +75,19 @@ def sweep_installation(
     with installation.session() as session:
         orphans.condemn(session, waited)
     blobs += _remove_condemned(installation, still)
+    _drop_pieces(installation)
     half = installation.blobs.left_over()
     for name in half:
         installation.blobs.remove_left_over(name)
     return Swept(found, waiting(installation), blobs, len(half))
+
+
+def _drop_pieces(installation: Installation) -> None:
+    """Of uploads that are no more: a row is there before its first piece."""
+    if (pieces := installation.blobs.pieces) is not None:
+        there = pieces.keys()
+        for key in set(there) - kept_uploads(installation, there):
+            pieces.drop(key)
 
 
 def waiting(installation: Installation) -> int:
@@ -105,7 +114,7 @@ def sweep_machine(installation: Installation, settings: Settings, young_s: float
     """young_s: what was touched so lately stays, held or not."""
     with installation.session() as session:
         expired = take_expired(session)
-    files = PartialFiles(settings.uploads)
+    files = PartialFiles(settings.uploads, installation.blobs.pieces)
     for key in expired:
         files.remove(key)
     strays = files.strays(lambda keys: kept_uploads(installation, keys), young_s)

@@ -53,7 +53,9 @@ def visible_results(session: Session, lab_id: str, most: int) -> list[VisibleRes
 
 
 def _of_studies(session: Session, lab_id: str, most: int) -> Iterator[sa.Row[tuple[str, ...]]]:
-    let_in = sa.select(Share.study_id).where(sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share))
+    let_in = sa.select(Share.study_id).where(
+        sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share.lab_id)
+    )
     mine = sa.or_(Job.lab_id == lab_id, Job.study_id.in_(let_in))
     newest = sa.func.row_number().over(partition_by=Job.study_id, order_by=(Job.created_at.desc(), Job.id.desc()))
     columns = (Job.id, Job.lab_id, Job.study_id, Job.created_at, Artifact.sha256, LabRow.name.label("lab"))

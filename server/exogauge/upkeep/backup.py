@@ -133,7 +133,14 @@ def without_sweeps(installation: Installation, holder: str) -> Iterator[Callable
 @contextmanager
 def reading_all(engine: sa.Engine) -> Iterator[tuple[Connection, list[sa.Table]]]:
     """One moment's state of the tables that hold data, each after those that it refers to."""
-    options = {**READONLY, **({"isolation_level": "REPEATABLE READ"} if engine.dialect.name == "postgresql" else {})}
+    options = {
+        READONLY: True,
+        **(
+            {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+            if engine.dialect.name == "postgresql"
+            else {}
+        ),
+    }
     with serving("be backed up"), engine.connect().execution_options(**options) as connection:
         see(connection, ALL)
         yield connection, tables_in(connection)

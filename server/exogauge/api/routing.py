@@ -1,0 +1,36 @@
+"""Routers of the service: what an endpoint does with the store happens in one thread, from its first statement to the
+commit. As a dependency of the framework's the transaction would begin in one thread and end in another: three
+hand-overs for each request, which cost more than most statements."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, final
+
+from fastapi import APIRouter
+
+from exogauge.storage.store import Store, whole
+
+
+@final
+class Router(APIRouter):
+    """A `store` that an endpoint asks for is its transaction (`storage.store.whole`)."""
+
+    def add_api_route(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        super().add_api_route(path, in_one_transaction(endpoint), **options)
+
+
+def in_one_transaction(endpoint: Callable[..., Any]) -> Callable[..., Any]:
+    if "store" not in inspect.signature(endpoint).parameters:
+        return endpoint
+    if inspect.iscoroutinefunction(endpoint):
+        raise TypeError(f"{endpoint.__name__} would wait for the database in the event loop")
+
+    @wraps(endpoint)
+    def answer(*, store: Store, **given: Any) -> Any:
+        with whole(store):
+            return endpoint(store=store, **given)
+
+    return answer
