@@ -9,7 +9,7 @@ from exogauge.errors import NotFound
 from exogauge.storage.blobs import copy_out
 from exogauge.storage.bundles import PLANNED
 from exogauge.storage.store import Store
-from exogauge.studies.intake.plans import BESIDE, LISTED
+from exogauge.studies.intake.contract import PLANS_BESIDE, PLANS_LISTED
 
 MOST = 50  # the newest; each is compared with every log
 
@@ -23,7 +23,7 @@ def lay_plans(store: Store, folder: Path) -> None:
         except NotFound:
             continue
         file = f"{plan.id}.csv"
-        copy_out(store.blobs, table.sha256, folder / BESIDE / file)
+        copy_out(store.blobs, table.sha256, folder / PLANS_BESIDE / file)
         listed[file] = [plan.id, plan.name]
     if listed:
-        (folder / BESIDE / LISTED).write_text(json.dumps(listed), encoding="utf-8")
+        (folder / PLANS_BESIDE / PLANS_LISTED).write_text(json.dumps(listed), encoding="utf-8")

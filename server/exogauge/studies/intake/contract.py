@@ -8,6 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+PLANS_BESIDE, PLANS_LISTED = ".plans", "plans.json"  # what a service lays beside a study: {file: [id, name]}
+
 
 def _as_day(value: Any) -> Any:
     """YAML makes a date of 2026-03-01."""

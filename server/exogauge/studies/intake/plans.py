@@ -12,9 +12,8 @@ from typing import final
 from exogauge.errors import BadInput
 from exogauge.logs.followed import PlannedSeries
 from exogauge.sandbox import LogRequest, parse_log
+from exogauge.studies.intake.contract import PLANS_BESIDE, PLANS_LISTED
 from exogauge.studies.intake.open import Study
-
-BESIDE, LISTED = ".plans", "plans.json"  # what a service lays beside a study: {file: [id, name]}
 
 
 @final
@@ -36,11 +35,11 @@ def read_plans(study: Study) -> list[StudyPlan]:
     root, found = study.bundle.root, list[StudyPlan]()
     for file in dict.fromkeys(study.file.plans):
         _add(found, study.bundle.path(file), Path(file).stem, file, None)
-    listed = root / BESIDE / LISTED
+    listed = root / PLANS_BESIDE / PLANS_LISTED
     of_service: dict[str, tuple[str, str]] = json.loads(listed.read_bytes()) if listed.is_file() else {}
     for file, (plan_id, name) in of_service.items():
         try:
-            _add(found, root / BESIDE / Path(file).name, name, None, plan_id)
+            _add(found, root / PLANS_BESIDE / Path(file).name, name, None, plan_id)
         except (BadInput, OSError):
             continue
     return found
