@@ -52,7 +52,7 @@ NOISE, MEMORY = 0.06, 0.7  # [N·m] of every joint, correlation of neighbouring 
 NONE_YET = Discrepancy(
     (), (), (), (), (), (Lineage("identified", None, None),), 0, (), (), seen=(Seen("tau.j1", 1.0, 30.0, 90.0),)
 )
-NO_INPUTS = {"own_a": {}, "own_b": {}, "own_paired": {}}  # nothing is declared
+NO_INPUTS = {f"{of}_{by}": {} for of in ("own", "session") for by in ("a", "b", "paired")}  # nothing is declared
 
 
 def urdf() -> bytes:

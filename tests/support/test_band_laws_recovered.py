@@ -54,7 +54,7 @@ VALUES = {
     "maxwell": {"branch_stiffness": 80.0, "relaxation_time": 0.6, "slow_branch_stiffness": 40.0},
     "via_friction": {"friction": 0.15, "way": 0.001, "n": 1.0},
 }
-NO_INPUTS = {"own_a": {}, "own_b": {}, "own_paired": {}}  # nothing is declared
+NO_INPUTS = {f"{of}_{by}": {} for of in ("own", "session") for by in ("a", "b", "paired")}  # nothing is declared
 
 
 def test_every_law_is_tried():
