@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+import yaml
 from fastapi.testclient import TestClient
 
 from exogauge.api.app import create_app
@@ -204,7 +205,7 @@ def test_a_study_from_parts_names_what_was_worn(
     parts = [
         {"log_id": logs[0], "role": "identification"},
         {"log_id": logs[1], "role": "without_device", "motion": "lift", "name": "plain"},
-        {"log_id": logs[1], "role": "with_device", "motion": "lift", "name": "worn"},
+        {"log_id": logs[1], "role": "with_device", "motion": "lift", "name": "worn", "started": 95.5},
         {"log_id": logs[1], "role": "with_device", "motion": "lift", "name": "worn_soft", "device_id": soft},
     ]
     wanted = {"name": "Straps", "robot_id": robot, "device_id": strap, "logs": parts}
@@ -226,6 +227,8 @@ def test_a_study_from_parts_names_what_was_worn(
     paths = {file["path"] for file in answer.json()["files"]}
     assert paths >= {"bench/front.csv", "device_0.yaml", "device_1.yaml"}
     assert "readme.txt" not in paths
+    written = client.get(f"{V1}/studies/{answer.json()['id']}/files/study.yaml").text
+    assert [log.get("started") for log in yaml.safe_load(written)["logs"]] == [None, None, 95.5, None]
 
 
 @on_sqlite

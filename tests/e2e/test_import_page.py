@@ -80,12 +80,15 @@ def test_two_logs_become_a_study_and_the_second_needs_no_mapping(page: Page) -> 
     page.get_by_role("button", name="Store the log").click()
     expect(page.get_by_text("second.csv is stored")).to_be_visible()
     page.get_by_label("Role of second.csv").select_option("validation")
+    page.get_by_label("When second.csv began").fill("13:05:20")
     expect(page.get_by_text("Give the study a name.")).to_be_visible()
     page.get_by_label("Name of the study").fill("Arm from its controller")
     page.get_by_label("Evaluate at once").uncheck()
     page.get_by_role("button", name="Make the study").click()
     page.wait_for_url(re.compile(r"/studies/[0-9a-f-]{36}$"))
     expect(page.get_by_role("heading", name="Arm from its controller", level=1)).to_be_visible()
+    kept = page.request.get(page.url.replace("/studies/", "/api/v1/studies/") + "/files/study.yaml").text()
+    assert "started: 47120.0" in kept  # of the day
 
 
 def test_a_mapping_can_be_written_as_text(page: Page) -> None:

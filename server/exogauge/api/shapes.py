@@ -186,7 +186,8 @@ class Part(BaseModel):
 class LogPart(Part):
     """One uploaded log and its role. rows: [start, stop], data rows from 0, stop not included.
 
-    motion: logs of one motion are compared. device_id: what was worn, where it is not the study's device.
+    motion: logs of one motion are compared. device_id: what was worn, where it is not the study's device. started: [s]
+    when it began, on one clock for all of them: drift of motors is found from it.
     """
 
     log_id: str = Field(min_length=1, max_length=64)
@@ -194,6 +195,7 @@ class LogPart(Part):
     motion: str | None = Field(default=None, max_length=200)
     device_id: str | None = Field(default=None, min_length=1, max_length=64)
     rows: tuple[int, int] | None = None
+    started: float | None = Field(default=None, allow_inf_nan=False)
     name: str | None = Field(default=None, max_length=100)
 
     @model_validator(mode="after")

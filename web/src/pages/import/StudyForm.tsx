@@ -15,7 +15,10 @@ import { WideTable } from "../../parts/WideTable";
 import { fixed } from "../../parts/digits";
 
 type Role = Schemas["LogPart"]["role"];
-type Use = { role: Role | ""; motion: string };
+/** began: time of the day, hh:mm:ss; empty where it is not known. */
+type Use = { role: Role | ""; motion: string; began: string };
+
+const UNUSED: Use = { role: "", motion: "", began: "" };
 
 const ROLES = [
   { value: "", label: "Not in this study" },
@@ -39,32 +42,32 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
   const navigate = useNavigate();
   const { start, busy, error } = useDeed();
   useEffect(() => {
-    setUses((before) => ({ ...Object.fromEntries(fresh.map((id) => [id, { role: "identification" as const, motion: "" }])), ...before }));
+    setUses((before) => ({ ...Object.fromEntries(fresh.map((id) => [id, { ...UNUSED, role: "identification" as const }])), ...before }));
   }, [fresh.join()]);
   if (!logs || logs.items.length === 0 || !robotId) return null;
   const used = logs.items.flatMap((log) => {
-    const use = uses[log.id];
-    return use?.role ? [{ log, role: use.role, motion: use.motion.trim() }] : [];
+    const use = { ...UNUSED, ...uses[log.id] };
+    return use.role ? [{ log, role: use.role, motion: use.motion.trim(), started: secondsOf(use.began) }] : [];
   });
   const missing = hindrance(name, used, device);
   const build = async () => {
     const nothing = { device_id: null, name: null, rows: null };
-    const parts = used.map(({ log, role, motion }) => ({ ...nothing, log_id: log.id, role, motion: MOVES.includes(role) ? motion : null }));
+    const parts = used.map(({ log, role, motion, started }) => ({ ...nothing, log_id: log.id, role, started, motion: MOVES.includes(role) ? motion : null }));
     const study = await create.mutateAsync({ name: name.trim(), robot_id: robotId, device_id: device || null, logs: parts, settings: null, steps: null, known: null });
     if (evaluate && !study.latest_job) await submit.mutateAsync({ study_id: study.id, kind: "evaluate", settings: {} });
     await navigate(`/studies/${study.id}`);
   };
-  const say = (id: string, use: Partial<Use>) => setUses({ ...uses, [id]: { role: "", motion: "", ...uses[id], ...use } });
+  const say = (id: string, use: Partial<Use>) => setUses({ ...uses, [id]: { ...UNUSED, ...uses[id], ...use } });
   return (
     <section aria-labelledby="study-form">
       <Title order={2} size="h3" id="study-form" mb="sm">
         Put stored logs into a study
       </Title>
       <Stack gap="sm">
-        <WideTable label="Stored logs" mostHeight="24rem" columns={["Log", "Holds", "Stored", "Role", "Motion"]}>
+        <WideTable label="Stored logs" mostHeight="24rem" columns={["Log", "Holds", "Stored", "Role", "Motion", "Began at"]}>
           {logs.items.map((log) => {
             const { channels = [], duration_s, rate_hz } = log.summary as LogSummary;
-            const use = uses[log.id] ?? { role: "", motion: "" };
+            const use = { ...UNUSED, ...uses[log.id] };
             return (
               <Table.Tr key={log.id}>
                 <Table.Th scope="row">{log.name}</Table.Th>
@@ -94,10 +97,25 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
                     onChange={(event) => say(log.id, { motion: event.currentTarget.value })}
                   />
                 </Table.Td>
+                <Table.Td>
+                  <TextInput
+                    size="xs"
+                    type="time"
+                    step={1}
+                    aria-label={`When ${log.name} began`}
+                    disabled={use.role === ""}
+                    value={use.began}
+                    onChange={(event) => say(log.id, { began: event.currentTarget.value })}
+                  />
+                </Table.Td>
               </Table.Tr>
             );
           })}
         </WideTable>
+        <Text size="sm" c="dimmed">
+          When each began, on one day: then what motors gave as they warmed is found and taken off. It asks for the time of every log, and for
+          motions without the device before and after those with it.
+        </Text>
         <Paper withBorder p="md">
           <Group align="flex-end" gap="lg">
             <TextInput label="Name of the study" value={name} maxLength={200} onChange={(event) => setName(event.currentTarget.value)} />
@@ -125,6 +143,13 @@ export function StudyForm({ robotId, fresh }: { robotId: string | undefined; fre
       </Stack>
     </section>
   );
+}
+
+/** [s] of the day; null where no time is said. */
+function secondsOf(time: string): number | null {
+  if (!time) return null;
+  const [hours = 0, minutes = 0, seconds = 0] = time.split(":").map(Number);
+  return hours * 3600 + minutes * 60 + seconds;
 }
 
 function hindrance(name: string, used: { role: Role; motion: string }[], device: string): string | null {
