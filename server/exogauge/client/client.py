@@ -125,8 +125,8 @@ class Client:
     ) -> Study:
         """A study of a robot and logs uploaded before, and of what was worn.
 
-        logs: [{"log_id", "role", "motion"?, "rows"?, "name"?, "device_id"?, "started"?}]. device: for logs with role with_device
-        that name none. known: weighed loads, as in study.yaml; give the logs that they name a "name".
+        logs: [{"log_id", "role", "motion"?, "rows"?, "name"?, "device_id"?, "started"?}]. device: for logs with role
+        with_device that name none. known: weighed loads, as in study.yaml; give the logs that they name a "name".
         """
         body = {"name": name, "robot_id": id_of(robot), "logs": logs, "settings": settings and dict(settings)}
         worn = {} if device is None else {"device_id": id_of(device)}
