@@ -10,7 +10,7 @@ from exogauge.effects.effect import Quantity
 from exogauge.effects.places import Array, EncoderSignals
 from exogauge.effects.shaped import Shape
 
-MOST = 0.2  # [rad]
+MOST = 0.2  # [rad] judgement: 11°, beyond which a robot is seen to stand askew
 
 
 @final

@@ -23,12 +23,12 @@ from sqlalchemy.orm import Session
 
 log = logging.getLogger(__name__)
 CHANNEL = "exogauge_jobs"
-QUIET_S = 10.0  # between two looks while the bell is silent
-BUSY_S = 5.0  # after it rang: another worker may have locked the queue in that very moment
-STOP_S = 1.0  # within which a thread notices that it is to stop
-LOOK_S = 0.25  # at SQLite's count of commits
-AGAIN_S = 5.0  # after the line broke
-ASK_S = 60.0  # whether it still holds
+QUIET_S = 10.0  # judgement: between two looks while the bell is silent; the longest that a job waits if nobody heard it
+BUSY_S = 5.0  # judgement: after it rang: another worker may have locked the queue in that very moment
+STOP_S = 1.0  # judgement: within which a thread notices that it is to stop
+LOOK_S = 0.25  # at SQLite's count of commits; docs/operations.md has what that costs
+AGAIN_S = 5.0  # judgement: after the line broke
+ASK_S = 60.0  # judgement: whether it still holds
 WAITING = "SELECT 1 FROM workflow_status WHERE status = 'ENQUEUED' LIMIT 1"  # of the queue's own
 
 

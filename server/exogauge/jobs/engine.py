@@ -29,8 +29,8 @@ QUEUE = "jobs"
 SCHEMA = "dbos"  # on PostgreSQL
 WORKFLOW = "run_job"
 VERSION = "jobs-1"  # set by hand: DBOS would hash the code and strand every queued job after an edit
-POLL_S = 1.0  # while the bell has just rung (`bell`)
-UNUSED_S = 600.0  # how often DBOS looks for what nobody here asks it for
+POLL_S = 1.0  # judgement: while the bell has just rung (`bell`)
+UNUSED_S = 600.0  # judgement, as seldom as does no harm: how often DBOS looks for what nobody here asks it for
 WAITING = ["ENQUEUED", "DELAYED"]
 TAKEN = "PENDING"
 

@@ -11,7 +11,7 @@ from exogauge.storage.bundles import PLANNED
 from exogauge.storage.store import Store
 from exogauge.studies.intake.contract import PLANS_BESIDE, PLANS_LISTED
 
-MOST = 50  # the newest; each is compared with every log
+MOST = 50  # judgement: the newest; each is compared with every log
 
 
 def lay_plans(store: Store, folder: Path) -> None:

@@ -15,7 +15,7 @@ from exogauge.criteria.following import Following
 from exogauge.logs.model import Log
 
 Array = NDArray[np.float64]
-ROUNDS = 10  # of refining where a plan begins
+ROUNDS = 10  # judgement: Gauss-Newton steps, which end once below a microsecond
 
 
 @final
@@ -94,8 +94,8 @@ def _matched(log: Log, number: int, plan: PlannedSeries, rules: Following) -> Ma
     begin = _place(t, measured[:, columns], plan.time, wanted[:, columns], rules)
     if begin is None or begin[1] > 2.0 * rules.perhaps * size:
         return None  # the coarse grid is off by less than that
-    spline, rate = CubicSpline(plan.time, wanted), CubicSpline(plan.time, wanted).derivative()
-    at = begin[0]
+    spline = CubicSpline(plan.time, wanted)
+    rate, at = spline.derivative(), begin[0]
     for _ in range(ROUNDS):
         inside = (t >= at) & (t <= at + plan.seconds)
         off, slope = measured[inside] - spline(t[inside] - at), rate(t[inside] - at)

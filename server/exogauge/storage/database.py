@@ -39,7 +39,7 @@ NAMING = {
 PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreign_keys=ON")
 DISK_FULL = "53100"  # PostgreSQL's SQLSTATE
 READONLY, LAB = "readonly", "lab"  # execution options of a transaction: it does not write; whose rows it sees
-TRUSTED_S = 5.0  # a connection that answered so lately is not asked whether it still does
+TRUSTED_S = 5.0  # judgement: a connection that answered so lately is not asked whether it still does
 
 
 @final

@@ -14,7 +14,7 @@ from exogauge.storage.pieces import InUse
 from exogauge.storage.reaching import reached
 
 FOLDER = "uploads"
-LARGEST = 32 << 20  # bytes of one object, which is sent from memory
+LARGEST = 32 << 20  # judgement: bytes of one object, which is sent from memory
 
 
 @final
