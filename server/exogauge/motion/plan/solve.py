@@ -125,7 +125,7 @@ def _stretch(
     check: Callable[[Planned], None],
 ) -> Planned:  # fmt: skip
     """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all, unless
-    those rounds came to no end."""
+    that was given up."""
     rough = asked.every(criteria.coarse)
     begin = rough.q.copy()
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
@@ -147,7 +147,7 @@ def _stretch(
         Spline(control[: count + 2], asked.step), first.loads(time).reshape(count, -1, 6),
         np.interp(time, rough.time, first.excess), first.rounds, first.last_step, first.unsettled,
     )  # fmt: skip
-    if first.unsettled:
+    if first.unsettled and first.rounds < criteria.rounds:  # where they ran out, they were still coming nearer
         return guess
     found = _settle(robot, asked, replace(guess, excess=np.zeros(count)), ends, pairs, criteria, report)
     check(found)
@@ -217,7 +217,7 @@ def _settle(
             csc_matrix(P + diags(near)), c - near * stages.ravel(), A, b, G, h, low.ravel(), high.ravel()
         )
         if x is None and rounds:  # slopes promised more than there is: what was reached is judged
-            return Planned(spline, wrench, excess, guess.rounds + rounds, size, whole)
+            return Planned(spline, wrench, excess, guess.rounds + rounds, size)
         if x is None:
             raise BadMotion(Fault(f"no motion keeps the feet where they stand ({status})", "no_motion",
                                   "Give a home posture with bent knees, or cut the motion", robot.name))  # fmt: skip
