@@ -66,7 +66,7 @@ def test_a_mass_stated_a_quarter_off_is_believed_no_more(told, weighed):
 
 
 def test_what_is_within_its_doubt_is_not_let_go(told):
-    before, after = told(lambda own: pin.Inertia(1.01 * own.mass, own.lever + [0.001, 0.0, 0.0], own.inertia))
+    before, after = told(lambda own: pin.Inertia(1.01 * own.mass, [*own.lever, 0.001, 0.0, 0.0], own.inertia))
     assert after is before
 
 
