@@ -292,7 +292,9 @@ def body_column(
     if found is None or found.dimension not in dimensions_of(channel):
         return Advice(f"Its name says {unit}, which is no unit of a {'force' if kind == 'f' else 'moment'}. {UNKNOWN}")
     rests = "" if words.unit else f"; the unit is not named: {unit} is usual"
-    return Suggestion(channel.name, unit, sure=words.unit is not None, why=f"the name says which sensor and axis{rests}")
+    return Suggestion(
+        channel.name, unit, sure=words.unit is not None, why=f"the name says which sensor and axis{rests}"
+    )
 
 
 def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, float]) -> Suggestion | Advice:
