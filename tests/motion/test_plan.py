@@ -25,11 +25,13 @@ from exogauge.motion.files import open_motion
 from exogauge.motion.human import Contacts
 from exogauge.motion.person import Person, person_of
 from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.at_rest import PRESSURE, at_home
 from exogauge.motion.plan.judge import Judged, judge
 from exogauge.motion.plan.outcome import motion_table, slow
+from exogauge.motion.plan.possible import Possible, what_would_do
 from exogauge.motion.plan.retarget import ask
 from exogauge.motion.plan.rows import equations, slopes, sole_rows
-from exogauge.motion.plan.solve import plan
+from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
 from exogauge.motion.plan.written import read_written
@@ -268,6 +270,48 @@ def test_a_joint_goes_no_further_than_it_can_and_a_weak_one_is_told(robot: Motio
     limp = replace(robot, limits=replace(robot.limits, torque=weak))
     said = judge(limp, planned.spline, asked.place[0], planned=planned).broken
     assert any(line.startswith("torque of l_knee_pitch") for line in said)
+
+
+def weak(robot: MotionRobot, share: float) -> MotionRobot:
+    """With that share of the torque that it has."""
+    return replace(robot, limits=replace(robot.limits, torque=share * robot.limits.torque))
+
+
+def test_what_a_robot_cannot_bear_at_home_is_told_with_what_would_do(robot: MotionRobot) -> None:
+    assert at_home(robot, USUAL).excess == 0.0
+    limp = at_home(weak(robot, 0.01), USUAL)
+    assert limp.hopeless
+    enough = 1.02 * limp.needs / (limp.bears * USUAL.kept) * 0.01
+    assert at_home(weak(robot, enough), USUAL).excess < 0.01
+    assert at_home(weak(robot, 0.9 * enough), USUAL).excess > 0.01
+    wide = replace(USUAL, margin_m=0.1)  # the soles are 11 cm wide
+    narrow = at_home(robot, wide)
+    assert (narrow.what, narrow.needs, narrow.hopeless) == (PRESSURE, 0.1, True)
+    for apart, holds in ((-1e-3, True), (1e-3, False)):
+        assert (at_home(robot, replace(wide, margin_m=narrow.bears + apart)).excess == 0.0) is holds
+
+
+def test_nothing_is_planned_for_a_robot_that_cannot_stand_at_home(robot: MotionRobot) -> None:
+    rounds = list[Round]()
+    _, judged = plan_within(weak(robot, 0.01), bend(robot, 0.4, 1.0), report=rounds.append)
+    assert not rounds
+    assert judged.broken[0].startswith("torque of ")
+    assert "at home" in judged.broken[0]
+    still = Person("still", np.arange(2.0), np.zeros((2, 3)), np.tile(np.eye(3), (2, 1, 1)),
+                   np.tile(np.eye(3), (2, 1, 1)), {}, 0.8)  # fmt: skip
+    assert what_would_do(weak(robot, 0.01), still) == Possible(None, None)
+
+
+def test_a_stretch_whose_rounds_come_no_nearer_is_given_up_and_told(robot: MotionRobot) -> None:
+    asked, rounds = bend(robot, 0.9, 1.0), list[Round]()
+    impatient = replace(USUAL, patience=1, nearer=0.0)  # no round is near enough
+    planned, judged = plan_within(robot, asked, impatient, rounds.append)
+    assert len(rounds) <= 3
+    assert planned.unsettled == ((0.0, pytest.approx(1.0)),)
+    assert judged.broken[0].startswith("no plan that keeps every bound was found from 0.00 to 1.00 s")
+    with pytest.raises(BadMotion) as told:
+        plan(robot, asked, impatient, stop=lambda made: bool(made.unsettled))
+    assert told.value.faults[0].rule == "not_kept"
 
 
 def test_a_robot_that_cannot_be_planned_for_is_told_why(folder: Path, tmp_path: Path) -> None:

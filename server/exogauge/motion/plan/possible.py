@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import final
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
+from exogauge.errors import BadMotion
 from exogauge.motion.person import Person
-from exogauge.motion.plan.judge import Judged
+from exogauge.motion.plan.at_rest import at_home
 from exogauge.motion.plan.retarget import ask
-from exogauge.motion.plan.solve import Report
 from exogauge.motion.plan.within import plan_within
 from exogauge.robots.moving.robot import MotionRobot
 
@@ -27,19 +27,16 @@ class Possible:
     share: float | None
 
 
-def judged_as(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, report: Report | None = None) -> Judged:
-    """A person's motion, planned and judged."""
-    asked, _ = ask(robot, person, criteria)
-    return plan_within(robot, asked, criteria, report)[1]
-
-
 def what_would_do(
     robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL, tried: Tried | None = None
 ) -> Possible:
-    """Both by bisection, each step a plan of its own. tried: told what was planned, and whether it holds."""
+    """Both by bisection, each step a plan of its own, which ends where its first stretch exceeds a bound. tried: told
+    what was planned, and whether it holds."""
+    if at_home(robot, criteria).hopeless:
+        return Possible(None, None)
 
     def holds(what: str, value: float, changed: Person) -> bool:
-        found = not judged_as(robot, changed, criteria).broken
+        found = can(robot, changed, criteria)
         if tried is not None:
             tried(what, value, found)
         return found
@@ -47,6 +44,18 @@ def what_would_do(
     slower = nearest(lambda k: holds("slower", k, person.slowed(k)), 1.0, criteria.slowest, criteria.within)
     share = nearest(lambda k: holds("share", k, person.trunk_share(k)), 1.0, 0.0, criteria.within)
     return Possible(slower, share)
+
+
+def can(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> bool:
+    """Whether a person's motion can be planned within every bound."""
+    asked, _ = ask(robot, person, criteria)
+    try:
+        _, judged = plan_within(
+            robot, asked, criteria, stop=lambda made: bool(made.unsettled) or made.excess.max() > criteria.over
+        )
+    except BadMotion:
+        return False
+    return not judged.broken
 
 
 def nearest(holds: Callable[[float], bool], wanted: float, safe: float, within: float) -> float | None:

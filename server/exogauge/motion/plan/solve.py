@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 class Round:
     """part: of `parts` stretches, one after the other. step: largest of the round before [rad or m]. strays: of a
     standing foot [m or rad]. floats: share of the weight that no foot carries, or lever [m]. excess: share of a bound.
+    off: the worst of them, in times of what the last round may be off.
     """
 
     part: int
@@ -39,6 +40,7 @@ class Round:
     strays: float
     floats: float
     excess: float
+    off: float
 
 
 @final
@@ -46,13 +48,14 @@ class Round:
 class Planned:
     """wrench: (N, F, 6) [N, N·m] of the world on each foot at the nodes. excess: (N,) share of a bound by which the
     worst of each node is exceeded. rounds: of the solver, of the stretch that took most. last_step: of the last ones
-    [rad or m]."""
+    [rad or m]. unsettled: [s] stretches whose rounds came to no end: feet, dynamics, bounds may be off."""
 
     spline: Spline
     wrench: Array
     excess: Array
     rounds: int
     last_step: float
+    unsettled: tuple[tuple[float, float], ...] = ()
 
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
@@ -62,12 +65,17 @@ class Planned:
 
 
 Report = Callable[[Round], None]
+Stop = Callable[[Planned], bool]
 
 
-def plan(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None) -> Planned:
-    """Stretch by stretch, each with a look ahead that the next one plans anew. report: told before each round.
+def plan(
+    robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report: Report | None = None,
+    stop: Stop | None = None,
+) -> Planned:  # fmt: skip
+    """Stretch by stretch, each with a look ahead that the next one plans anew. report: told before each round. stop:
+    asked of what was found of a stretch, on the coarse nodes and on all; where it says so the plan ends.
 
-    Raises BadMotion where no posture keeps the feet where they stand.
+    Raises BadMotion where no posture keeps the feet where they stand, or where it was stopped.
     """
     pairs = Pairs(robot, criteria.clearance_m)
     asked = cleared(robot, asked, pairs, criteria)
@@ -77,21 +85,30 @@ def plan(robot: MotionRobot, asked: Asked, criteria: MotionPlan = USUAL, report:
     begins = [last * k // parts for k in range(parts)] if last > long + ahead else [0]
     control, wrench = np.empty((last + 3, robot.model.nq)), np.empty((last + 1, len(robot.soles), 6))
     excess, rounds, step = np.empty(last + 1), 0, 0.0
+    unsettled = list[tuple[float, float]]()
     for k, begin in enumerate(begins):
         end = last if k == len(begins) - 1 else min(begins[k + 1] + ahead, last)
         before = control[begin : begin + 3] if k else None
         ends = _Ends(before, end == last)
+        span = begin * asked.step, end * asked.step
 
         def tell(now: Round, part: int = k) -> None:
             if report is not None:
                 report(replace(now, part=part, parts=len(begins)))
 
-        made = _stretch(robot, asked.between(begin, end), ends, pairs, criteria, tell)
+        def check(made: Planned, span: tuple[float, float] = span) -> None:
+            if stop is not None and stop(made):
+                raise BadMotion(Fault("not every bound can be kept from {:.2f} to {:.2f} s".format(*span), "not_kept",
+                                      "Slow it down, or ask for less of the trunk's angle", robot.name))  # fmt: skip
+
+        made = _stretch(robot, asked.between(begin, end), ends, pairs, criteria, tell, check)
+        if made.unsettled:
+            unsettled.append(span)
         control[begin : end + 3], wrench[begin : end + 1], excess[begin : end + 1] = (
             made.spline.control, made.wrench, made.excess
         )  # fmt: skip
         rounds, step = max(rounds, made.rounds), max(step, made.last_step)
-    return Planned(Spline(control, asked.step), wrench, excess, rounds, step)
+    return Planned(Spline(control, asked.step), wrench, excess, rounds, step, tuple(unsettled))
 
 
 @final
@@ -104,9 +121,11 @@ class _Ends:
 
 
 def _stretch(
-    robot: MotionRobot, asked: Asked, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report
-) -> Planned:
-    """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all."""
+    robot: MotionRobot, asked: Asked, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report,
+    check: Callable[[Planned], None],
+) -> Planned:  # fmt: skip
+    """First on every `coarse`-th node, which is cheap and finds the way round what is in the way; then on all, unless
+    that was given up."""
     rough = asked.every(criteria.coarse)
     begin = rough.q.copy()
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
@@ -121,19 +140,24 @@ def _stretch(
         criteria, **{key: criteria.loosely * getattr(criteria, key) for key in ("done_rad", "held", "floats")}
     )
     first = _settle(robot, rough, first, starts, pairs, loose, report)
+    check(first)
     control, count = first.spline.refined(criteria.coarse).control, len(asked.q)
     time = asked.time
     guess = Planned(
-        Spline(control[: count + 2], asked.step), first.loads(time).reshape(count, -1, 6), np.zeros(count),
-        first.rounds, np.inf,
+        Spline(control[: count + 2], asked.step), first.loads(time).reshape(count, -1, 6),
+        np.interp(time, rough.time, first.excess), first.rounds, first.last_step, first.unsettled,
     )  # fmt: skip
-    return _settle(robot, asked, guess, ends, pairs, criteria, report)
+    if first.unsettled and first.rounds < criteria.rounds:  # where they ran out, they were still coming nearer
+        return guess
+    found = _settle(robot, asked, replace(guess, excess=np.zeros(count)), ends, pairs, criteria, report)
+    check(found)
+    return found
 
 
 def _settle(
     robot: MotionRobot, asked: Asked, guess: Planned, ends: _Ends, pairs: Pairs, criteria: MotionPlan, report: Report
 ) -> Planned:
-    """Round after round from a guess."""
+    """Round after round from a guess, until one is good enough, or for `patience` rounds none came nearer to it."""
     N, n, F = len(asked.q), robot.model.nq, len(robot.soles)
     spline, wrench, excess, rounds = guess.spline, guess.wrench, guess.excess, 0
     weight, size = robot.weight, np.inf
@@ -155,17 +179,24 @@ def _settle(
     settled[: 0 if ends.before is None else 2] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
     kept = spline, wrench, excess  # of the round before
+    least, since = np.inf, 0  # how far off the best round was, and which one
+    whole = ((0.0, float(asked.time[-1])),)
     while True:
         slope = slopes(robot, asked, spline, wrench)
         used = shares(robot, spline, slope, pairs, criteria)
         strays = float(np.abs(slope.error[settled]).max(initial=0.0))
         floats = float(np.abs(slope.torque[:, : robot.base]).max(initial=0.0)) / weight
         over = float((used.beyond - np.maximum(excess, 0.0)).max())  # more than the equations said
-        report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max())))
         wrong = strays + floats + over
-        held = strays < criteria.held and floats < criteria.floats and over < criteria.over
-        if rounds == criteria.rounds or (held and size < criteria.done_rad):
+        lacks = max(strays / criteria.held, floats / criteria.floats, over / criteria.over)
+        held, off = lacks < 1.0, max(lacks, size / criteria.done_rad)
+        report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max()), off))
+        if off < 1.0:
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
+        if off < criteria.nearer * least:
+            least, since = off, rounds
+        if rounds >= criteria.rounds or rounds - since >= criteria.patience:
+            return Planned(spline, wrench, excess, guess.rounds + rounds, size, whole)
         if wrong > max(criteria.far_off * missed, 0.5) and missed < np.inf and still < criteria.stillest:
             spline, wrench, excess = kept  # slopes promised what is not there: again, nearer to what was
             still, rounds = min(max(8.0 * still, 1.0), criteria.stillest), rounds + 1

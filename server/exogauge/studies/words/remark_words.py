@@ -79,6 +79,21 @@ FORMS: Mapping[About, Form] = {
         "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",
         each="{name} ({0:.3g} ± {1:.2g} kg)",
     ),
+    About.CENTRE_LET_GO: Form(
+        "The logs contradict the stated centre of mass of {names}. It is believed no more than that: all that is "
+        "stated of the link counts as that much more doubtful. Is it the link that the URDF describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} % of its radius of gyration)",
+    ),
+    About.MASS_LET_GO: Form(
+        "The logs contradict the stated mass of {names}. It is believed no more than that: all that is stated of the "
+        "link counts as that much more doubtful. Is it the link that the URDF describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
+    ),
+    About.GAIN_LET_GO: Form(
+        "The logs contradict the stated k_T of {names}. It is believed no more than that. Is it the motor and the gear "
+        "that robot.yaml describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
+    ),
     About.NOT_CONVERGED: Form(
         "The search among possible bodies stopped after {0:.0f} steps, {1:.2g} squared standard deviations above the "
         "minimum at most; {2:.2g} was asked for."
