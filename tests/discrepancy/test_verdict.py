@@ -13,7 +13,17 @@ from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.result import ChainStep, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place, WithinDeclared
+from exogauge.findings.result import (
+    ChainStep,
+    Discrepancy,
+    Evidence,
+    Excess,
+    Finding,
+    HeldOut,
+    Link,
+    Place,
+    WithinDeclared,
+)
 from exogauge.findings.verdict import Caveat, Facts, Seen, decide
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
