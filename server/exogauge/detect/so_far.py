@@ -43,8 +43,8 @@ class Question:
 @dataclass(frozen=True)
 class Searched:
     """What the search for effects says beside its findings. recordings: those that it ended with, in which a log that
-    differs from all others is fitted. before, after: channels above their floors. declared: none of `after`. undecided: by effect
-    and place."""
+    differs from all others is fitted. before, after: channels above their floors. declared: none of `after`. undecided:
+    by effect and place."""
 
     recordings: tuple[Recording, ...]
     before: tuple[Excess, ...]
