@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -16,6 +15,7 @@ from uuid import uuid4
 
 import psycopg
 import pytest
+from tests.own_postgres import own_server
 
 if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from fastapi import FastAPI
@@ -25,7 +25,6 @@ if TYPE_CHECKING:  # imported where used: most tests need no web and no database
     from exogauge.storage.store import Storage
 
 KINDS = ("sqlite", "postgresql")
-BINARIES = ("/usr/lib/postgresql/*/bin", "/usr/local/pgsql/bin", "/opt/homebrew/bin")
 LOCAL = [
     f"postgresql://{user}@127.0.0.1:5432/postgres" for user in ("postgres", os.environ.get("USER", "root"), "root")
 ]
@@ -42,41 +41,8 @@ def postgres_server() -> Iterator[str]:
             return
     if named:
         pytest.fail("EXOGAUGE_TEST_POSTGRES_URL names a server that cannot be used")
-    initdb, pg_ctl = binary("initdb"), binary("pg_ctl")
-    if initdb is None or pg_ctl is None:
-        pytest.skip("no PostgreSQL server answers here and none can be started")
-    with tempfile.TemporaryDirectory(prefix="exogauge-pg-") as folder:
-        yield from start_server(initdb, pg_ctl, Path(folder))
-
-
-def start_server(initdb: str, pg_ctl: str, folder: Path) -> Iterator[str]:
-    """A server of our own on a free port; it refuses to run as root, so root starts it as `postgres`."""
-    run_as: list[str] = []
-    if os.getuid() == 0:
-        if shutil.which("runuser") is None:
-            pytest.skip("PostgreSQL does not run as root, and there is no runuser")
-        run_as = ["runuser", "-u", "postgres", "--"]
-        shutil.chown(folder, "postgres")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    data, quiet = folder / "data", {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    try:
-        subprocess.run([*run_as, initdb, "-D", data, "-A", "trust", "-U", "postgres", "--no-sync"], **quiet)
-        options = f"-p {port} -k {folder} -c listen_addresses=127.0.0.1 -c fsync=off"
-        subprocess.run([*run_as, pg_ctl, "-D", data, "-l", folder / "log", "-o", options, "-w", "start"], **quiet)
-    except (subprocess.CalledProcessError, OSError) as error:
-        pytest.skip(f"no PostgreSQL server answers here and none could be started: {error}")
-    yield f"postgresql://postgres@127.0.0.1:{port}/postgres"
-    subprocess.run([*run_as, pg_ctl, "-D", data, "-m", "immediate", "stop"], **quiet)
-
-
-def binary(name: str) -> str | None:
-    found = shutil.which(name)
-    if found:
-        return found
-    places = (path for pattern in BINARIES for path in sorted(Path("/").glob(f"{pattern[1:]}/{name}")))
-    return next((str(path) for path in places), None)
+    with tempfile.TemporaryDirectory(prefix="exogauge-pg-") as folder, own_server(Path(folder)) as server:
+        yield server.url()
 
 
 def can_create_databases(url: str) -> bool:

@@ -14,7 +14,7 @@ ExogaugeError
 ├── Gone                 it was there, and was taken back
 ├── Conflict             the thing changed meanwhile, or the same key was used for something else
 ├── TooMany              a limit on how much in how short a time; `retry_after_s` says when it works again
-└── Unavailable          the database, the disk or a worker cannot serve now; trying again may help
+└── Unavailable          the database, the disk, an object store or a worker cannot serve now; trying again may help
     └── DiskFull         a disk has no room: the same works as soon as there is
         └── QuotaFull    the lab has as many bytes as it may
 
@@ -125,6 +125,10 @@ class Conflict(ExogaugeError):
 
 class Unavailable(ExogaugeError):
     """Cannot serve now; trying again may help."""
+
+
+class Away(Unavailable):
+    """Another machine does not answer, or the line to it is cut; somebody will mend it."""
 
 
 class DiskFull(Unavailable):

@@ -12,6 +12,7 @@ import sqlalchemy as sa
 from fastapi.testclient import TestClient
 from tests.api.people import People
 
+from exogauge.cli import main
 from exogauge.errors import Conflict, NotFound
 from exogauge.settings import Settings
 from exogauge.storage.account_tables import LabRow
@@ -121,8 +122,12 @@ def test_after_its_time_all_goes_but_its_audit_and_what_it_has_published(
         sweep_installation(people.installation, waited=timedelta(0))
     there = {name: people.installation.blobs.exists(north[name]) for name in ("own", "both", "raw")}
     assert there == {"own": False, "both": True, "raw": True}
+    address = f"{V1}/published/{north['published']}"
     with people.browser() as nobody:
-        assert nobody.get(f"{V1}/published/{north['published']}/files/results/results.json").content == b"{}"
+        assert nobody.get(f"{address}/files/results/results.json").content == b"{}"
+        told = [nobody.get(f"{address}{path}") for path in ("", "/datacite", "/SHA256SUMS")]
+        assert [each.status_code for each in told] == [200, 200, 200]
+        assert (told[0].json()["lab"], told[0].json()["revoked_at"]) == ("north", None)
     with people.installation.session() as session:
         assert session.get(LabRow, "north") is None
         told = session.scalars(sa.select(AuditEntry.action).where(AuditEntry.lab_id == "north")).all()
@@ -130,6 +135,25 @@ def test_after_its_time_all_goes_but_its_audit_and_what_it_has_published(
         with pytest.raises(NotFound):
             reopen_lab(session, "north", "operator")
     assert ada.get(f"{V1}/session").json()["account"]["email"] == "ada@example.org"
+
+
+def test_what_a_lab_that_is_gone_has_published_is_revoked_by_who_runs_the_service(
+    people: People, north: dict[str, str], settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with people.installation.session() as session:
+        close_lab(session, "north", "test")
+        remove_lab(session, "north")
+    monkeypatch.setenv("EXOGAUGE_DATABASE_URL", settings.database_url)
+    monkeypatch.setenv("EXOGAUGE_DATA_DIR", str(settings.data_dir))
+    assert main(["lab", "retract", north["published"], "--because", "a wrong sign"]) == 0
+    assert main(["lab", "retract", "nothing", "--because", "a wrong sign"]) != 0
+    address = f"{V1}/published/{north['published']}"
+    with people.browser() as nobody:
+        assert nobody.get(f"{address}/files/results/results.json").status_code == 410
+        assert nobody.get(address).json()["revoked_because"] == "a wrong sign"
+    with people.installation.reading() as session:
+        said = sa.select(AuditEntry.actor).where(AuditEntry.lab_id == "north", AuditEntry.action == "revoke")
+        assert session.scalars(said.where(AuditEntry.subject_kind == "publication")).all() == ["operator"]
 
 
 def test_an_open_lab_is_never_removed(people: People, north: dict[str, str]) -> None:

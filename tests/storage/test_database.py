@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta, timezone
 
+import psycopg
 import pytest
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError, StatementError
@@ -32,6 +34,25 @@ def test_what_a_user_is_told_of_a_database_that_is_away_names_no_host() -> None:
         engine.connect()
     assert str(told.value) == "the database cannot answer now"
     assert "127.0.0.1" in str(told.value.__cause__)  # the log's business
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_connections_that_the_server_has_ended_are_replaced_before_anybody_is_told(storage: Storage) -> None:
+    """All that a pool holds, all asked for at once, within the time that one is trusted."""
+    together = threading.Barrier(8)
+
+    def look(_: int) -> int:
+        with storage.reading() as store:
+            together.wait()
+            return int(store.session.scalar(sa.text("SELECT pg_backend_pid()")))
+
+    with ThreadPoolExecutor(8) as threads:
+        before = set(threads.map(look, range(8)))
+        address = storage.engine.url.set(drivername="postgresql").render_as_string(hide_password=False)
+        with psycopg.connect(address, autocommit=True) as server:
+            server.execute("SELECT pg_terminate_backend(pid, 5000) FROM unnest(%s::int[]) AS pid", [list(before)])
+        after = set(threads.map(look, range(8)))
+    assert (len(before), len(after), before & after) == (8, 8, set())
 
 
 def test_a_time_comes_back_as_the_same_instant_in_utc(storage: Storage) -> None:

@@ -13,9 +13,10 @@ from fastapi import Query, Request
 from pydantic import BaseModel
 
 from exogauge.api.datacite import permalink
-from exogauge.api.dependencies import NO_NUL, CallerDep, InstallationDep, PublicAddress
+from exogauge.api.dependencies import NO_NUL, CallerDep, InstallationDep, Limit, PublicAddress
+from exogauge.api.lists import Mark, part
 from exogauge.api.routing import Router
-from exogauge.api.shapes import Answer
+from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import NotFound
 from exogauge.storage.blobs import BlobStore
 from exogauge.storage.store import Installation
@@ -134,7 +135,7 @@ class DeviceSeen(BaseModel):
 
 
 @final
-class DevicesSeen(BaseModel):
+class DevicesSeen(ListOf):
     items: list[DeviceSeen]
 
 
@@ -160,7 +161,9 @@ class Extracts:
 
 
 @router.get("/compare/devices", operation_id="listComparedDevices")
-def list_compared_devices(caller: CallerDep, installation: InstallationDep, request: Request) -> DevicesSeen:
+def list_compared_devices(
+    caller: CallerDep, installation: InstallationDep, request: Request, after: Mark, limit: Limit = 50
+) -> DevicesSeen:
     """Devices that were worn in studies of one's own lab, in shared ones and in published ones; of most labs first."""
     found: dict[tuple[str, str], list[Found]] = {}
     for seen, worn in all_seen(installation, caller.lab_id or "", request.app.state.extracts):
@@ -172,7 +175,8 @@ def list_compared_devices(caller: CallerDep, installation: InstallationDep, requ
         for each in found.values()
         for _, first in each[:1]
     ]
-    return DevicesSeen(items=sorted(items, key=lambda each: (-each.labs, -each.studies, each.model)))
+    shown, more = part(items, lambda each: (-each.labs, -each.studies, each.model, each.size or ""), after, limit)
+    return DevicesSeen(items=shown, next_cursor=more)
 
 
 @router.get("/compare/device", operation_id="compareDevice")

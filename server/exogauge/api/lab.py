@@ -26,6 +26,7 @@ from exogauge.api.dependencies import (
     encoded_cursor,
     refuse_changed,
 )
+from exogauge.api.lists import Mark, part
 from exogauge.api.routing import Router
 from exogauge.api.session import (
     Code,
@@ -65,7 +66,7 @@ class MemberOut(Answer):
 
 
 @final
-class MemberList(BaseModel):
+class MemberList(ListOf):
     items: list[MemberOut]
 
 
@@ -240,9 +241,10 @@ def close(
 
 
 @router.get("/lab/members", operation_id="listMembers")
-def list_members(store: ReaderDep) -> MemberList:
+def list_members(store: ReaderDep, after: Mark, limit: Limit = 50) -> MemberList:
     """By name."""
-    return MemberList(items=[MemberOut.model_validate(each) for each in store.members.all()])
+    items, more = part(store.members.all(), lambda each: (each.name, each.email), after, limit)
+    return MemberList(items=[MemberOut.model_validate(each) for each in items], next_cursor=more)
 
 
 @router.put("/lab/members/{account_id}", operation_id="setRole")

@@ -10,14 +10,14 @@ from typing import Any, final
 
 from pydantic import BaseModel
 
-from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.dependencies import Cursor, Id, Limit, ReaderDep, encoded_cursor
 from exogauge.api.results import content_of
 from exogauge.api.routing import Router
+from exogauge.api.shapes import ListOf
 from exogauge.storage.jobs import RESULTS
 from exogauge.storage.records import JobRecord
 
 router = Router(tags=["models"])
-MOST_JOBS = 50
 
 
 @final
@@ -40,19 +40,19 @@ class ModelVersionOut(BaseModel):
 
 
 @final
-class ModelVersionList(BaseModel):
+class ModelVersionList(ListOf):
     items: list[ModelVersionOut]
 
 
 @router.get("/studies/{study_id}/models", operation_id="listModelVersions")
-def list_model_versions(study_id: Id, store: ReaderDep) -> ModelVersionList:
-    """Of the study's 50 newest jobs that succeeded and searched for missing effects: newest job first, first model
-    first."""
+def list_model_versions(study_id: Id, store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> ModelVersionList:
+    """Of the study's jobs that succeeded and searched for missing effects: newest job first, first model first. limit:
+    jobs, of which those of other kinds have no model."""
     study = store.studies.get(str(study_id))
-    jobs = store.jobs.page(None, MOST_JOBS, study_id=study.id, state="succeeded").items
-    evaluated = [job for job in jobs if any(each.name == RESULTS for each in store.results.artifacts(job.id))]
+    page = store.jobs.page(cursor, limit, study_id=study.id, state="succeeded")
+    evaluated = [job for job in page.items if any(each.name == RESULTS for each in store.results.artifacts(job.id))]
     items = [each for job in evaluated for each in versions(job, study.content_hash, content_of(store, job.id))]
-    return ModelVersionList(items=items)
+    return ModelVersionList(items=items, next_cursor=encoded_cursor(page.after))
 
 
 def versions(job: JobRecord, data: str, content: Mapping[str, Any]) -> list[ModelVersionOut]:

@@ -29,6 +29,7 @@ from exogauge.api.dependencies import (
     StorageDep,
     StoreDep,
 )
+from exogauge.api.lists import Mark, part
 from exogauge.api.raw_series import opened, shelf_of
 from exogauge.api.routing import Router
 from exogauge.api.scenes import hashed
@@ -156,7 +157,7 @@ class MapOut(BaseModel):
 
 
 @final
-class MapList(BaseModel):
+class MapList(ListOf):
     items: list[MapOut]
 
 
@@ -258,9 +259,10 @@ def delete_contacts(motion_id: Id, store: StoreDep) -> ContactsOut:
 
 
 @router.get("/motion-maps", operation_id="listMotionMaps")
-def list_maps(store: ReaderDep) -> MapList:
+def list_maps(store: ReaderDep, after: Mark, limit: Limit = 50) -> MapList:
     """All that the lab keeps, by name."""
-    return MapList(items=[MapOut.of(kept) for kept in store.maps.all()])
+    items, more = part(store.maps.all(), lambda kept: (kept.name,), after, limit)
+    return MapList(items=[MapOut.of(kept) for kept in items], next_cursor=more)
 
 
 @router.post("/motion-maps", operation_id="keepMotionMap")

@@ -27,13 +27,15 @@ from exogauge.api.dependencies import (
     CallerDep,
     Id,
     InstallationDep,
+    Limit,
     PublicAddress,
     SettingsDep,
 )
+from exogauge.api.lists import Mark, part
 from exogauge.api.openid import Flow, Identity, NotSignedIn, Provider
 from exogauge.api.routing import Router
 from exogauge.api.session import Code, account_of, refuse_open_line
-from exogauge.api.shapes import Answer
+from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import Conflict, NotFound
 from exogauge.storage.accounts import Accounts
 from exogauge.storage.callers import Caller
@@ -83,7 +85,7 @@ class IdentityOut(Answer):
 
 
 @final
-class IdentityList(BaseModel):
+class IdentityList(ListOf):
     items: list[IdentityOut]
 
 
@@ -137,11 +139,12 @@ def ended(request: Request, installation: Installation, address: str) -> Respons
 
 
 @router.get("/account/identities", operation_id="listIdentities")
-def list_identities(caller: CallerDep, installation: InstallationDep) -> IdentityList:
-    """Logins elsewhere by which one's account is reached."""
+def list_identities(caller: CallerDep, installation: InstallationDep, after: Mark, limit: Limit = 50) -> IdentityList:
+    """Logins elsewhere by which one's account is reached, oldest first."""
     with installation.reading() as session:
         found = Identities(session).of(account_of(caller))
-    return IdentityList(items=[IdentityOut.model_validate(each) for each in found])
+    items, more = part(found, lambda each: (each.created_at.isoformat(), each.id), after, limit)
+    return IdentityList(items=[IdentityOut.model_validate(each) for each in items], next_cursor=more)
 
 
 @router.delete(

@@ -23,6 +23,7 @@ from exogauge.api.dependencies import (
     SettingsDep,
     StorageDep,
     StoreDep,
+    encoded_cursor,
 )
 from exogauge.api.jobs import JobOut, QueueDep, located
 from exogauge.api.results import NOT_MODIFIED, file_response
@@ -70,7 +71,7 @@ class PlanOut(BaseModel):
 
 
 @final
-class PlanList(BaseModel):
+class PlanList(ListOf):
     """Newest first."""
 
     items: list[PlanOut]
@@ -78,7 +79,7 @@ class PlanList(BaseModel):
 
 router = Router(tags=["payloads"])
 PAYLOAD = "payload.yaml"
-PLANS, MOST_PLANS = "payload_plan", 50
+PLANS = "payload_plan"
 FORM = bundle_schema("payload.yaml and what it names, under their relative paths, or one zip of them")
 RESULTS: dict[int | str, dict[str, Any]] = {
     200: {"description": "results.json", "model": PayloadResults},
@@ -185,11 +186,12 @@ def plan_payload(
 
 
 @router.get("/payloads/{payload_id}/plans", operation_id="listPayloadPlans")
-def list_payload_plans(payload_id: Id, store: ReaderDep) -> PlanList:
-    """The 50 newest, newest first; those that are still planned, or failed, have no `found`."""
+def list_payload_plans(payload_id: Id, store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> PlanList:
+    """Newest first; those that are still planned, or failed, have no `found`."""
     store.payloads.get(str(payload_id))
-    jobs = store.jobs.page(None, MOST_PLANS, payload_id=str(payload_id), kind=PLANS).items
-    return PlanList(items=[plan_of(store, job) for job in JobOut.of_each(jobs, store.session)])
+    page = store.jobs.page(cursor, limit, payload_id=str(payload_id), kind=PLANS)
+    items = [plan_of(store, job) for job in JobOut.of_each(page.items, store.session)]
+    return PlanList(items=items, next_cursor=encoded_cursor(page.after))
 
 
 def plan_of(store: Store, job: JobOut) -> PlanOut:

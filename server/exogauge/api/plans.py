@@ -24,12 +24,13 @@ from exogauge.api.dependencies import (
     encoded_cursor,
 )
 from exogauge.api.jobs import QueueDep
+from exogauge.api.lists import Mark
 from exogauge.api.motions import asked
 from exogauge.api.opening_capture import EXPORT
 from exogauge.api.plan_shapes import MotionPlanList, MotionPlanOut, PlanAsked, PlanFound
 from exogauge.api.results import file_response
 from exogauge.api.routing import Router
-from exogauge.api.series import SeriesList, described, opened, series_of
+from exogauge.api.series import SeriesList, page_of, series_of
 from exogauge.api.shapes import ArtifactOut, FileOut, State
 from exogauge.api.uploads import scratch_folder
 from exogauge.errors import BadMotion, BadRobot, Fault, NotFound
@@ -120,14 +121,11 @@ let_go(router, "plan", "plans", lambda store: store.plans, "Its jobs, results an
 
 
 @router.get("/plans/{plan_id}/series", operation_id="listPlanSeries")
-def list_series(plan_id: Id, store: ReaderDep) -> SeriesList:
+def list_series(plan_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> SeriesList:
     """Of the newest job that succeeded; their tiles are that job's (`found_job_id`). Empty until there is one."""
     store.plans.get(str(plan_id))
     found = result_of(store, str(plan_id))
-    if found is None:
-        return SeriesList(items=[])
-    hashes = series_of(store, found.job_id)
-    return SeriesList(items=[described(name, opened(store.blobs, sha256)) for name, sha256 in hashes.items()])
+    return page_of(store, {} if found is None else series_of(store, found.job_id), after, limit)
 
 
 @router.get("/plans/{plan_id}/exports/{format}", operation_id="exportPlan", responses=ZIP, response_class=Response)

@@ -12,7 +12,8 @@ from typing import Annotated, Any
 from fastapi import Path, Request
 from fastapi.responses import FileResponse, Response, StreamingResponse
 
-from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.dependencies import Id, Limit, ReaderDep
+from exogauge.api.lists import Mark, part
 from exogauge.api.routing import Router
 from exogauge.api.shapes import ArtifactList, ArtifactOut
 from exogauge.errors import BadInput, Fault
@@ -61,8 +62,10 @@ def get_job_results(job_id: Id, store: ReaderDep, request: Request) -> Response:
 
 
 @router.get("/jobs/{job_id}/artifacts", operation_id="listArtifacts")
-def list_artifacts(job_id: Id, store: ReaderDep) -> ArtifactList:
-    return ArtifactList(items=[ArtifactOut.of(artifact) for artifact in store.results.artifacts(str(job_id))])
+def list_artifacts(job_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> ArtifactList:
+    """By name."""
+    items, more = part(store.results.artifacts(str(job_id)), lambda each: (each.name,), after, limit)
+    return ArtifactList(items=[ArtifactOut.of(artifact) for artifact in items], next_cursor=more)
 
 
 @router.get("/jobs/{job_id}/artifacts/{name:path}", operation_id="getArtifact", responses=ANY_FILE)

@@ -13,11 +13,12 @@ from fastapi import Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
-from exogauge.api.dependencies import Id, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.dependencies import Id, Limit, ReaderDep, SettingsDep, StorageDep
+from exogauge.api.lists import Mark, part
 from exogauge.api.logs import lay_out_robot
 from exogauge.api.routing import Router
 from exogauge.api.series import opened, series_of
-from exogauge.api.shapes import Role
+from exogauge.api.shapes import ListOf, Role
 from exogauge.api.uploads import scratch_folder
 from exogauge.api.what_if import lay_out
 from exogauge.errors import NotFound
@@ -68,18 +69,20 @@ class SceneOut(BaseModel):
 
 
 @final
-class SceneList(BaseModel):
+class SceneList(ListOf):
     items: list[SceneOut]
 
 
 @router.get("/jobs/{job_id}/scenes", operation_id="listScenes")
-def list_scenes(job_id: Id, store: ReaderDep) -> SceneList:
+def list_scenes(job_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> SceneList:
     """The logs that this job evaluated, in the study's order. A recording is drawn when it is first asked for."""
     job = store.jobs.get(str(job_id))
     study = store.study_of(job)
     series = series_of(store, job.id)
     logs = [log for log in study.summary.get("logs", []) if log["name"] in series]
-    return SceneList(items=[scene_of(log, opened(store.blobs, series[log["name"]])) for log in logs])
+    shown, more = part(enumerate(logs), lambda each: (each[0],), after, limit)
+    items = [scene_of(log, opened(store.blobs, series[log["name"]])) for _, log in shown]
+    return SceneList(items=items, next_cursor=more)
 
 
 @router.get("/jobs/{job_id}/scenes/{name}.scene", operation_id="getScene", responses=RECORDING)

@@ -6,7 +6,7 @@ pyarrow is imported with the first question.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Any, Literal, final
 
@@ -14,9 +14,10 @@ from fastapi import Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from pydantic import BaseModel
 
-from exogauge.api.dependencies import Id, ReaderDep
+from exogauge.api.dependencies import Id, Limit, ReaderDep
+from exogauge.api.lists import Key, Mark, part
 from exogauge.api.routing import Router
-from exogauge.api.shapes import Answer
+from exogauge.api.shapes import Answer, ListOf
 from exogauge.errors import BadInput, Fault, NotFound
 from exogauge.storage.blobs import BlobStore
 from exogauge.storage.store import Store
@@ -70,7 +71,7 @@ class SeriesOut(BaseModel):
 
 
 @final
-class SeriesList(BaseModel):
+class SeriesList(ListOf):
     items: list[SeriesOut]
 
 
@@ -99,6 +100,8 @@ def list_series(
     job_id: Id,
     store: ReaderDep,
     response: Response,
+    after: Mark,
+    limit: Limit = 50,
     name: Annotated[str | None, Query(max_length=200, description="only the series of this name")] = None,
 ) -> SeriesList:
     """Every series that the job made, by name; empty until it has succeeded."""
@@ -107,7 +110,13 @@ def list_series(
         hashes = {each: sha256 for each, sha256 in hashes.items() if each == name}
     if hashes:
         response.headers["Cache-Control"] = NEVER_CHANGES
-    return SeriesList(items=[described(name, opened(store.blobs, sha256)) for name, sha256 in hashes.items()])
+    return page_of(store, hashes, after, limit)
+
+
+def page_of(store: Store, hashes: Mapping[str, str], after: Key | None, limit: int) -> SeriesList:
+    """hashes: name -> SHA-256 of the file."""
+    shown, more = part(hashes, lambda name: (name,), after, limit)
+    return SeriesList(items=[described(name, opened(store.blobs, hashes[name])) for name in shown], next_cursor=more)
 
 
 @router.get("/jobs/{job_id}/series/{name}/tiles", operation_id="getSeriesTiles")

@@ -136,7 +136,7 @@ class ArtifactOut(Answer):
 
 
 class ListOf(Answer):
-    """One page, newest first; next_cursor continues it and is null at the end."""
+    """One page; next_cursor continues it and is null at the end."""
 
     next_cursor: str | None = None
 
@@ -162,7 +162,7 @@ class StudyList(ListOf):
 
 
 @final
-class ArtifactList(Answer):
+class ArtifactList(ListOf):
     items: list[ArtifactOut]
 
 

@@ -8,10 +8,21 @@ from typing import final
 from fastapi import Response
 from pydantic import BaseModel
 
-from exogauge.api.dependencies import AccountsOn, CallerDep, Id, InstallationDep, ReaderDep, StoreDep
+from exogauge.api.dependencies import (
+    AccountsOn,
+    CallerDep,
+    Cursor,
+    Id,
+    InstallationDep,
+    Limit,
+    ReaderDep,
+    StoreDep,
+    encoded_cursor,
+)
+from exogauge.api.lists import Mark, part
 from exogauge.api.routing import Router
 from exogauge.api.session import Name
-from exogauge.api.shapes import Answer
+from exogauge.api.shapes import Answer, ListOf
 from exogauge.storage.shares import shared_with
 
 router = Router(tags=["accounts"], dependencies=[AccountsOn])
@@ -27,7 +38,7 @@ class ShareOut(Answer):
 
 
 @final
-class ShareList(BaseModel):
+class ShareList(ListOf):
     items: list[ShareOut]
 
 
@@ -49,13 +60,16 @@ class SharedOut(Answer):
 
 
 @final
-class SharedList(BaseModel):
+class SharedList(ListOf):
     items: list[SharedOut]
 
 
 @router.get("/studies/{study_id}/shares", operation_id="listShares")
-def list_shares(study_id: Id, store: ReaderDep) -> ShareList:
-    return ShareList(items=[ShareOut.model_validate(each) for each in store.shares.of(str(study_id))])
+def list_shares(study_id: Id, store: ReaderDep, after: Mark, limit: Limit = 50) -> ShareList:
+    """Oldest first."""
+    found = store.shares.of(str(study_id))
+    items, more = part(found, lambda each: (each.created_at.isoformat(), each.id), after, limit)
+    return ShareList(items=[ShareOut.model_validate(each) for each in items], next_cursor=more)
 
 
 @router.post("/studies/{study_id}/shares", operation_id="shareStudy", status_code=201)
@@ -74,8 +88,9 @@ def end_share(study_id: Id, share_id: Id, store: StoreDep) -> Response:
 
 
 @router.get("/shared", operation_id="listShared")
-def list_shared(caller: CallerDep, installation: InstallationDep) -> SharedList:
+def list_shared(caller: CallerDep, installation: InstallationDep, cursor: Cursor, limit: Limit = 50) -> SharedList:
     """Studies that other labs let this one read, newest first."""
     with installation.reading() as session:
-        found = shared_with(session, caller.lab_id or "")
-    return SharedList(items=[SharedOut.model_validate(each) for each in found])
+        page = shared_with(session, caller.lab_id or "", cursor, limit)
+    items = [SharedOut.model_validate(each) for each in page.items]
+    return SharedList(items=items, next_cursor=encoded_cursor(page.after))

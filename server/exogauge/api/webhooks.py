@@ -32,7 +32,7 @@ class WebhookOut(Answer):
 
 
 @final
-class WebhookList(BaseModel):
+class WebhookList(ListOf):
     items: list[WebhookOut]
 
 
@@ -73,9 +73,11 @@ class DeliveryList(ListOf):
 
 
 @router.get("/webhooks", operation_id="listWebhooks")
-def list_webhooks(store: ReaderDep) -> WebhookList:
+def list_webhooks(store: ReaderDep, cursor: Cursor, limit: Limit = 50) -> WebhookList:
     """Newest first."""
-    return WebhookList(items=[WebhookOut.model_validate(each) for each in store.webhooks.all()])
+    page = store.webhooks.page(cursor, limit)
+    items = [WebhookOut.model_validate(each) for each in page.items]
+    return WebhookList(items=items, next_cursor=encoded_cursor(page.after))
 
 
 @router.post("/webhooks", operation_id="addWebhook", status_code=201)

@@ -52,6 +52,10 @@ def add_commands(commands: Commands) -> None:
         one = deed.add_parser(name, help=said)
         one.add_argument("lab", help="its name")
         one.set_defaults(command=change_lab)
+    retract = deed.add_parser("retract", help="revoke what a lab has published that is gone; its address tells why")
+    retract.add_argument("key", help="the last part of the permalink")
+    retract.add_argument("--because", required=True, metavar="REASON", help="told to whoever follows the link")
+    retract.set_defaults(command=retract_publication)
 
 
 def sign_in(options: argparse.Namespace) -> int:
@@ -174,6 +178,22 @@ def change_lab(options: argparse.Namespace) -> int:
                 raise NotFound(f"there is no lab {options.lab!a}")
             close_lab(session, found.id, "operator")
     print(f"{options.lab}: {options.what} done")
+    return 0
+
+
+def retract_publication(options: argparse.Namespace) -> int:
+    from contextlib import closing
+
+    from exogauge.settings import Settings
+    from exogauge.storage.publications import published
+    from exogauge.storage.store import open_installation
+
+    with closing(open_installation(Settings())) as installation:
+        with installation.reading() as session:
+            found = published(session, options.key)
+        with installation.of_lab(found.lab_id, "operator").transaction() as store:
+            store.publications.revoke(found.id, options.because)
+    print(f"{options.key}: revoked; its files are gone, its address tells why")
     return 0
 
 

@@ -171,8 +171,7 @@ class Client:
 
     def payload_plans(self, payload: Payload | str) -> list[dict[str, Any]]:
         """Newest first: [{job, found: what it will tell, or None, files}]."""
-        answer: list[dict[str, Any]] = self._http.get(f"payloads/{id_of(payload)}/plans")["items"]
-        return answer
+        return list(self._items(f"payloads/{id_of(payload)}/plans"))
 
     def payload_results(self, payload: Payload | str) -> dict[str, Any]:
         """results.json of the payload's latest job that succeeded."""
@@ -343,8 +342,7 @@ class Client:
 
     def compared_devices(self) -> list[dict[str, Any]]:
         """Devices worn in studies that one may see, of most labs first: [{model, size, labs, studies}]."""
-        answer: list[dict[str, Any]] = self._http.get("compare/devices")["items"]
-        return answer
+        return list(self._items("compare/devices"))
 
     def compare_device(self, model: str, size: str | None = None) -> dict[str, Any]:
         """One device over labs: {model, size, studies: who wore it on what and what each found, quantities: [{quantity,
@@ -355,13 +353,11 @@ class Client:
 
     def models(self, study: Study | str) -> list[dict[str, Any]]:
         """Versions of the study's model, with the effects that were added to each."""
-        answer: list[dict[str, Any]] = self._http.get(f"studies/{id_of(study)}/models")["items"]
-        return answer
+        return list(self._items(f"studies/{id_of(study)}/models"))
 
     def series(self, job: Job | str) -> list[dict[str, Any]]:
         """The job's series: [{name, log, samples, start, end, rate_hz, channels: [{name, unit, kind, words}]}]."""
-        answer: list[dict[str, Any]] = self._http.get(f"jobs/{id_of(job)}/series")["items"]
-        return answer
+        return list(self._items(f"jobs/{id_of(job)}/series"))
 
     def export_series(
         self,
@@ -420,7 +416,7 @@ class Client:
         return answer
 
     def artifacts(self, job: Job | str) -> list[Artifact]:
-        return [thing(Artifact, item) for item in self._http.get(f"jobs/{id_of(job)}/artifacts")["items"]]
+        return list(self._all(f"jobs/{id_of(job)}/artifacts", Artifact))
 
     def download(self, job: Job | str, folder: str | Path, names: list[str] | None = None) -> list[Path]:
         """Write the job's files below `folder`: all of them, or those named."""
@@ -459,10 +455,14 @@ class Client:
             return self._http.post(path, files={"files": packed}, form=form)
 
     def _all(self, path: str, kind: type[Thing], params: Mapping[str, Any] | None = None) -> Iterator[Thing]:
+        return (thing(kind, item) for item in self._items(path, params))
+
+    def _items(self, path: str, params: Mapping[str, Any] | None = None) -> Iterator[dict[str, Any]]:
+        """Of all pages of a list."""
         cursor: str | None = None
         while True:
             page = self._http.get(path, {**(params or {}), **({"cursor": cursor} if cursor else {})})
-            yield from (thing(kind, item) for item in page["items"])
+            yield from page["items"]
             if (cursor := page.get("next_cursor")) is None:
                 return
 

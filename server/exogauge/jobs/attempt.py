@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, final
 
-from exogauge.errors import Cancelled, DiskFull, ExogaugeError, Unavailable
+from exogauge.errors import Away, Cancelled, DiskFull, ExogaugeError, Unavailable
 from exogauge.jobs import claims
 from exogauge.jobs.claims import MAX_ATTEMPTS, MAX_CRASHES
 from exogauge.jobs.compute import ComputeChild, ComputeChildDied, ComputeFailed
@@ -37,9 +37,9 @@ T = TypeVar("T")
 
 MOST_TRIED = 64  # jobs that other workers may take in the same moment
 LOOK_EVERY_S = 0.2  # progress written and wishes to cancel read, at most this often
-LONGEST_PAUSE_S = 5.0
+LONGEST_PAUSE_S = 5.0  # judgement: as long as it takes to find that nobody answers to a connection
 LONGEST_DISK_PAUSE_S = 60.0  # before a computation begins anew, which may take minutes
-DISK_PATIENCE_S = 120.0  # for a disk that is broken; a full one is waited for
+DISK_PATIENCE_S = 120.0  # for a disk that is broken; a full one, or a store that is away, is waited for
 
 
 class NotMineAnyMore(ExogaugeError):
@@ -60,14 +60,15 @@ def until_it_works(
     wait: Callable[[float, Unavailable], None] = sleep,
     longest_pause_s: float = LONGEST_PAUSE_S,
 ) -> T:
-    """Do something again and again while the database or the disk is away; the last error after `patience_s`, but
-    never for a full disk: somebody will make room. wait: for so long, and for what; it may raise to give up."""
+    """Do something again and again while the database, the object store or the disk is away; the last error after
+    `patience_s`, but never for a full disk or a store that is away: somebody will make room, or mend the line. wait:
+    for so long, and for what; it may raise to give up."""
     give_up, pause_s = time.monotonic() + patience_s, 0.2
     while True:
         try:
             return action()
         except Unavailable as error:
-            if time.monotonic() > give_up and not isinstance(error, DiskFull):
+            if time.monotonic() > give_up and not isinstance(error, DiskFull | Away):
                 raise
             log.warning("trying again in %.1f s: %s", pause_s, error)
             wait(pause_s, error)
@@ -226,6 +227,7 @@ class Runner:
                 wanted = claims.cancel_wanted(store.session, job.id, self._worker)
         except Unavailable as error:
             log.warning("job %s: progress not written: %s", job.id, error)
+            self._looked = time.monotonic() + LONGEST_PAUSE_S  # else what is computed would wait for who tells of it
             return
         if wanted is None:
             raise NotMineAnyMore(job.id)

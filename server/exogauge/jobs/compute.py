@@ -67,7 +67,7 @@ class ComputeChild:
     >>> child.call("package.module:function", folder, out, settings, watch, timeout_s=60)  # doctest: +SKIP
 
     `watch(fraction, message, stage)` is called on every progress line and at least every 0.1 s (then with None);
-    it raises to stop the computation.
+    it raises to stop the computation. What time it takes is not the computation's.
     """
 
     def __init__(self) -> None:
@@ -115,17 +115,23 @@ class ComputeChild:
         self._request_id += 1
         request = {"id": self._request_id, "call": call, "folder": str(folder), "out": str(out), "settings": settings}
         try:
-            self._converse(json.dumps(request).encode() + b"\n", watch, time.monotonic() + timeout_s, timeout_s)
+            self._converse(json.dumps(request).encode() + b"\n", watch, timeout_s)
         except ComputeFailed:
             raise
         except BaseException:
             self.kill()
             raise
 
-    def _converse(self, request: bytes, watch: Watch, deadline: float, timeout_s: float) -> None:
-        channel = self._channel
+    def _converse(self, request: bytes, watch: Watch, timeout_s: float) -> None:
+        channel, buffer, deadline = self._channel, b"", time.monotonic() + timeout_s
         assert channel is not None
-        buffer = b""
+
+        def watching(fraction: float | None, message: str | None, stage: str | None) -> None:
+            nonlocal deadline
+            begun = time.monotonic()
+            watch(fraction, message, stage)
+            deadline += time.monotonic() - begun
+
         try:
             channel.sendall(request)
             while True:
@@ -134,13 +140,13 @@ class ComputeChild:
                 self._look()
                 readable, _, _ = select.select([channel], [], [], POLL_S)
                 if not readable:
-                    watch(None, None, None)
+                    watching(None, None, None)
                     continue
                 received = channel.recv(1 << 16)
                 if not received:
                     raise self._died()
                 *lines, buffer = (buffer + received).split(b"\n")
-                if any(self._take(json.loads(line), watch) for line in lines):
+                if any(self._take(json.loads(line), watching) for line in lines):
                     self._look()
                     return
         except (BrokenPipeError, ConnectionResetError) as error:

@@ -21,7 +21,7 @@ from dbos import DBOS, DBOSClient
 from sqlalchemy.orm import Session
 
 from exogauge.jobs.bell import Bell, Patience, ring_when_committed
-from exogauge.storage.database import make_engine
+from exogauge.storage.database import make_engine, seeing_cuts
 from exogauge.storage.row_security import grant_schema
 
 APPLICATION = "exogauge"
@@ -36,8 +36,10 @@ TAKEN = "PENDING"
 
 
 def engine_url(database_url: str) -> str:
-    """The database address as DBOS wants it: no driver in the name."""
+    """The database address as DBOS wants it: no driver in the name. Its connections see a cut as ours do."""
     url = sa.make_url(database_url)
+    if url.get_backend_name() == "postgresql":
+        url = url.set(query={**seeing_cuts(), **url.query})
     return url.set(drivername=url.get_backend_name()).render_as_string(hide_password=False)
 
 

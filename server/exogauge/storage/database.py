@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import math
+import select
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,6 +41,10 @@ PRAGMAS = ("journal_mode=WAL", "synchronous=FULL", "busy_timeout=30000", "foreig
 DISK_FULL = "53100"  # PostgreSQL's SQLSTATE
 READONLY, LAB = "readonly", "lab"  # execution options of a transaction: it does not write; whose rows it sees
 TRUSTED_S = 5.0  # judgement: a connection that answered so lately is not asked whether it still does
+# judgement: how soon either end sees that the line between them was cut, longer than a network stumbles; by itself the
+# system waits 15 minutes for an answer, and the server keeps a dead client's locks for two hours
+CUT_S = 20
+KEPT_ALIVE = {"idle": 10, "interval": 3, "count": 3}
 
 
 @final
@@ -94,13 +99,10 @@ def make_engine(text: str, *, migrating: bool = False) -> Engine:
     url = database_url(text)
     if url.get_backend_name() == "postgresql":
         role = f"-c {SETTING}={ALL}" if migrating else f"-c role={ROLE}"
+        sees_cuts = seeing_cuts()
+        options = f"-c timezone=UTC -c idle_in_transaction_session_timeout=600000 {role} {sees_cuts.pop('options')}"
         engine = sa.create_engine(
-            url,
-            pool_size=10,
-            connect_args={
-                "connect_timeout": 5,
-                "options": f"-c timezone=UTC -c idle_in_transaction_session_timeout=600000 {role}",
-            },
+            url, pool_size=10, connect_args={"connect_timeout": 5, "options": options, **sees_cuts}
         )
         begin_in_one(engine)
         ask_the_idle(engine)
@@ -124,6 +126,14 @@ def make_engine(text: str, *, migrating: bool = False) -> Engine:
     return engine
 
 
+def seeing_cuts() -> dict[str, str]:
+    """Parameters of a connection to PostgreSQL by which client and server see soon that the line was cut."""
+    alive = {f"keepalives_{name}": str(value) for name, value in KEPT_ALIVE.items()}
+    alive["tcp_user_timeout"] = str(1000 * CUT_S)
+    there = (f"-c {name if name.startswith('tcp') else 'tcp_' + name}={value}" for name, value in alive.items())
+    return {**alive, "options": " ".join(there)}
+
+
 def begin_in_one(engine: Engine) -> None:
     """PostgreSQL: BEGIN and what the transaction may see go there in one message; the driver would send each alone."""
 
@@ -145,8 +155,9 @@ def begin_in_one(engine: Engine) -> None:
 
 
 def ask_the_idle(engine: Engine) -> None:
-    """Whether a connection is still there is asked where it was not used just now; else who uses it finds out, and all
-    that are as old are thrown away with it."""
+    """Whether a connection is still there is asked where it was not used just now, or where its socket has something to
+    say while nobody asked: a server that ends a connection says so, or the system does for it. One that is gone is
+    replaced, and whoever wanted it learns nothing of that."""
 
     @event.listens_for(engine, "checkin")
     def note(_connection: Any, record: Any) -> None:
@@ -154,12 +165,21 @@ def ask_the_idle(engine: Engine) -> None:
 
     @event.listens_for(engine, "checkout")
     def ask(connection: Any, record: Any, _fairy: Any) -> None:
-        if time.monotonic() - record.info.get("used", -math.inf) < TRUSTED_S or connection is None:
+        if connection is None:
             return
+        lately = time.monotonic() - record.info.get("used", -math.inf) < TRUSTED_S
         try:
-            engine.dialect.do_ping(connection)
+            if not lately or not silent(connection.fileno()):
+                engine.dialect.do_ping(connection)
         except engine.dialect.loaded_dbapi.Error as error:
             raise DisconnectionError("the connection was lost while nobody used it") from error
+
+
+def silent(socket: int) -> bool:
+    """Whether there is nothing to be read from it, not even its end."""
+    looking = select.poll()
+    looking.register(socket, select.POLLIN)
+    return not looking.poll(0)
 
 
 @contextmanager

@@ -7,12 +7,12 @@ from contextlib import contextmanager
 
 from obstore.exceptions import AlreadyExistsError, BaseError
 
-from exogauge.errors import NotFound, Unavailable
+from exogauge.errors import Away, NotFound
 
 
 @contextmanager
 def reached(what: str, sha256: str | None = None) -> Iterator[None]:
-    """A store that cannot be reached, or refuses, is `Unavailable`. sha256: of what it may lack, which is NotFound."""
+    """A store that cannot be reached, or refuses, is `Away`. sha256: of what it may lack, which is NotFound."""
     try:
         yield
     except AlreadyExistsError:
@@ -22,4 +22,4 @@ def reached(what: str, sha256: str | None = None) -> Iterator[None]:
             raise NotFound(f"no blob {sha256}") from error
         lacks = isinstance(error, FileNotFoundError) or "NoSuchBucket" in str(error)
         why = "has no such bucket" if lacks else "does not answer, or refuses"
-        raise Unavailable(f"cannot {what} now: the object store {why}") from error
+        raise Away(f"cannot {what} now: the object store {why}") from error

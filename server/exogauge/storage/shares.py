@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any, final
 
 import sqlalchemy as sa
@@ -11,7 +12,7 @@ from sqlalchemy.orm import Session
 from exogauge.errors import NotFound
 from exogauge.storage.account_tables import LabRow, Share
 from exogauge.storage.callers import is_open
-from exogauge.storage.records import SharedStudy, ShareRecord, StudyRecord
+from exogauge.storage.records import Page, SharedStudy, ShareRecord, StudyRecord
 from exogauge.storage.rows import Lab
 from exogauge.storage.tables import Job, Study
 
@@ -81,12 +82,17 @@ def host_of(session: Session, lab_id: str, thing: str, key: str) -> str | None:
     return found
 
 
-def shared_with(session: Session, lab_id: str) -> list[SharedStudy]:
+def shared_with(session: Session, lab_id: str, after: tuple[datetime, str] | None, limit: int) -> Page[SharedStudy]:
     """What other labs let this one read, newest first. In a session of all labs."""
-    query = sa.select(Study.id, Study.name, LabRow.name, sa.func.max(Share.created_at))
+    since = sa.func.max(Share.created_at)
+    query = sa.select(Study.id, Study.name, LabRow.name, since)
     query = query.join(Share, Share.study_id == Study.id).join(LabRow, LabRow.id == Share.lab_id)
     query = query.where(
         Share.lab_id != lab_id, sa.or_(Share.to_lab == lab_id, Share.to_lab.is_(None)), is_open(Share.lab_id)
     )
-    query = query.group_by(Study.id, Study.name, LabRow.name).order_by(sa.func.max(Share.created_at).desc(), Study.id)
-    return [SharedStudy(*row) for row in session.execute(query)]
+    query = query.group_by(Study.id, Study.name, LabRow.name).order_by(since.desc(), Study.id.desc())
+    if after is not None:
+        query = query.having(sa.or_(since < after[0], sa.and_(since == after[0], Study.id < after[1])))
+    found = [SharedStudy(*row) for row in session.execute(query.limit(limit + 1))]
+    shown = tuple(found[:limit])
+    return Page(shown, (shown[-1].since, shown[-1].study_id) if len(found) > limit else None)

@@ -55,17 +55,15 @@ class Due:
 class Webhooks:
     lab: Lab
 
-    def all(self) -> list[WebhookRecord]:
-        """Newest first."""
-        query = self.lab.select(Webhook).order_by(Webhook.created_at.desc(), Webhook.id)
-        return [as_record(WebhookRecord, row) for row in self.lab.session.scalars(query)]
+    def page(self, after: tuple[datetime, str] | None, limit: int) -> Page[WebhookRecord]:
+        return self.lab.page(WebhookRecord, Webhook, self.lab.select(Webhook), after, limit)
 
     def get(self, key: str) -> WebhookRecord:
         return self.lab.get(WebhookRecord, Webhook, key, "webhook")
 
     def add(self, url: str, events: Sequence[str]) -> tuple[WebhookRecord, str]:
         """And its secret, which is shown once; it is kept, since each delivery is signed with it."""
-        if len(self.all()) >= MOST:
+        if len(self.page(None, MOST).items) >= MOST:
             raise Conflict(f"a lab has at most {MOST} webhooks")
         secret = f"whsec_{base64.b64encode(secrets.token_bytes(32)).decode()}"
         row = Webhook(lab_id=self.lab.lab_id, url=url, events=sorted(set(events)), secret=secret)

@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 
-import { answer, api, type Schemas } from "./client";
+import { answer, api, type Schemas, whole } from "./client";
 
 export type ComparedDevice = Schemas["ComparedDevice"];
 export type Quantity = Schemas["QuantityOut"];
@@ -10,7 +10,7 @@ export type WornIn = Schemas["WornIn"];
 export function useComparedDevices() {
   return useQuery({
     queryKey: ["compare", "devices"],
-    queryFn: ({ signal }) => answer(api.GET("/api/v1/compare/devices", { signal })),
+    queryFn: ({ signal }) => whole((query) => answer(api.GET("/api/v1/compare/devices", { params: { query }, signal }))),
   });
 }
 

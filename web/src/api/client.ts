@@ -42,6 +42,21 @@ export async function answer<T>(asked: Promise<{ data?: T; error?: unknown; resp
   return got.data as T;
 }
 
+type Page<T> = { items: T[]; next_cursor?: string | null };
+/** As long as one can be. */
+const limit = 200;
+
+/** A list from its first page to its last. ask: for the page that this query asks for. */
+export async function whole<T>(ask: (query: { limit: number; cursor?: string }) => Promise<Page<T>>): Promise<{ items: T[] }> {
+  const items: T[] = [];
+  let page: Page<T> | undefined;
+  do {
+    page = await ask({ limit, cursor: page?.next_cursor ?? undefined });
+    items.push(...page.items);
+  } while (page.next_cursor);
+  return { items };
+}
+
 /** A key under which a request happens once, however often it is sent. */
 export function newKey(): string {
   const bytes = crypto.getRandomValues(new Uint8Array(16));

@@ -1,6 +1,6 @@
 import { useInfiniteQuery, useQuery, useQueryClient } from "@tanstack/react-query";
 
-import { answer, api, type Schemas } from "./client";
+import { answer, api, type Schemas, whole } from "./client";
 import type { Role } from "./session";
 
 export type Member = Schemas["MemberOut"];
@@ -11,7 +11,10 @@ export type AuditEntry = Schemas["AuditOut"];
 const PAGE = 50;
 
 export function useMembers() {
-  return useQuery({ queryKey: ["lab", "members"], queryFn: ({ signal }) => answer(api.GET("/api/v1/lab/members", { signal })) });
+  return useQuery({
+    queryKey: ["lab", "members"],
+    queryFn: ({ signal }) => whole((query) => answer(api.GET("/api/v1/lab/members", { params: { query }, signal }))),
+  });
 }
 
 export function useInvitations(enabled: boolean) {

@@ -3,7 +3,7 @@
 import { keepPreviousData, useInfiniteQuery, useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 
 import { address } from "../app/base";
-import { answer, api, type Schemas } from "./client";
+import { answer, api, type Schemas, whole } from "./client";
 import { bundle } from "./robots";
 import { isActive } from "./studies";
 
@@ -97,7 +97,7 @@ export function useSayContacts(id: string) {
 export function useMaps() {
   return useQuery({
     queryKey: ["motion-maps"],
-    queryFn: ({ signal }) => answer(api.GET("/api/v1/motion-maps", { signal })),
+    queryFn: ({ signal }) => whole((query) => answer(api.GET("/api/v1/motion-maps", { params: { query }, signal }))),
   });
 }
 

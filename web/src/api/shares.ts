@@ -1,6 +1,6 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 
-import { answer, api, type Schemas } from "./client";
+import { answer, api, type Schemas, whole } from "./client";
 import { useSession } from "./session";
 
 export type Share = Schemas["ShareOut"];
@@ -10,7 +10,8 @@ export function useShares(studyId: string) {
   const { data: session } = useSession();
   return useQuery({
     queryKey: ["shares", studyId],
-    queryFn: ({ signal }) => answer(api.GET("/api/v1/studies/{study_id}/shares", { params: { path: { study_id: studyId } }, signal })),
+    queryFn: ({ signal }) =>
+      whole((query) => answer(api.GET("/api/v1/studies/{study_id}/shares", { params: { path: { study_id: studyId }, query }, signal }))),
     enabled: session?.accounts === true && session.lab !== null,
     retry: false,
   });
@@ -21,7 +22,7 @@ export function useShared() {
   const { data: session } = useSession();
   return useQuery({
     queryKey: ["shared"],
-    queryFn: ({ signal }) => answer(api.GET("/api/v1/shared", { signal })),
+    queryFn: ({ signal }) => whole((query) => answer(api.GET("/api/v1/shared", { params: { query }, signal }))),
     enabled: session?.accounts === true && session.lab !== null,
   });
 }

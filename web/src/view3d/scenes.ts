@@ -1,6 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 
-import { answer, api, type Schemas } from "../api/client";
+import { answer, api, type Schemas, whole } from "../api/client";
 
 export type Scene = Schemas["SceneOut"];
 
@@ -8,7 +8,8 @@ export type Scene = Schemas["SceneOut"];
 export function useScenes(jobId: string) {
   return useQuery({
     queryKey: ["jobs", jobId, "scenes"],
-    queryFn: ({ signal }) => answer(api.GET("/api/v1/jobs/{job_id}/scenes", { params: { path: { job_id: jobId } }, signal })),
+    queryFn: ({ signal }) =>
+      whole((query) => answer(api.GET("/api/v1/jobs/{job_id}/scenes", { params: { path: { job_id: jobId }, query }, signal }))),
   });
 }
 

@@ -3,7 +3,7 @@ import { useQueries } from "@tanstack/react-query";
 import { useMemo } from "react";
 
 import type { Comparison } from "../../api/compare";
-import { answer, api } from "../../api/client";
+import { answer, api, whole } from "../../api/client";
 import { Loading } from "../../parts/Loading";
 import { ProblemBox } from "../../parts/ProblemBox";
 import { TimePlot } from "../../parts/TimePlot";
@@ -92,7 +92,7 @@ function useCurves(wanted: Wanted[], joint: string): { curves: Curve[]; waiting:
       staleTime: Infinity,
       retry: false,
       queryFn: async () => {
-        const { items } = await answer(api.GET("/api/v1/jobs/{job_id}/series", { params: { path: { job_id: job } } }));
+        const { items } = await whole((query) => answer(api.GET("/api/v1/jobs/{job_id}/series", { params: { path: { job_id: job }, query } })));
         const series = items.find((each) => each.log === log);
         if (!series?.channels.some(({ name }) => name === channel)) return null;
         const query = { channels: [channel], width: 600 };

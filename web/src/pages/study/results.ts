@@ -2,7 +2,7 @@
 
 import { useQuery } from "@tanstack/react-query";
 
-import { answer, api, type Schemas } from "../../api/client";
+import { answer, api, type Schemas, whole } from "../../api/client";
 
 export type Num = number | null;
 export type Results = Schemas["StudyResults"];
@@ -44,7 +44,7 @@ export function useArtifacts(jobId: string, ready: boolean) {
   return useQuery({
     queryKey: ["artifacts", jobId],
     queryFn: ({ signal }) =>
-      answer(api.GET("/api/v1/jobs/{job_id}/artifacts", { params: { path: { job_id: jobId } }, signal })),
+      whole((query) => answer(api.GET("/api/v1/jobs/{job_id}/artifacts", { params: { path: { job_id: jobId }, query }, signal }))),
     staleTime: Infinity,
     enabled: ready,
   });
