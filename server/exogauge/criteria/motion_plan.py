@@ -37,7 +37,7 @@ class MotionPlan:
     promised what is not there. stillest: times the pelvis' own weight; steps are then a hundredth of what the equations
     say.
     rounds: at most; patience: in which neither the step nor what is wrong falls below `nearer` times its least so
-    far, until a stretch is given up; a knee raise of CMU 13_29 took 5 of them, and then came to its end.
+    far, until a stretch is given up; two knee raises of CMU 13_29 took 7 of them, and then came to their end.
     hopeless: share of a joint's torque by which home itself, at rest, exceeds it, from where on nothing is planned: a
     motion begins and ends there; by less a plan may stand a little aside of it.
     lift_s: in which a foot that lifts is eased into its way, and out of it; a foot that is up for less than twice that
