@@ -27,13 +27,14 @@ from uuid import uuid4
 
 import httpx
 import psycopg
+import pyarrow as pa
 import pyarrow.csv as pc
 import pyarrow.parquet as pq
 import yaml
 from tests.load.__main__ import TICK_S
 from tests.whole_service import SERVER, Service, database, descendants, small_study
 
-SMALL = 10
+SMALL, LARGER = 10, 5
 PIECE = 8 * 1024 * 1024
 GB = 1e9
 TUS = {"Tus-Resumable": "1.0.0"}
@@ -114,15 +115,15 @@ def ended(client: httpx.Client, study: str, kind: str) -> dict[str, Any]:
 
 def read(folder: Path) -> dict[str, bytes]:
     """Of a study's folder what belongs to it."""
-    files = {path: (folder / path).read_bytes() for path in ("study.yaml", "robot.yaml", "robot.urdf", "device.yaml")}
+    files = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix in (".yaml", ".urdf")}
     return files | {f"logs/{path.name}": path.read_bytes() for path in sorted((folder / "logs").iterdir())}
 
 
-def as_csv(files: dict[str, bytes], folder: Path) -> tuple[dict[str, bytes], float]:
-    """The same robot, excited, from text; and for how many hours."""
+def as_csv(files: dict[str, bytes], folder: Path, times: int = 1) -> tuple[dict[str, bytes], float]:
+    """The same robot, excited, from text, each log so many times in a row; and for how many hours."""
     logs, hours = {}, 0.0
     for path in [path for path in files if path.startswith(("logs/id_", "logs/val_"))]:
-        table = pq.read_table(folder / path)
+        table = repeated(pq.read_table(folder / path), times)
         logs[path.replace(".parquet", ".csv")] = text_of(table)
         t = table.column("t").to_pylist()
         hours += (t[-1] - t[0]) / 3600
@@ -130,6 +131,12 @@ def as_csv(files: dict[str, bytes], folder: Path) -> tuple[dict[str, bytes], flo
     said = {"version": 1, "name": "as text", "robot": "robot.yaml", "logs": roles, "steps": ["identify"]}
     kept = {name: files[name] for name in ("robot.yaml", "robot.urdf")}
     return {"study.yaml": yaml.safe_dump(said).encode(), **kept, **logs}, hours
+
+
+def repeated(table: Any, times: int) -> Any:
+    t = table.column("t").to_numpy()
+    place, period = table.schema.get_field_index("t"), t[-1] - t[0] + t[1] - t[0]
+    return pa.concat_tables([table.set_column(place, "t", pa.array(t + k * period)) for k in range(times)])
 
 
 def text_of(table: Any) -> bytes:
@@ -192,6 +199,11 @@ def main() -> int:
             files = read(given.sample)
             text, hours = as_csv(files, given.sample)
             of_a_large_one(client, meter, url, text, hours, "text", folder)
+            more_text, _ = as_csv(files, given.sample, LARGER)
+            size = sum(len(content) for content in more_text.values()) / GB
+            meter.look()
+            sent(client, more_text, folder)
+            told("larger text, upload", GB=size, **meter.look())
             if not given.only_text:
                 hours = sum(pq.read_metadata(each).num_rows for each in (given.sample / "logs").iterdir()) / 200 / 3600
                 of_a_large_one(client, meter, url, files, hours, "sample", folder)

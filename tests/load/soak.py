@@ -5,7 +5,8 @@
 One server and one worker on PostgreSQL; clients hand in small studies, have them evaluated, read lists, details and
 results, listen to events, and delete what they made, so that what is stored does not grow. Every ten seconds memory,
 open files and threads of each process are noted. Printed: each in the second and in the last fifth of the time
-(medians; the first fifth warms up), and the growth between the two per hour. Ends with 1 where an aim was missed.
+(medians; the first fifth warms up), and the growth between the two per hour. Ends with 1 where an aim
+was missed; what runs for less than half an hour decides nothing: a megabyte more would be many an hour.
 """
 
 from __future__ import annotations
