@@ -53,21 +53,23 @@ def test_an_unknown_command_ends_with_2_and_lists_those_there_are():
 
 def test_a_mapping_is_drafted_and_reads_the_files_once_what_is_open_is_said(tmp_path, capsys):
     rows = [(k, 57.3 * np.sin(k / 50), np.cos(k / 50)) for k in range(400)]
-    table = "time_ms,elbow_pos [deg],elbow_trq [Nm],status\n"
-    (tmp_path / "run.csv").write_text(table + "".join(f"{10 * k},{q},{tau},7\n" for k, q, tau in rows))
+    table = "time_ms,elbow_pos [deg],elbow_trq [Nm],status,mode\n"
+    (tmp_path / "run.csv").write_text(table + "".join(f"{10 * k},{q},{tau},7,1\n" for k, q, tau in rows))
     assert main(["mapping", str(tmp_path / "run.csv"), "--out", str(tmp_path / "mapping.yaml")]) == 0
     assert "mapping.yaml" in capsys.readouterr().out
     text = (tmp_path / "mapping.yaml").read_text()
-    assert "# ! run.csv: status: " in text
+    assert "# ! run.csv: status, mode: " in text  # of which the same is said
+
+    (tmp_path / "run.csv").rename(tmp_path / "another.csv")  # the robot's next log is called otherwise
 
     def read():
         mapping = load_mapping(tmp_path / "mapping.yaml")
-        paths = {"run.csv": tmp_path / "run.csv"}
+        paths = {"another.csv": tmp_path / "another.csv"}
         return read_mapped(paths, mapping, joints=["elbow"], motor_from_joint=None, name="run")
 
     with pytest.raises(BadLog, match="status"):
         read()
-    (tmp_path / "mapping.yaml").write_text(text + "  ignore: [status]\n")
+    (tmp_path / "mapping.yaml").write_text(text + "  ignore: [status, mode]\n")
     log = read()
     assert log.rate_hz == pytest.approx(100.0)
     np.testing.assert_allclose(log.channels["q.elbow"], np.radians(57.3) * np.sin(log.time * 2), atol=1e-9)

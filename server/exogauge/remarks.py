@@ -25,6 +25,10 @@ class About(StrEnum):
     CREEPING = "creeping"  # joints; speed below which [rad/s, or m/s]
     FEET_AGAINST_MASS = "feet_against_mass"  # -; -; -; mass by the logs, its doubt, stated, its doubt [kg]
     NEGATIVE_MASS = "negative_mass"  # links; mass and its doubt [kg]
+    # links, joints; standard deviations as stated by which the logs are off, doubt instead [%]
+    CENTRE_LET_GO = "centre_let_go"
+    MASS_LET_GO = "mass_let_go"
+    GAIN_LET_GO = "gain_let_go"
     NOT_CONVERGED = "not_converged"  # -; -; -; steps, squared standard deviations above the minimum, and asked for
     REFERENCE_IMPOSSIBLE = "reference_impossible"  # bodies
     UNDECIDED_COMBINATIONS = "undecided_combinations"  # -; -; -; how many
@@ -38,6 +42,7 @@ class About(StrEnum):
     SESSION_UNKNOWN = "session_unknown"  # logs that do not say when they began
     NO_RUN_AFTER = "no_run_after"  # motions
     DRIFT_FOUND = "drift_found"  # joints; share by which each gives more at the end of the session, its doubt [%]
+    ZEROS_FOUND = "zeros_found"  # components of feet; how far each moved to the end of the session, its doubt [N, N·m]
     BANDS_OF_FILE = "bands_of_file"
     BANDS_UNKNOWN = "bands_unknown"
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach

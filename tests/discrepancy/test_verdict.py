@@ -13,7 +13,17 @@ from exogauge.criteria.judging import Judging
 from exogauge.devices.result import Estimate
 from exogauge.effects.catalogue import shaped_effects
 from exogauge.findings.basis import OfRobot
-from exogauge.findings.result import ChainStep, Discrepancy, Evidence, Excess, Finding, HeldOut, Link, Place
+from exogauge.findings.result import (
+    ChainStep,
+    Discrepancy,
+    Evidence,
+    Excess,
+    Finding,
+    HeldOut,
+    Link,
+    Place,
+    WithinDeclared,
+)
 from exogauge.findings.verdict import Caveat, Facts, Seen, decide
 from exogauge.studies.report.discrepancy_section import discrepancy_view
 from exogauge.studies.results.comparison import verdict
@@ -55,8 +65,11 @@ def discrepancies(draw: st.DrawFn) -> Discrepancy:
     end = Link(ChainStep("robot"), worst, 1.0, "tau.j0", worst, 1.0)
     named = tuple(finding(rank) for rank in range(1, 1 + draw(st.integers(0, 2))))
     cannot = draw(st.sampled_from([(), (Caveat("no_steady_motion", "suit"),)]))
+    others = tuple(Excess(each.channel, "N·m", each.ratio, 1.0, 4.0) for each in far if each not in sure)
+    declared = draw(st.sampled_from([WithinDeclared(), WithinDeclared(others, ("ft_zero", "ft_gain"))]))
     links = (end,) if draw(st.booleans()) else ()
-    return Discrepancy(named, links, (), above, (), (), 100, (), (), seen=tuple(channels), cannot=cannot)
+    rest = {"seen": tuple(channels), "cannot": cannot, "declared": declared}
+    return Discrepancy(named, links, (), above, (), (), 100, (), (), **rest)
 
 
 def told(found: Discrepancy) -> tuple[dict[str, Any], dict[str, str]]:

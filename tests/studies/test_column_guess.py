@@ -41,6 +41,10 @@ def one(name: str, low: float = -1.0, high: float = 1.0, wearer: Wearer = ROBOT,
         ("r_foot_mx [Nm]", SMALL, "ft.r_foot.mx", "Nm"),
         ("imu/angular_velocity/y (deg/s)", SMALL, "gyro.y", "deg/s"),
         ("temperature_l_knee", (20.0, 45.0), "temp.l_knee", "degC"),
+        ("l_knee_deg", (-5.0, 60.0), "q.l_knee", "deg"),
+        ("torso_yaw_joint_mA", (-900.0, 900.0), "i.torso_yaw", "mA"),
+        ("torso_yaw [N·m]", (-30.0, 30.0), "tau.torso_yaw", "N·m"),
+        ("l_knee (rpm)", (-3.0, 3.0), "dq.l_knee", "rpm"),
     ],
 )  # fmt: skip
 def test_a_name_that_leaves_one_reading_is_sure(name: str, span: tuple[float, float], channel: str, unit: str) -> None:
@@ -90,6 +94,7 @@ def test_a_joint_that_only_fits_its_limits_the_other_way_round_is_suggested_with
         ("battery_voltage", "ignore"),
         ("l_knee_desired_pos", "commanded"),
         ("l_knee_status", "what of it was measured"),
+        ("l_knee_error_deg", "what of it was measured"),
         ("wrist_pos", "No joint of the robot"),
         ("head_fz", "which sensor"),
         ("l_knee_pos [A]", "no unit of q"),

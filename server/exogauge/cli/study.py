@@ -106,6 +106,7 @@ def examine_logs(options: argparse.Namespace) -> int:
     from exogauge.studies.intake.admit import admit
     from exogauge.studies.intake.open import open_study
     from exogauge.studies.results.examine_logs import examine_logs as examined
+    from exogauge.studies.words.names import counted
     from exogauge.studies.words.notices import by_sort
     from exogauge.studies.words.remark_words import named
     from exogauge.terminal import text_table
@@ -130,7 +131,8 @@ def examine_logs(options: argparse.Namespace) -> int:
     if any(not sort.first for sort in sorts) and not options.all:
         print("--all lists every channel of every sort")
     errors = sum(len(sort.each) for sort in sorts if sort.severity == "error")
-    print(f"{sum(len(sort.each) for sort in sorts)} findings of {len(sorts)} sorts, {errors} of them errors")
+    found = counted(sum(len(sort.each) for sort in sorts), "finding")
+    print(f"{found} of {counted(len(sorts), 'sort')}, {counted(errors, 'error')}")
     return 1 if errors else 0
 
 

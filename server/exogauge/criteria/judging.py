@@ -80,6 +80,12 @@ class Judging:
         "from here on a channel is said to stand above its floor: below, the floor itself is not known better",
         measured(f"{MISSING}: 40 channels of a robot in which nothing is hidden stand at 0.97 to 1.01"),
     )
+    declared_most: float = criterion(
+        2.58,
+        "std",
+        "that a declared uncertainty may lie from none, for what it explains to count as declared: one in a hundred",
+        judgement(MISSING),
+    )
     sure_above: float = criterion(
         3.0,
         "z",

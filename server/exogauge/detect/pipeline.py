@@ -67,6 +67,7 @@ def _discrepancy(so_far: SoFar, moving: MotionRobot | None) -> Discrepancy:
         chain=_chain(so_far),
         located=searched.before,
         unexplained=searched.after,
+        declared=searched.declared,
         rejected=(*searched.rejected, *so_far.doubtful),
         lineage=lineage(so_far.additions),
         candidates=searched.candidates,

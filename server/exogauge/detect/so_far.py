@@ -12,7 +12,7 @@ from typing import final
 import numpy as np
 
 from exogauge.criteria.criteria import Criteria
-from exogauge.findings.result import Alternative, ChainStep, Excess, Finding, Lineage, Link, Place
+from exogauge.findings.result import Alternative, ChainStep, Excess, Finding, Lineage, Link, Place, WithinDeclared
 from exogauge.findings.verdict import Caveat, Seen
 from exogauge.identification.identify import identify
 from exogauge.identification.model import Effect
@@ -43,11 +43,13 @@ class Question:
 @dataclass(frozen=True)
 class Searched:
     """What the search for effects says beside its findings. recordings: those that it ended with, in which a log that
-    differs from all others is fitted. before, after: channels above their floors. undecided: by effect and place."""
+    differs from all others is fitted. before, after: channels above their floors. declared: none of `after`. undecided:
+    by effect and place."""
 
     recordings: tuple[Recording, ...]
     before: tuple[Excess, ...]
     after: tuple[Excess, ...]
+    declared: WithinDeclared
     seen: tuple[Seen, ...]
     rejected: tuple[Alternative, ...]
     candidates: int

@@ -213,6 +213,17 @@ class Excess:
 
 @final
 @dataclass(frozen=True)
+class WithinDeclared:
+    """Channels above their noise no further than declared uncertainties of the measurement let them stand.
+
+    sources: the kinds of these that it takes, as in `identification.disturbances`, what does most first."""
+
+    channels: tuple[Excess, ...] = ()
+    sources: tuple[str, ...] = ()
+
+
+@final
+@dataclass(frozen=True)
 class Lineage:
     """A model version: its parent's version, and what was added; None of the first."""
 
@@ -237,9 +248,9 @@ class Consequence:
 @dataclass(frozen=True)
 class Discrepancy:
     """before_after: of supporting torque and stiffness. wear_chain: as chain, of the supporting torque and the model of
-    the wear; empty where nothing was added to it. seen: every channel that was looked at, with all that was named.
-    cannot: why something was not judged. judging: what decides its verdict. bands: devices of whose bands something was
-    named, fitted with it."""
+    the wear; empty where nothing was added to it. declared: not among `unexplained`. seen: every
+    channel that was looked at, with all that was named. cannot: why something was not judged. judging: what decides its
+    verdict. bands: devices of whose bands something was named, fitted with it."""
 
     findings: tuple[Finding, ...]
     chain: tuple[Link, ...]
@@ -251,6 +262,7 @@ class Discrepancy:
     notes: tuple[Caveat, ...]
     before_after: tuple[Consequence, ...]
     wear_chain: tuple[Link, ...] = ()
+    declared: WithinDeclared = WithinDeclared()
     seen: tuple[Seen, ...] = ()
     cannot: tuple[Caveat, ...] = ()
     judging: Judging = field(default_factory=Judging)
@@ -268,6 +280,8 @@ class Discrepancy:
             Facts(
                 named=len(self.findings),
                 above=tuple(each.channel for each in self.unexplained),
+                declared=tuple(each.channel for each in self.declared.channels),
+                sources=self.declared.sources,
                 seen=self.seen,
                 told=tuple(each.worst_rmse / each.worst_floor for each in ends if each.worst_floor > 0.0),
                 cannot=self.cannot,

@@ -29,12 +29,13 @@ class Caveat:
     steady motion, of `others` more channels too little, too; far: `value` noise floors in `seconds` [s], or of a
     channel without name. creeping: below `value` [rad/s], unless there is the rival (effect; kind, name and part of its
     place). feet_alike: these contact sensors read too much by the share `value` ± `needed`, or all else gives and
-    weighs as much more. Of the bands of a device: no_steady_motion, nothing_left_out, unclear_course. Of a payload:
-    noise_unknown, no_motion.
+    weighs as much more. declared: this channel and `others` stand above the noise, no further than what is declared
+    uncertain lets them; rival: the sources of that. Of the bands of a device: no_steady_motion, nothing_left_out,
+    unclear_course. Of a payload: noise_unknown, no_motion.
     """
 
     why: Literal[
-        "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike",
+        "not_held_out", "joined", "too_short", "far", "creeping", "feet_alike", "declared",
         "no_steady_motion", "nothing_left_out", "unclear_course", "noise_unknown", "no_motion",
     ]  # fmt: skip
     of: str = ""
@@ -62,13 +63,16 @@ class Seen:
 class Facts:
     """named: effects that were. above: channels that stand above their floors surely, with all that was named. seen:
     all channels that were looked at. told: the other ratios of RMSE to noise floor that a reader is shown of the last
-    model, such as the ends of chains. cannot: why something else was not judged. judging: by what it is decided."""
+    model, such as the ends of chains. cannot: why something else was not judged. declared: channels that stand above
+    their floors no further than uncertainties of these sources let them. judging: by what it is decided."""
 
     named: int
     above: tuple[str, ...]
     seen: tuple[Seen, ...]
     told: tuple[float, ...] = ()
     cannot: tuple[Caveat, ...] = ()
+    declared: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
     judging: Judging = field(default_factory=Judging)
 
 
@@ -97,6 +101,8 @@ def _open(facts: Facts) -> Caveat | None:
         return facts.cannot[0]
     if not facts.seen:
         return Caveat("not_held_out")
+    if facts.declared:
+        return Caveat("declared", facts.declared[0], others=len(facts.declared) - 1, rival=facts.sources)
     judging = facts.judging
     asked = [each for each in facts.seen if each.moved_s >= judging.needed_s]
     short = [each for each in asked or _longest(facts.seen) if each.steady_s < judging.needed_s]

@@ -97,7 +97,7 @@ def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k
     motors = DRIFT if declared.kt_drift > 0.0 else ""
     zeros = zeros_in_doubt(robot)
     if not (len(names) or motors or zeros.any()):
-        return TypeB(moved=np.zeros((equations.size, 0)))
+        return TypeB(moved=np.zeros((equations.size, 0)), moved_by_zeros=np.zeros((equations.size, 0)))
     phi = solution.solved.x[: equations.base_size]
 
     def of_log(prepared: Prepared) -> _Sums:
@@ -122,13 +122,16 @@ def type_b(equations: Equations, logs: Sequence[Prepared], solution: Solution, k
 
     P = equations.size
     common, by_log = np.zeros((P, len(names))), {name: np.zeros((P, P)) for name in (ZERO, DRIFT)}
+    zeros_alike = np.zeros((P, zeros.size if zeros.any() else 0))
     for sums in side_by_side(of_log, logs):
         common += sums.common
+        zeros_alike += sums.zeros
         for name, B, size in ((ZERO, sums.zeros, zeros), (DRIFT, sums.motors, declared.kt_drift)):
             if B.shape[1]:
                 V = solution.unbounded.divided(B) * size
                 by_log[name] += V @ V.T
-    return TypeB(names, std, solution.unbounded.divided(common), {n: C for n, C in by_log.items() if C.any()})
+    alike, by_zeros = solution.unbounded.divided(common), solution.unbounded.divided(zeros_alike)
+    return TypeB(names, std, alike, {n: C for n, C in by_log.items() if C.any()}, by_zeros)
 
 
 def zeros_in_doubt(robot: Robot) -> Array:

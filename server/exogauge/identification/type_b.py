@@ -25,13 +25,15 @@ class TypeB:
     """P parameters x, I inputs that are the same in all logs.
 
     names: (I,) `ft_gain.left_foot`; std: (I,) of each; moved: (P, I) error of x per unit of each.
-    by_log: name -> (P, P) covariance of x that inputs leave which are others in each log.
+    by_log: name -> (P, P) covariance of x that inputs leave which are others in each log. moved_by_zeros: (P, Z) error
+    of x per unit of each contact sensor's zero, were it the same in all logs.
     """
 
     names: tuple[str, ...] = ()
     std: Array = field(default_factory=lambda: np.zeros(0))
     moved: Array = field(default_factory=lambda: np.zeros((0, 0)))
     by_log: Mapping[str, Array] = field(default_factory=dict)
+    moved_by_zeros: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def alike(self) -> Array:

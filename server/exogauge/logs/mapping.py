@@ -90,7 +90,8 @@ def _match(paths: Mapping[str, Path], mapping: LogMapping) -> list[tuple[str, Pa
             left.pop(found[0], None)
             continue
         detail = "no handed-in file has this name" if not found else f"{len(found)} files match: {', '.join(found[:5])}"
-        faults.append(Fault(detail, "file_not_matched", f"Handed in: {', '.join(paths)}.", each.file))
+        advice = f'Handed in: {", ".join(paths)}. For logs with names of their own write a pattern: `file: "*.csv"`.'
+        faults.append(Fault(detail, "file_not_matched", advice, each.file))
     if not faults:
         advice = "Add it to the mapping's files, or leave it out."
         faults = [Fault("the mapping does not say what this file holds", "file_not_mapped", advice, f) for f in left]

@@ -6,5 +6,6 @@
 - `judge`, `creeping`: what held-out logs and other causes say of the best
 - `search`: add, identify again, take back
 - `afterwards`, `residual_correction`, `final_numbers`, `doubt`: shapes once more, curves, numbers beside all else
+- `declared`: what is left, and declared doubts of the measurement explain
 - `ambiguity`, `finding`: what cannot be told apart, and what is said
 """

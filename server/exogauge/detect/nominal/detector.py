@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from exogauge.detect.nominal.contradicted import Change, Contradiction, contradicted, put_back
+from exogauge.detect.nominal.let_go import let_go
 from exogauge.detect.nominal.nominal_values import gain_columns
 from exogauge.detect.so_far import SoFar
 from exogauge.devices.result import Estimate
@@ -115,7 +116,8 @@ def nominal_values(so_far: SoFar) -> SoFar:
         name_contradiction(n, current, recordings, settings, each) for n, each in enumerate(odd.one_by_one, first)
     ]
     named, doubtful = told(findings, so_far.criteria.judging)
-    so_far = replace(so_far, beside=named, doubtful=doubtful)
+    believed = let_go(current, recordings, settings)
+    so_far = replace(so_far, models=(*so_far.models[:-1], believed), beside=named, doubtful=doubtful)
     if odd.feet is None:
         return so_far
     sensors = ", ".join(each.name for each in current.model.robot.contacts)

@@ -20,17 +20,19 @@ from exogauge.estimation.least_squares import PriorLeastSquares
 from exogauge.estimation.prior import Prior
 from exogauge.identification.equations import Equations
 from exogauge.identification.model import RobotModel
+from exogauge.identification.prior import relative_std
 from exogauge.identification.solution import Solution
 from exogauge.robots.parameters import inertia_by_first_moment
 
 Array = NDArray[np.float64]
-Sort = Literal["load", "scaled", "gain", "gains", "feet"]
+Sort = Literal["load", "scaled", "centre", "gain", "gains", "feet"]
 
 
 @final
 @dataclass(frozen=True)
 class Stated:
     """sort: `load` ten parameters, mass [kg] first, on top of body `index`; `scaled` that body denser by a share;
+    `centre` its centre of mass elsewhere, all of its inertia with it, in radii of gyration as its doubt is stated;
     `gain` the motor of axis `index` gives more by a share; `gains` all of them alike; `feet` all contact sensors read
     too much by a share, or all bodies are heavier and all motors give more by it. columns: among `LettingGo`'s. broad:
     (k,) std of each change before the data."""
@@ -54,13 +56,17 @@ def stated_numbers(model: RobotModel, bodies: Sequence[int], memory: Array) -> t
         first = rows.width - len(broad)
         numbers.append(Stated(sort, index, np.arange(first, rows.width), broad))
 
-    seen = model.solution.prior.seen
+    seen, stated, relative = model.solution.prior.seen, as_stated(model), relative_std(model.robot)
     for body in bodies:
         rows.moved(seen[:, 10 * body : 10 * body + 10] * broad_load)
         add("load", body, broad_load)
         if phi[body, 0] > 0.0:
             rows.moved(broad_share * (seen[:, 10 * body : 10 * body + 10] @ phi[body])[:, None])
             add("scaled", body, np.array([broad_share]))
+        if phi[body, 0] > 0.0 and relative[body] > 0.0:
+            first = slice(10 * body + 1, 10 * body + 4)
+            rows.moved(stated.seen[:, first] * (broad_share * stated.std[first] / relative[body]))
+            add("centre", body, np.full(3, broad_share))
     driven = [a for a, joint in enumerate(model.robot.joints) if joint.actuation != "none"]
     places = gain_columns(model.equations)
     if not driven or not places or not model.known_scale:

@@ -41,6 +41,7 @@ from exogauge.studies.import_log.column_words import (
 RATES_HZ = (5.0, 20_000.0)  # of logs
 EPOCHS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (1e8, "s"))
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+OF_JOINTS = ("q", "dq", "ddq", "i", "tau", "temp")
 COMMANDED = "It looks like a commanded value, not a measured one: list it under `ignore`, or say what it measures."
 
 
@@ -62,10 +63,10 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
     kinds = kinds_in(rest)
     if "t" in kinds and (len(kinds) == 1 or column.step is not None):
         return _time(column, words)
-    if named is not None and len(kinds) == 1 and kinds[0] in ("q", "dq", "ddq", "i", "tau", "temp"):
-        return joint_column(column, kinds[0], named[0], words, wearer, f"the name says {named[0]}", sure=True)
+    if named is not None and len(kinds) == 1 and kinds[0] in OF_JOINTS:
+        return joint_column(column, kinds[0], named[0], words, wearer, "the name says which joint", sure=True)
     if named is not None and kinds == ("acc",):
-        return joint_column(column, "ddq", named[0], words, wearer, f"an acceleration of {named[0]}", sure=False)
+        return joint_column(column, "ddq", named[0], words, wearer, "an acceleration of the joint", sure=False)
     if (body := body_column(column, words, kinds, wearer, norms)) is not None:
         return body
     if len(kinds) == 1 and kinds[0] in SI:
@@ -78,9 +79,19 @@ def _one(column: Seen, wearer: Wearer, numbered: Mapping[str, str], norms: Mappi
             return joint_column(column, kinds[0], joint, words, wearer, why, sure=False)
         joints = ", ".join(joint.name for joint in (wearer.joints or ())[:8])
         return Advice(f"No joint of the robot is in its name ({joints}). {UNKNOWN}" if joints else UNKNOWN)
+    if named is not None and (kind := _by_unit(words, rest)):
+        return joint_column(column, kind, named[0], words, wearer, "the name says which joint, and its unit", sure=True)
     if named is not None:
-        return Advice(f"It names the joint {named[0]}, but not what of it was measured. {UNKNOWN}")
+        return Advice(f"It names a joint, but not what of it was measured. {UNKNOWN}")
     return Advice(UNKNOWN)
+
+
+def _by_unit(words: Words, rest: Sequence[str]) -> str | None:
+    """The quantity of a joint that alone has the unit: an angle is a position. None where the name says more."""
+    unit = find_unit(words.unit or "")
+    if unit is None or not FILLERS.issuperset(rest):
+        return None
+    return next((kind for kind in OF_JOINTS if unit.dimension in dimensions_of(parse_channel(f"{kind}.joint"))), None)
 
 
 def _contract(name: str, wearer: Wearer) -> Suggestion | None:
@@ -281,7 +292,9 @@ def body_column(
     if found is None or found.dimension not in dimensions_of(channel):
         return Advice(f"Its name says {unit}, which is no unit of a {'force' if kind == 'f' else 'moment'}. {UNKNOWN}")
     rests = "" if words.unit else f"; the unit is not named: {unit} is usual"
-    return Suggestion(channel.name, unit, sure=words.unit is not None, why=f"the {channel.axis} of {sensor}{rests}")
+    return Suggestion(
+        channel.name, unit, sure=words.unit is not None, why=f"the name says which sensor and axis{rests}"
+    )
 
 
 def _imu(column: Seen, kind: str, axis: str, words: Words, norms: Mapping[str, float]) -> Suggestion | Advice:

@@ -215,22 +215,35 @@ def _norms(values: Mapping[str, RawArray]) -> dict[str, float]:
     return found
 
 
+NAMED = 6  # of columns that are open for one reason, so that a robot of thirty joints stays one line
 HEAD = "# Drafted from names, ranges and the robot. Check what is marked ?; name or ignore what is marked !."
 
 
 def draft(paths: Sequence[Path], robot: Robot | None) -> str:
     """The mapping of all files together, those of a file one after the other. Raises BadLog."""
     looks = [preview(path, path.name, wearer(robot)) for path in paths]
-    lines = [HEAD]
-    for look in looks:
-        for column in look["columns"]:
-            found = column["suggestion"]
-            if found is not None and not found["sure"]:
-                lines.append(
-                    f"# ? {look['file']}: {column['name']} as {found['channel']} [{found['unit']}]: {found['why']}"
-                )
-            elif column["advice"]:
-                lines.append(f"# ! {look['file']}: {column['name']}: {column['advice']}")
-    content = {"version": 1, "files": [part for look in looks for part in look["proposal"]["files"]]}
+    lines = [HEAD, *(line for look in looks for line in _open(look))]
+    parts = [part for look in looks for part in look["proposal"]["files"]]
+    if len(parts) == 1:  # of one file, whatever it is called: the next logs of the robot are others
+        endings = paths[0].suffixes[-2:] if paths[0].suffix == ".gz" else paths[0].suffixes[-1:]
+        parts[0]["file"] = f"*{''.join(endings)}"
+    content = {"version": 1, "files": parts}
     comments = [" ".join(line.split()) for line in lines]
     return "\n".join([*comments, yaml.safe_dump(content, allow_unicode=True, sort_keys=False, width=120)])
+
+
+def _open(look: Mapping[str, Any]) -> list[str]:
+    """What a person has to look at: one line for all columns of which the same is said."""
+    alike: dict[tuple[str, str, str], list[tuple[str, str]]] = {}
+    for column in look["columns"]:
+        found = column["suggestion"]
+        if found is not None and not found["sure"]:
+            alike.setdefault(("?", found["why"], f" [{found['unit']}]"), []).append((column["name"], found["channel"]))
+        elif column["advice"]:
+            alike.setdefault(("!", column["advice"], ""), []).append((column["name"], ""))
+    lines = list[str]()
+    for (mark, said, unit), columns in alike.items():
+        names = ", ".join(f"{name} as {channel}{unit}" if channel else name for name, channel in columns[:NAMED])
+        more = f" and {len(columns) - NAMED} more" if len(columns) > NAMED else ""
+        lines.append(f"# {mark} {look['file']}: {names}{more}: {said}")
+    return lines

@@ -139,6 +139,7 @@ class DiscrepancyView:
     findings: tuple[FindingView, ...]
     located: tuple[ExcessRow, ...]
     unexplained: tuple[ExcessRow, ...]
+    within_declared: tuple[ExcessRow, ...]
     rejected: tuple[CandidateRow, ...]
     changes: tuple[ChangeRow, ...]
     unchanged: tuple[ChangeRow, ...]
@@ -167,6 +168,7 @@ def discrepancy_view(found: Discrepancy | None, content: Mapping[str, Any]) -> D
         findings=findings,
         located=_excesses(found.located),
         unexplained=_excesses(found.unexplained),
+        within_declared=_excesses(found.declared.channels),
         rejected=_rejected(found.rejected),
         changes=tuple(_change(each) for each in found.before_after if moves(each.before, each.after)),
         unchanged=tuple(_change(each) for each in found.before_after if not moves(each.before, each.after)),

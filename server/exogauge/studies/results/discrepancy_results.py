@@ -55,6 +55,7 @@ def discrepancy_entry(found: Discrepancy | None, taken_over: Mapping[int, str] =
         "wear_chain": [_link(each) for each in found.wear_chain],
         "located": [_excess(each) for each in found.located],
         "unexplained": [_excess(each) for each in found.unexplained],
+        "within_declared": [_excess(each) for each in found.declared.channels],
         "rejected": [_alternative(each) for each in found.rejected],
         "lineage": [_version(each, found.findings) for each in found.lineage],
         "candidates": found.candidates,

@@ -9,7 +9,7 @@ from typing import Any
 from exogauge.devices.result import Estimate
 from exogauge.findings.result import Alternative, Discrepancy, Excess, Finding, HeldOut, Place
 from exogauge.findings.verdict import Why
-from exogauge.studies.words.finding_sentences import reason_words
+from exogauge.studies.words.finding_sentences import declared_words, reason_words
 from exogauge.studies.words.names import capital, channel, counted, listed, place_words, titled
 from exogauge.studies.words.rounding import significant
 
@@ -62,7 +62,8 @@ def left_sentence(found: Discrepancy) -> str:
         return f"Whether anything is left above the noise is undecided. {_reason(found)}"
     left = found.unexplained
     count = "One channel stays" if len(left) == 1 else f"{len(left)} channels stay"
-    return f"{count} above the noise, {'' if len(left) == 1 else 'most '}{_at_furthest(left)}."
+    text = f"{count} above the noise, {'' if len(left) == 1 else 'most '}{_at_furthest(left)}."
+    return f"{text} {_declared(found)}".rstrip()
 
 
 def looked_at(result: Mapping[str, Any]) -> str:
@@ -141,7 +142,16 @@ def _unexplained(found: Discrepancy) -> str:
     text = "Measurement and model disagree by more than noise explains"
     worst = found.unexplained or found.located
     most = f", most {_at_furthest(worst)}" if worst else ""
-    return f"{text}{most}, and {_none_of(found)} explains it on held-out logs."
+    return f"{text}{most}, and {_none_of(found)} explains it on held-out logs. {_declared(found)}".rstrip()
+
+
+def _declared(found: Discrepancy) -> str:
+    """Of channels that are not unexplained, beside some that are."""
+    within = found.declared
+    if not within.channels:
+        return ""
+    names = listed([channel(each.channel) for each in within.channels])
+    return f"{capital(names)} {declared_words(len(within.channels), within.sources)}."
 
 
 def _at_furthest(found: Sequence[Excess]) -> str:

@@ -13,11 +13,13 @@ from exogauge.findings.basis import BesideStated, Continued, FloorOf, LeftOut, L
 from exogauge.findings.planned_motion import Apart, PlannedMotion
 from exogauge.findings.result import Concentration, Consequence, Excess, Finding, HeldOut, Place
 from exogauge.findings.verdict import Caveat, Objection, Why
+from exogauge.studies.words.doubt_words import source_advice, source_words
 from exogauge.studies.words.names import (
     NO_BREAK,
     at_place,
     capital,
     channel,
+    counted,
     effect_words,
     listed,
     place_words,
@@ -275,9 +277,21 @@ def reason_words(caveat: Caveat | None) -> str:
                 f"or every link weighs and every motor gives as much {more} than stated. Nothing in these logs "
                 "tells the two apart; weigh the robot"
             )
+        case "declared":
+            others = f" and {counted(caveat.others, 'other channel')}" if caveat.others else ""
+            reason = f"{channel(caveat.of)}{others} {declared_words(caveat.others + 1, caveat.rival)}"
         case _:
             reason = "no log was held out"
     return f"cannot judge: {reason}"
+
+
+def declared_words(channels: int, sources: Sequence[str]) -> str:
+    """`stand above the noise, no further than what is declared of … lets them; take zeros …`."""
+    of = listed([source_words(each) for each in sources])
+    advice = "; ".join(source_advice(each)[:1].lower() + source_advice(each)[1:].rstrip(".") for each in sources)
+    stands = "stands above the noise, no further than the declared uncertainty lets it" if channels == 1 else (
+        "stand above the noise, no further than the declared uncertainty lets them")  # fmt: skip
+    return f"{stands} ({of}); {advice}"
 
 
 def consequence_words(found: Consequence) -> str:

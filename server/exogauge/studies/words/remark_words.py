@@ -79,6 +79,21 @@ FORMS: Mapping[About, Form] = {
         "does not explain them. Is the sign of a sensor, a current or a torque stated the wrong way round?",
         each="{name} ({0:.3g} ± {1:.2g} kg)",
     ),
+    About.CENTRE_LET_GO: Form(
+        "The logs contradict the stated centre of mass of {names}. It is believed no more than that: all that is "
+        "stated of the link counts as that much more doubtful. Is it the link that the URDF describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} % of its radius of gyration)",
+    ),
+    About.MASS_LET_GO: Form(
+        "The logs contradict the stated mass of {names}. It is believed no more than that: all that is stated of the "
+        "link counts as that much more doubtful. Is it the link that the URDF describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
+    ),
+    About.GAIN_LET_GO: Form(
+        "The logs contradict the stated k_T of {names}. It is believed no more than that. Is it the motor and the gear "
+        "that robot.yaml describes?",
+        each="{name} (by {0:.0f} stated standard deviations; now ± {1:.2g} %)",
+    ),
     About.NOT_CONVERGED: Form(
         "The search among possible bodies stopped after {0:.0f} steps, {1:.2g} squared standard deviations above the "
         "minimum at most; {2:.2g} was asked for."
@@ -126,6 +141,12 @@ FORMS: Mapping[About, Form] = {
         "From the first to the last logs without the device, motors changed what they give per ampere; by the end of "
         "the session: {names}. It is taken off all estimates; what is left in doubt of it is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f} %",
+    ),
+    About.ZEROS_FOUND: Form(
+        "Zeros of the feet's sensors moved through the session, as the whole robot's balance of forces tells, which "
+        "knows their sum alone; by its end: {names}. It is taken off all estimates; what is left in doubt of it is in "
+        "their budgets.",
+        each="{name} {0:+.1f} ± {1:.1f}",
     ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),

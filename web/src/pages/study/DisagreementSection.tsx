@@ -49,6 +49,9 @@ export function DisagreementSection({ study, job, results }: { study: Study; job
         </Title>
         <Text size="sm">{leftOf(found)}</Text>
         {found.unexplained.length > 0 && <Excesses name="Channels above their noise with all that was named" rows={found.unexplained} />}
+        {found.within_declared && found.within_declared.length > 0 && (
+          <Excesses name="Channels above their noise, no further than declared uncertainties let them" rows={found.within_declared} />
+        )}
         {found.located.length > 0 && (
           <>
             <Title order={3} size="h5" mt="md" mb={4}>

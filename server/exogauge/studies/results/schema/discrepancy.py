@@ -205,6 +205,7 @@ class Discrepancy(Part):
     wear_chain: list[ChainLink] = later("the same of the model of the wear; empty where nothing was added to it")
     located: list[ChannelExcess] = Field(description="above their noise before anything was named")
     unexplained: list[ChannelExcess] = Field(description="above their noise with all that was named")
+    within_declared: list[ChannelExcess] = later("above their noise no further than declared uncertainties let them")
     rejected: list[Candidate] = Field(description="tried and not named")
     lineage: list[ModelVersion] = Field(description="versions of the model")
     candidates: int = Field(description="how many there were, each an effect at one place in one shape")

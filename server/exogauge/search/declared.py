@@ -1,0 +1,143 @@
+"""What stands above the sensors' noise, and no further than the declared uncertainties of the measurement let it stand.
+
+A foot's zero of 2 N that robot.yaml declares leaves 2 N in the base's rows: no effect is missing there, and none can be
+seen that is smaller. The declared inputs are fitted to the held-out residuals, with what is declared as their prior.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
+
+from exogauge.findings.result import Excess, WithinDeclared
+from exogauge.identification.disturbances import (
+    DRIFT,
+    ZERO,
+    common_columns,
+    drift_columns,
+    zero_columns,
+    zeros_in_doubt,
+)
+from exogauge.identification.model import RobotModel
+from exogauge.identification.settings import Recording
+from exogauge.robots.rows import RowType
+from exogauge.search.locate import all_channels
+from exogauge.side_by_side import each as side_by_side
+
+Array = NDArray[np.float64]
+
+TENTH = 0.1  # of what all inputs do together: less of it is no advice
+
+
+@final
+@dataclass(frozen=True)
+class _Sums:
+    """Of rows of one kind in one log. C: (n, K) what the inputs put into their residual e per standard deviation.
+
+    own: (K, K) Σ CᵀC. with_residual: (K,) Σ Cᵀe. square: Σ e².
+    """
+
+    own: Array
+    with_residual: Array
+    square: float
+
+    def with_rows(self, more: _Sums) -> _Sums:
+        return _Sums(self.own + more.own, self.with_residual + more.with_residual, self.square + more.square)
+
+    def left(self, inputs: Array) -> float:
+        """Σ (e - C u)². inputs: (K,)."""
+        return float(self.square - 2.0 * inputs @ self.with_residual + inputs @ self.own @ inputs)
+
+
+def within_declared(model: RobotModel, recordings: Sequence[Recording], excesses: Sequence[Excess]) -> WithinDeclared:
+    """Those channels that stand at their floors once the declared inputs are what suits the held-out logs best."""
+    held_out, judging = [each for each in recordings if each.held_out], model.criteria.judging
+    if not excesses or not held_out or not any(map(len, _sizes(model))):
+        return WithinDeclared()
+    logs = list(side_by_side(lambda each: _of_log(model, each), held_out))
+    inputs = _best(model, logs)
+    kinds, within = {channel: kind for kind, channel in all_channels(model.equations).items()}, list[Excess]()
+    for excess in excesses:
+        sums = [(number, log[kinds[excess.channel]]) for number, log in enumerate(logs) if kinds[excess.channel] in log]
+        before = sum(each.square for _, each in sums)
+        after = sum(each.left(inputs[number]) for number, each in sums)
+        if excess.rmse * np.sqrt(max(after, 0.0) / before) < judging.above * excess.noise_floor:
+            within.append(excess)
+    return WithinDeclared(tuple(within), _sources(model, logs, inputs) if within else ())
+
+
+def _sources(model: RobotModel, logs: Sequence[Mapping[int, _Sums]], inputs: Array) -> tuple[str, ...]:
+    """Kinds of inputs that each put a tenth or more into the residuals of what all of them do, what does most first."""
+    shared, own = _sizes(model)
+    zeros = len(shared) - len(model.inputs.names)
+    names = [
+        *(each.partition(".")[0] for each in model.inputs.names),
+        *[ZERO] * 2 * zeros,
+        *[DRIFT] * (len(own) - zeros),
+    ]
+    done = dict.fromkeys(names, 0.0)
+    for name in done:
+        for u, log in zip(np.where(np.array(names) == name, inputs, 0.0), logs, strict=True):
+            done[name] += sum(float(model.solution.weights[kind] * u @ each.own @ u) for kind, each in log.items())
+    told = [name for name in done if done[name] >= TENTH * sum(done.values())]
+    return tuple(sorted(told, key=lambda name: -done[name]))
+
+
+def _sizes(model: RobotModel) -> tuple[Array, Array]:
+    """Standard deviations of what all logs share, zeros among it, and of what is another in each log."""
+    zeros, drift = zeros_in_doubt(model.robot), model.robot.declared.kt_drift
+    zeros = zeros if zeros.any() else np.zeros(0)
+    motors = np.full(len(model.robot.joints) if drift > 0.0 else 0, drift)
+    return np.concatenate([model.inputs.std, zeros]), np.concatenate([zeros, motors])
+
+
+def _of_log(model: RobotModel, recording: Recording) -> Mapping[int, _Sums]:
+    """By kind of row: what is declared, with what it did to the robot, e = -(c + A V) θ."""
+    equations, prepared = model.equations, model.prepare(recording.log)
+    x, layout, kept = model.solution.unbounded.x, equations.layout, prepared.kept
+    phi = model.solution.solved.x[: equations.base_size]
+    common, zeros = (
+        common_columns(equations, prepared, kept, model.cutoff_hz, phi),
+        zero_columns(equations, prepared, kept),
+    )
+    drift = drift_columns(equations, model.k_T, prepared, kept)
+    at_rest, axes = layout.numbers(RowType.AT_REST), layout.told.axes
+    shared, own = _sizes(model)
+    moved = np.hstack([model.inputs.moved, model.inputs.moved_by_zeros])
+    Z, sums = zeros.shape[1], dict[int, _Sums]()
+    for _, chunks in equations.rows(prepared, x):
+        for chunk in chunks:
+            if chunk.kind in at_rest:
+                continue
+            (told,), row = layout.in_told([chunk.kind]), layout.rows[chunk.kind]
+            zero = zeros[chunk.samples, :, told] if told < axes.stop else np.zeros((len(chunk.samples), Z))
+            alike = np.hstack([common[chunk.samples, :, told], zero]) + chunk.block[:, :-1] @ moved[chunk.columns]
+            motors = np.zeros((len(chunk.samples), len(own) - Z))
+            if row.type == RowType.AXIS and motors.size:
+                motors[:, row.place] = drift[chunk.samples, row.place]
+            C, e = -np.hstack([alike * shared, np.hstack([zero, motors]) * own]), chunk.residual(x)
+            new, old = _Sums(C.T @ C, C.T @ e, float(e @ e)), sums.get(chunk.kind)
+            sums[chunk.kind] = new if old is None else old.with_rows(new)
+    return sums
+
+
+def _best(model: RobotModel, logs: Sequence[Mapping[int, _Sums]]) -> Array:
+    """(logs, K) of the inputs, in standard deviations: weighted least squares beside a prior of one each, none further
+    from none than is declared."""
+    S, L = (len(each) for each in _sizes(model))
+    size, weights = S + L * len(logs), model.solution.weights
+    H, g = np.eye(size), np.zeros(size)
+    places = [np.concatenate([np.arange(S), S + L * number + np.arange(L)]) for number in range(len(logs))]
+    for at, log in zip(places, logs, strict=True):
+        for kind, each in log.items():
+            H[np.ix_(at, at)] += weights[kind] * each.own
+            g[at] += weights[kind] * each.with_residual
+    root = np.linalg.cholesky(H).T
+    most = model.criteria.judging.declared_most
+    u = lsq_linear(root, np.linalg.solve(root.T, g), (-most, most), method="bvls").x
+    return np.stack([u[at] for at in places])

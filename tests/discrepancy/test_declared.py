@@ -1,0 +1,63 @@
+"""What a foot's sensor has wrong no further than it was declared to is not unexplained; beyond, or elsewhere, it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.discrepancy.test_feet import Wrong, on_two_plates, robot  # noqa: F401
+from tests.discrepancy.test_sensor_effects import SEEDS
+
+from exogauge.findings.result import WithinDeclared
+from exogauge.identification.identify import identify
+from exogauge.identification.settings import Recording, Settings
+from exogauge.progress import unwatched
+from exogauge.robots.declared import Declared
+from exogauge.robots.description import Robot
+from exogauge.search.baseline import lay_ground
+from exogauge.search.declared import within_declared
+from exogauge.search.locate import located
+
+DECLARED = Declared(ft_zero_force=2.0, ft_zero_moment=0.2)
+
+
+def pushed(newtons: float) -> Wrong:
+    return lambda _t, read: read + np.array([newtons, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def swinging(newtons: float) -> Wrong:
+    def read(t: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return w + np.outer(np.sin(1.7 * t), [newtons, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+    return read
+
+
+def above(robot: Robot, wrong: Wrong) -> tuple[set[str], WithinDeclared]:  # noqa: F811
+    logs = [on_two_plates(seed, {"left": wrong}) for seed in SEEDS]
+    recordings = [Recording(log, held_out=number == len(logs) - 1) for number, log in enumerate(logs)]
+    found = identify(robot, recordings, Settings())
+    excesses = located(found.model.equations, found, lay_ground(found.model, recordings, (), unwatched).residuals)
+    return {each.channel for each in excesses}, within_declared(found.model, recordings, excesses)
+
+
+@pytest.mark.parametrize(
+    ("declared", "wrong", "within"),
+    [
+        (DECLARED, pushed(3.0), True),
+        (Declared(), pushed(3.0), False),  # of a robot that is said to be exact
+        (DECLARED, pushed(20.0), False),  # ten times what is declared
+        (DECLARED, swinging(3.0), False),  # no zero does that
+    ],
+)
+def test_only_what_declared_inputs_can_do_is_within_them(
+    robot: Robot,  # noqa: F811
+    declared: Declared,
+    wrong: Wrong,
+    within: bool,
+) -> None:
+    seen, found = above(replace(robot, declared=declared), wrong)
+    assert "base.fx" in seen
+    assert ("base.fx" in {each.channel for each in found.channels}) == within
+    if within:
+        assert found.sources == ("ft_zero",)
