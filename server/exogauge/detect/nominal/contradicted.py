@@ -76,8 +76,8 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
     """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
 
     A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
-    measured acceleration, which the residual holds too. A centre of mass that is elsewhere explains what it explains
-    better than any of them, and has no name (`let_go`). Where one factor on all gains explains more than any of them,
+    measured acceleration, which the residual holds too. A centre of mass that is elsewhere, of another link than the
+    best, and explains clearly more has no name (`let_go`), and takes its part out. Where one factor on all gains explains more than any of them,
     none is to blame.
     """
     criteria = model.criteria
@@ -93,7 +93,9 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
         ordered, common = _best_of_each(changes)
         best = ordered[0]
         elsewhere = max(centres, key=lambda each: data.let(each.columns).evidence, default=None)
-        if elsewhere is not None and data.let(elsewhere.columns).evidence >= max(best.evidence, criteria.nominal.sure):
+        needed = max(best.evidence + criteria.judging.open, criteria.nominal.sure)
+        another = elsewhere is not None and not (best.of_link and best.stated.index == elsewhere.index)
+        if elsewhere is not None and another and data.let(elsewhere.columns).evidence >= needed:
             data = data.without(elsewhere.columns)
             centres = [each for each in centres if each is not elsewhere]
             continue
