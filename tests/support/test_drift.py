@@ -10,8 +10,9 @@ import pytest
 from exogauge.criteria.identifying import DECLARED
 from exogauge.robots.declared import Declared
 from exogauge.support.balance import balance
-from exogauge.support.drift import Drift, courses, find_drift, told_by_runs
+from exogauge.support.drift import Drift, find_drift, told_by_runs
 from exogauge.support.evaluate import estimate_support
+from exogauge.support.session import courses
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 
 SIZE, EVERY = 0.02, np.arange(6)

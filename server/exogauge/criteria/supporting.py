@@ -36,6 +36,12 @@ class Supporting:
     drift_samples: int = criterion(
         50, "samples", "of a joint in steady motion, below which a run says nothing of its motor", judgement(DRIFTS)
     )
+    zero_missed: float = criterion(
+        10.0,
+        "1",
+        "of the declared zero of a foot, which a wrong mass or tilt may look like in a motion: only its change tells",
+        judgement("docs/decisions/0031-zeros-of-the-feet-through-a-session.md"),
+    )
     equal: float = criterion(
         2.0,
         "z",

@@ -17,13 +17,13 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from exogauge.criteria.identifying import DECLARED
 from exogauge.identification.disturbances import ZERO, drift_columns
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.logs.model import Log
 from exogauge.support.balance import Balance, of_this_log
 from exogauge.support.coloured import by_autocovariance
+from exogauge.support.session import session
 from exogauge.support.settings import PlainLog
 
 Array = NDArray[np.float64]
@@ -79,16 +79,6 @@ class Drift:
         return np.asarray(found.reshape(len(samples), len(joints), -1), dtype=np.float32)
 
 
-def courses(middle_s: Array, lasting_s: Array, fitted: BoolArray, end_s: float) -> Array:
-    """(L, R) of logs whose middle is so long after the session's beginning; 0 on the average of the fitted ones, from
-    cold to the end of the session 1. lasting_s: (L,) of each."""
-    found = []
-    for constant in DECLARED.warming_s:
-        w = np.expm1(-middle_s / constant) / np.expm1(-end_s / constant)
-        found.append(w - np.average(w[fitted], weights=lasting_s[fitted]))
-    return np.stack(found, axis=1)
-
-
 def find_drift(
     model: RobotModel,
     plain: Sequence[PlainLog],
@@ -98,27 +88,18 @@ def find_drift(
 ) -> Drift | None:
     """None where no drift is declared, or where it is not said of every log when it began. started: recording -> [s].
     balances: of logs without the device, by name."""
-    logs = [*(each.log for each in plain), *worn]
-    size = model.robot.declared.kt_drift
+    size, known_session = model.robot.declared.kt_drift, session(plain, worn, started)
     driven = np.array([joint.actuation == "current" for joint in model.robot.joints])
-    if size <= 0.0 or not driven.any() or any(log.recording not in started for log in logs):
+    if size <= 0.0 or not driven.any() or known_session is None:
         return None
-    begins = np.array([started[log.recording] + float(log.time[0]) for log in logs])
-    lasting = np.array([float(log.time[-1] - log.time[0]) for log in logs])
-    first = float(begins.min())
-    fitted = np.array([*(not each.held_out for each in plain), *(False for _ in worn)])
-    if not fitted.any():
-        return None
-    middle, end = begins - first + 0.5 * lasting, float(np.max(begins - first + lasting))
-    course = courses(middle, lasting, fitted, end)
-    order = np.argsort(middle)
+    logs, course = known_session.logs, known_session.course
     told = _repeated(plain, balances)
     seen = [_Seen.of(model, balances[each.log.name]) for each in told]
     A, R = len(driven), course.shape[1]
     beta, root = np.zeros((A, R)), np.tile(np.eye(R) * size / np.sqrt(R), (A, 1, 1))
     known = np.zeros(A, dtype=np.bool_)
     motions = [each.motion for each in told]
-    places = [next(k for k, log in enumerate(logs) if log is each.log) for each in told]
+    places = [logs[each.log.name] for each in told]
     for axis in np.flatnonzero(driven):
         z, variance = (np.array([getattr(each, name)[axis] for each in seen]) for name in ("share", "variance"))
         use = np.isfinite(z) & np.isfinite(variance)
@@ -128,7 +109,7 @@ def find_drift(
             W, missed = course[[places[k] for k in chosen]], model.criteria.support.drift_missed
             beta[axis], root[axis] = told_by_runs(W, z[chosen], variance[chosen], own, size / np.sqrt(R), missed)
             known[axis] = True
-    return Drift({logs[k].name: row for row, k in enumerate(order)}, course[order], beta, root, known)
+    return Drift(logs, course, beta, root, known)
 
 
 def _repeated(plain: Sequence[PlainLog], balances: Mapping[str, Balance]) -> list[PlainLog]:

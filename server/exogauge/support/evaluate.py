@@ -25,7 +25,7 @@ from exogauge.support.cross_checks import judged
 from exogauge.support.drift import find_drift
 from exogauge.support.evidence import Background, Evidence, Nothing, gather, on_joints
 from exogauge.support.motions import Pair, acted_joints, doubts, pairs
-from exogauge.support.notes import notes_on_drift, notes_on_logs
+from exogauge.support.notes import notes_on_drift, notes_on_logs, notes_on_zeros
 from exogauge.support.phases import phase_names
 from exogauge.support.repeatability import Plain, held_friction, repeatability
 from exogauge.support.result import JointSupport, SupportResult, Trial
@@ -33,6 +33,7 @@ from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 from exogauge.support.stiffness import Springs, fit_springs, identify_bands, with_spring
 from exogauge.support.summary import summarise_joint
+from exogauge.support.zeros import find_zeros
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -82,6 +83,9 @@ def gather_support(
     backgrounds: dict[str, Background] = {}
     nothings: list[Nothing] = []
     balances = _balances(model, _used(plain, worn), joints, progress)
+    zeros = find_zeros(model, plain, worn, settings.started)
+    if zeros is not None:
+        balances = {name: zeros.without(model, each) for name, each in balances.items()}
     drift = find_drift(model, plain, [each.log for each in worn], balances, settings.started)
     if drift is not None:
         balances = {name: drift.without(model, each) for name, each in balances.items()}
@@ -89,7 +93,7 @@ def gather_support(
     held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
         plains = _plains(model, _of_motion(plain, motion), balances)
-        background = Background(joints, plains, repeatability(plains, held, settings), held, None, drift)
+        background = Background(joints, plains, repeatability(plains, held, settings), held, None, drift, zeros)
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
         for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):
@@ -98,7 +102,11 @@ def gather_support(
         nothings += [_nothing(each, motion) for each in plains]
         backgrounds[motion] = replace(background, plains=())  # the memory they hold goes
     names = [model.robot.joints[j].name for j in joints]
-    notes = (*notes_on_logs(_used(plain, worn), worn), *notes_on_drift(model, drift, joints))
+    notes = (
+        *notes_on_logs(_used(plain, worn), worn),
+        *notes_on_drift(model, drift, joints),
+        *notes_on_zeros(model, zeros),
+    )
     return Gathered(evidences, backgrounds, nothings, joints, names, notes)
 
 

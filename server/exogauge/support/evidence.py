@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exogauge.criteria.identifying import DECLARED
 from exogauge.devices.routing import Routing
-from exogauge.identification.disturbances import DRIFT
+from exogauge.identification.disturbances import DRIFT, ZERO
 from exogauge.identification.model import RobotModel
 from exogauge.identification.preparation import Prepared
 from exogauge.identification.result import Prediction
@@ -26,6 +26,7 @@ from exogauge.support.phases import find_phases, main_joint
 from exogauge.support.repeatability import Plain, Repeatability
 from exogauge.support.same_motion import Match, Posture, match
 from exogauge.support.settings import SupportSettings, WornLog
+from exogauge.support.zeros import Zeros
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -56,8 +57,8 @@ class Evidence:
     half of the interval that friction at rest leaves. compared, steady, rest: (T, D). length: (T, W) [m].
     kept: samples for a fit. sloped: (n,) samples of slope_…: (n, D, P + I) ∂torque/∂x and with the common inputs
     (`RobotModel.doubt`). own_…: declared uncertainty -> (n, D, K) [N·m] one standard deviation each of what is this
-    log's own, and its partner's; session_…: the same of what all logs of a session have in common (`Drift`). rest_a,
-    rest_b: (T, D) [N·m] of std_a, and of std_b and std_paired, what friction at rest makes.
+    log's own, and its partner's; session_…: the same of what all logs of a session have in common (`Drift`,
+    `Zeros`). rest_a, rest_b: (T, D) [N·m] of std_a, and of std_b and std_paired, what friction at rest makes.
     """
 
     worn: WornLog
@@ -131,7 +132,7 @@ class Background:
 
     plains: logs without the device of the same motion. repeats: what both approaches find where the truth is zero.
     held: (D,) [N·m] the largest friction seen at rest. reference: the place in plains to compare with, if any. drift:
-    of motors through the session; None where nothing is known of it.
+    of motors through the session, zeros: of the feet's sensors; None where nothing is known of it.
     """
 
     joints: IntArray
@@ -140,6 +141,7 @@ class Background:
     held: Array
     reference: int | None
     drift: Drift | None = None
+    zeros: Zeros | None = None
 
 
 def gather(
@@ -148,15 +150,15 @@ def gather(
     """Everything that one log with the device says."""
     joints, repeats = background.joints, background.repeats
     prepared = prepare_worn(model, worn.log)
-    own, drift = balance(model, prepared, joints), background.drift
-    if drift is not None:
-        own = drift.without(model, own)
+    own, courses = balance(model, prepared, joints), {DRIFT: background.drift, ZERO: background.zeros}
+    for course in courses.values():
+        own = own if course is None else course.without(model, own)
     names = [model.robot.joints[j].name for j in joints]
     q = prepared.motion.q[:, joints]
     geometry = routing.geometry(prepared.motion.q)
     sloped = _sloped(prepared)
     slope_b = _slopes(model, prepared, sloped, joints)
-    own_b, session_b = _own_inputs(model, prepared, sloped, joints, drift)
+    own_b, session_b = _own_inputs(model, prepared, sloped, joints, courses)
     std_b = _spread(model.doubt, slope_b, own_b | session_b, sloped, own.steady, *repeats.spread("b"))
     half_b = own.rest * background.held
     jacobian = on_joints(geometry.jacobian, routing, joints)
@@ -171,7 +173,7 @@ def gather(
         apart = difference(own, plain.balance, found)
         a, compared, half_a, reference = apart.torque, apart.compared, apart.rest * background.held, plain.name
         slope_a = slope_b - _slopes(model, plain.balance.prepared, apart.nearest[sloped], joints)
-        partner, then = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints, drift)
+        partner, then = _own_inputs(model, plain.balance.prepared, apart.nearest[sloped], joints, courses)
         own_a = _with_partner(own_b, partner)
         session_a = {name: each - then[name] for name, each in session_b.items()}
         std_a = _spread(model.doubt, slope_a, own_a | session_a, sloped, own.steady, *repeats.spread("a"))
@@ -266,16 +268,22 @@ def _slopes(model: RobotModel, prepared: Prepared, samples: IntArray, joints: In
 
 
 def _own_inputs(
-    model: RobotModel, prepared: Prepared, samples: IntArray, joints: IntArray, drift: Drift | None
+    model: RobotModel,
+    prepared: Prepared,
+    samples: IntArray,
+    joints: IntArray,
+    courses: Mapping[str, Drift | Zeros | None],
 ) -> tuple[dict[str, NDArray[np.float32]], dict[str, NDArray[np.float32]]]:
     """What is this log's own, and what all logs of the session have in common; the same inputs in the same order,
     whatever the log."""
     found = of_this_log(model, prepared, samples, joints)
     own = {name: each.astype(np.float32) for name, each in found.items() if each.any()}
-    if drift is None:
-        return own, {}
-    own.pop(DRIFT, None)
-    return own, {DRIFT: drift.doubt(model, prepared, samples, joints)}
+    session = dict[str, NDArray[np.float32]]()
+    for name, course in courses.items():
+        if course is not None:
+            own.pop(name, None)
+            session[name] = course.doubt(model, prepared, samples, joints)
+    return own, session
 
 
 def _with_partner(own: OwnInputs, partner: OwnInputs) -> dict[str, NDArray[np.float32]]:

@@ -7,11 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exogauge.identification.added_columns import COMPONENTS
 from exogauge.identification.model import RobotModel
 from exogauge.logs.model import Log
 from exogauge.remarks import About, Remark
 from exogauge.support.drift import Drift
 from exogauge.support.settings import PlainLog, WornLog
+from exogauge.support.zeros import Zeros
 
 IntArray = NDArray[np.intp]
 
@@ -33,6 +35,15 @@ def notes_on_drift(model: RobotModel, drift: Drift | None, joints: IntArray) -> 
     names = tuple(model.robot.joints[j].name for j in told)
     moved, std = 100.0 * drift.moved, 100.0 * drift.std
     return (Remark(About.DRIFT_FOUND, names, tuple((float(moved[j]), float(std[j])) for j in told)),)
+
+
+def notes_on_zeros(model: RobotModel, zeros: Zeros | None) -> tuple[Remark, ...]:
+    """What the feet's zeros were found to do through the session."""
+    if zeros is None:
+        return ()
+    names = tuple(f"{sensor.name}.{one}" for sensor in model.robot.contacts for one in COMPONENTS)
+    each = zip(zeros.moved.tolist(), zeros.std.tolist(), strict=True)
+    return (Remark(About.ZEROS_FOUND, names, tuple(each)),)
 
 
 def _left_out(log: Log) -> Remark:

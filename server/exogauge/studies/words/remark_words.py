@@ -142,6 +142,12 @@ FORMS: Mapping[About, Form] = {
         "the session: {names}. It is taken off all estimates; what is left in doubt of it is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f} %",
     ),
+    About.ZEROS_FOUND: Form(
+        "Zeros of the feet's sensors moved through the session, as the whole robot's balance of forces tells, which "
+        "knows their sum alone; by its end: {names}. It is taken off all estimates; what is left in doubt of it is in "
+        "their budgets.",
+        each="{name} {0:+.1f} ± {1:.1f}",
+    ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
     About.BANDS_UNKNOWN: Form("none: the device file gives no stiffness or natural length"),
     About.BANDS_IDENTIFIED: Form("the device file, and what it does not say as identified by approach {beside}"),
