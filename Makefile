@@ -102,8 +102,8 @@ chaos: $(READY)  ## kill -9 of the whole service at random moments, on both data
 
 STUDIES_STORED ?= 10000
 
-load: $(READY)  ## what a request costs with 16 clients, 10⁴ studies and an evaluation running, on both databases: DATABASE=both
-	$(BIN)/python -m tests.load --studies $(STUDIES_STORED) --database $(or $(DATABASE),both)
+load: $(READY)  ## what a request costs with 16 clients, 10⁴ studies and an evaluation running, on both databases: DATABASE=both; SOAK=3600: what grows in an hour
+	$(if $(SOAK),$(BIN)/python -m tests.load.soak --seconds $(SOAK),$(BIN)/python -m tests.load --studies $(STUDIES_STORED) --database $(or $(DATABASE),both))
 
 tables: $(READY)  ## the tables of docs/effects.md and docs/criteria.md
 	$(BIN)/python -m tests.effects.tables

@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import final
 
@@ -32,20 +33,21 @@ from exogauge.terminal import bar
 
 SEED = 1
 START_S = 120.0
+SLOWER = (1.0, 1.5, 2.0)
+MARGINS_M = (0.02, 0.03, 0.04)  # of the centre of pressure: nothing but the plan keeps the sample's robot upright
 ANNOUNCED = "exogauge serves on "
 
 
 @final
 @dataclass(frozen=True)
 class Captured:
-    """A person's motion for the demonstration. end: [s] of it, None for all. slow: times the time. margin_m: of the
-    centre of pressure from the soles' edges; nothing but the plan keeps the sample's robot upright."""
+    """A person's motion for the demonstration. end: [s] of it, None for all. slow: times the time, None for the first
+    of `SLOWER` at which the sample's robot stands."""
 
     file: Path
     skeleton: Path | None = None
     end: float | None = None
-    slow: float = 1.5
-    margin_m: float = 0.04
+    slow: float | None = None
 
 
 def demo(settings: Settings, realism: str = DEFAULT, captured: Captured | None = None) -> None:
@@ -55,7 +57,7 @@ def demo(settings: Settings, realism: str = DEFAULT, captured: Captured | None =
     print("A synthetic humanoid's logs go through the service, over HTTP; about two minutes the first time.\n")
     with running_server(settings) as url, Client(url) as client:
         print(f"service     {url}")
-        planned = None if captured is None else plan_captured(client, captured, settings.data_dir / "sample")
+        planned = None if captured is None else plan_captured(client, captured, settings.data_dir / "sample", realism)
         with timed("sample"):
             sample = make_sample(settings.data_dir / "sample", realism, planned)
         with timed("upload"):
@@ -83,23 +85,33 @@ def timed(what: str) -> Iterator[None]:
     print(f"{what:11} {time.monotonic() - start:.1f} s")
 
 
-def plan_captured(client: Client, captured: Captured, folder: Path) -> Path:
-    """The motion of a person as one of the sample's robot, in a table below `folder`. Raises BadMotion where it breaks
-    a bound."""
+def plan_captured(client: Client, captured: Captured, folder: Path, realism: str = DEFAULT) -> Path:
+    """The motion of a person as one of the sample's robot, in a table below `folder`: the fastest, and of these the one
+    with the least margin, with which it stands in every run of the sample. Raises BadMotion with what was tried."""
     synthetic.write_sample_robot(folder / "robot")
-    with timed("motion"):
-        motion = client.upload_motion(captured.file, captured.skeleton)
-        robot = client.upload_robot(folder / "robot" / "robot.yaml")
-        options = {"slow": captured.slow, "margin_m": captured.margin_m}
-        options |= {} if captured.end is None else {"end": captured.end}
-        plan = client.wait_plan(client.plan_motion(motion, robot, **options))
-    broken = (plan.found or {}).get("broken", [])
-    if broken:
-        advice = "Take a shorter part of it (--to), or play it slower (--slow)"
-        raise BadMotion(Fault(f"the robot cannot: {'; '.join(broken)}", "bound_broken", advice, captured.file.name))
-    print(f"plan        {plan.name}, {(plan.found or {})['seconds']:.1f} s")
+    motion = client.upload_motion(captured.file, captured.skeleton)
+    robot = client.upload_robot(folder / "robot" / "robot.yaml")
+    options = {} if captured.end is None else {"end": captured.end}
     table = folder / f"{re.sub(r'[^A-Za-z0-9_-]', '_', captured.file.stem)}.csv"
-    return client.export_plan(plan, "csv", table)
+    tried = list[str]()
+    for slow, margin in product(SLOWER if captured.slow is None else (captured.slow,), MARGINS_M):
+        with timed("motion"):
+            plan = client.wait_plan(client.plan_motion(motion, robot, slow=slow, margin_m=margin, **options))
+        found = plan.found or {}
+        said = f"{slow:g} times the time, {1e3 * margin:g} mm of margin"
+        try:
+            if found.get("broken"):
+                raise BadMotion(Fault("; ".join(found["broken"]), "bound_broken", "", captured.file.name))
+            client.export_plan(plan, "csv", table)
+            synthetic.refuse_fall(table, SEED, realism)
+        except BadMotion as why:
+            tried.append(f"{said}: {why.faults[0].detail}")
+            print(f"            {tried[-1]}")
+        else:
+            print(f"plan        {plan.name}, {found['seconds']:.1f} s, {said}: the robot stands")
+            return table
+    advice = "Take a shorter part of it (--to), or play it slower (--slow)"
+    raise BadMotion(Fault(f"the robot cannot: {'; '.join(tried)}", "cannot_stand", advice, captured.file.name))
 
 
 def make_sample(folder: Path, realism: str, planned: Path | None = None) -> Path:

@@ -48,6 +48,8 @@ class About(StrEnum):
     BANDS_IDENTIFIED = "bands_identified"  # -; -; approach
     # bands
     LAW_STATED = "law_stated"  # bands; -; law of each
+    STIFFNESS_NOT_AS_STATED = "stiffness_not_as_stated"  # the band; found and stated [N/m]
+    LENGTH_NOT_AS_STATED = "length_not_as_stated"  # the band; found and stated [m]
     LENGTHS_TIED = "lengths_tied"  # bands
     PULLS_NOWHERE = "pulls_nowhere"  # the band
     NOT_TOLD_APART = "not_told_apart"  # parameters; -; others

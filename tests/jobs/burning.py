@@ -78,7 +78,7 @@ def main() -> None:
 
     logging.basicConfig(level=logging.INFO)
     engine.POLL_S = 0.1  # a second in service: half of what these jobs take
-    if (other := os.environ.get("BURN_VERSION")) is not None:  # a worker of another release
+    if (other := os.environ.get("BURN_VERSION")) is not None:  # of a worker of another release, or of the tests
         claims.code_version = lambda: other
     recipes.RECIPES["burn"] = recipes.Recipe("burn", "burning:burn", timeout_s=float(os.environ.get("BURN_LIMIT", 60)))
     if sys.argv[1] == "work":

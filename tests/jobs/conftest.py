@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from exogauge.jobs import recipes, requests
+from exogauge.jobs.code_version import code_version
 from exogauge.jobs.engine import JobQueue
 from exogauge.jobs.supervisor import Supervisor
 from exogauge.settings import Settings
@@ -46,6 +47,7 @@ class Workshop:
             "EXOGAUGE_DATABASE_URL": self.settings.database_url,
             "PYTHONPATH": str(HERE),
             "PYTHONWARNINGS": "default",
+            "BURN_VERSION": code_version(),  # as it is here, also where somebody edits a file while tests run
         }
         return {**os.environ, **ours, **more}
 

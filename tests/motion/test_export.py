@@ -39,8 +39,8 @@ def motion(robot: MotionRobot) -> Spline:
     aim[[2, 3]] = -0.02, 0.05
     for joint, value in {"torso_pitch": 0.25, "torso_yaw": 0.3, "l_shoulder_pitch": -0.4}.items():
         aim[column(robot, joint)] = value
-    place, stands = standing(robot), np.ones(2, bool)
-    return through(np.stack([on_its_feet(robot, q, place, stands) for q in robot.home + s * aim]), 1.0 / 60.0)
+    place = standing(robot)
+    return through(np.stack([on_its_feet(robot, q, place) for q in robot.home + s * aim]), 1.0 / 60.0)
 
 
 @pytest.fixture(scope="module")

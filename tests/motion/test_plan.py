@@ -66,9 +66,11 @@ def at(robot: MotionRobot, joint: str) -> int:
 
 
 class ByMuJoCo:
-    """Forces and torques of a trajectory by MuJoCo's inverse dynamics of the URDF, rates by its own differences."""
+    """Forces and torques of a trajectory by MuJoCo's inverse dynamics of the URDF, rates by its own differences.
 
-    def __init__(self, robot: MotionRobot, spline: Spline, rate: float) -> None:
+    stands: (T, 2) which feet do; all where none is given."""
+
+    def __init__(self, robot: MotionRobot, spline: Spline, rate: float, stands: np.ndarray | None = None) -> None:
         as_it_is = '<mujoco><compiler discardvisual="true" fusestatic="false" balanceinertia="false"/></mujoco>'
         spec = mujoco.MjSpec.from_string(robot_urdf().replace("</robot>", as_it_is + "</robot>"))
         spec.worldbody.first_body().add_freejoint()
@@ -83,18 +85,21 @@ class ByMuJoCo:
         order = [model.joint(name).dofadr[0] for name in robot.joints]
         self.torque, self.inside = np.empty((len(time) - 2, len(order))), np.empty(len(time) - 2)
         self.feet = np.empty((len(time), 2, 3))
-        hull = None
+        hulls = {}
+        up = np.ones((len(time), 2), bool) if stands is None else stands
         for t in range(len(time)):
             data.qpos[:] = place[1][t]
             mujoco.mj_kinematics(model, data)
             for f, sole in enumerate(robot.soles):
                 body = data.body(sole.link)
                 self.feet[t, f] = body.xpos
-                if hull is None and f == 1:
-                    corners = [data.body(s.link).xmat.reshape(3, 3) @ c + data.body(s.link).xpos
-                               for s in robot.soles for c in s.outline]  # fmt: skip
-                    hull = ConvexHull(np.array(corners)[:, :2]).equations
-                    floor = np.array(corners)[:, 2].mean()
+                if not hulls and f == 1:
+                    each = [[data.body(s.link).xmat.reshape(3, 3) @ c + data.body(s.link).xpos for c in s.outline]
+                            for s in robot.soles]  # fmt: skip
+                    floor = np.concatenate(each)[:, 2].mean()
+                    for which, corners in (((True, True), each[0] + each[1]), ((False, True), each[1]),
+                                           ((True, False), each[0])):  # fmt: skip
+                        hulls[which] = ConvexHull(np.array(corners)[:, :2]).equations
             if not 0 < t < len(time) - 1:
                 continue
             before, after = np.empty(model.nv), np.empty(model.nv)
@@ -106,6 +111,7 @@ class ByMuJoCo:
             R = data.xmat[1].reshape(3, 3)
             moment = R @ data.qfrc_inverse[3:6] + np.cross(data.qpos[:3] - [0, 0, floor], force)
             cop = np.array([-moment[1], moment[0]]) / force[2]
+            hull = hulls[tuple(up[t])]
             self.inside[t - 1] = -(hull[:, :2] @ cop + hull[:, 2]).max()
             self.torque[t - 1] = data.qfrc_inverse[order]
 
@@ -423,6 +429,50 @@ def test_a_jump_is_refused_with_its_time(robot: MotionRobot) -> None:
     asked, missed = ask(robot, jumps.cut(0.0, 0.3))
     assert np.abs(missed).max() < 1e-6
     assert np.abs(asked.q[:, robot.base + np.array(robot.torso)]).max() < 1e-6
+
+
+def raises_a_knee(seconds: float = 2.0) -> Person:
+    """The left foot goes up by 20 cm and ahead by 10, and comes down where it was."""
+    time = np.arange(0.0, seconds + 1e-9, 1.0 / USUAL.nodes_per_s)
+    still = np.tile(np.eye(3), (len(time), 1, 1))
+    s = np.clip((time - 0.5) / (seconds - 1.0), 0.0, 1.0)
+    feet = np.zeros((len(time), 2, 3))
+    feet[:, 0, [0, 2]] = np.sin(np.pi * s)[:, None] ** 2 * [0.1, 0.2]
+    contacts = Contacts((s <= 0.0) | (s >= 1.0), np.ones(len(time), bool))
+    return Person("raise", time, np.zeros((len(time), 3)), still, still, {}, 0.8, contacts, feet=feet)
+
+
+@pytest.mark.slow
+def test_a_knee_that_is_raised_is_raised_on_the_other_foot_as_mujoco_sees_it(robot: MotionRobot) -> None:
+    asked, _ = ask(robot, raises_a_knee())
+    planned, judged = plan_within(robot, asked)
+    assert judged.broken == ()
+    rate = 1000.0
+    time = np.arange(int(planned.spline.duration * rate + 1e-6) + 1) / rate
+    stands = planned.standing(time)
+    assert 0.1 < (~stands[:, 0]).mean() < 0.2  # .9 of 6 s
+    seen = ByMuJoCo(robot, planned.spline, rate, stands)
+    assert seen.inside.min() >= 0.015
+    assert np.abs(seen.feet[:, 1] - seen.feet[0, 1]).max() <= 1e-4
+    lifted = seen.feet[:, 0] - seen.feet[0, 0]
+    assert np.abs(lifted[stands[:, 0]]).max() <= 1e-4
+    size = 0.6 / 0.8  # hips over the soles, of the robot and of the person
+    assert lifted.max(axis=0) == pytest.approx([0.1 * size, 0.0, 0.2 * size], abs=0.01)
+    both = judge(robot, planned.spline, asked.place[0], rate=rate).broken
+    assert any(line.startswith("way of a standing foot") for line in both), "were it to stand"
+
+
+def test_a_foot_that_is_up_at_an_end_or_for_a_moment(robot: MotionRobot) -> None:
+    whole = raises_a_knee()
+    for begin, end, says in ((0.8, 2.0, "begins"), (0.0, 1.2, "ends")):
+        with pytest.raises(BadMotion, match=f"left foot is up when the motion {says}"):
+            ask(robot, whole.cut(begin, end))
+    moment = replace(whole, contacts=Contacts(np.abs(whole.time - 1.0) > 0.1, whole.contacts.right))
+    asked, _ = ask(robot, moment)
+    assert asked.stands.all()
+    mirrored, _ = ask(robot, whole.mirrored())
+    assert mirrored.stands[:, 0].all()
+    assert not mirrored.stands[:, 1].all()
 
 
 def test_the_trunk_is_asked_as_the_person_turns_it(robot: MotionRobot) -> None:

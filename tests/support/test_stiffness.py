@@ -84,6 +84,29 @@ def test_where_the_truth_is_known_the_error_is_given(identified, suit):
     assert identified().bands[0].error_percent is None
 
 
+@pytest.mark.parametrize(
+    ("stated", "about"),
+    [
+        ({"stiffness": 1800.0}, About.STIFFNESS_NOT_AS_STATED),
+        ({"natural_length": 0.66}, About.LENGTH_NOT_AS_STATED),
+        ({"stiffness": 1520.0}, None),  # of which a maker need not be surer
+    ],
+)
+def test_a_value_that_the_logs_contradict_is_told_although_it_is_within_a_makers_doubt(identified, suit, stated, about):
+    known = replace(suit, bands=(replace(suit.bands[0], **stated), suit.bands[1]))
+    notes = [each for each in identified(known=known, noise=0.1).notes if each.about == about or about is None]
+    if about is None:
+        assert not notes
+        return
+    (note,) = notes
+    assert note.names == ("left",)
+    ((found, said),) = note.each
+    assert said in stated.values()
+    assert abs(found - said) > 0.05 * said or abs(found - said) > 0.009
+    truly_told = replace(known, bands=tuple(replace(band, ground_truth=True) for band in known.bands))
+    assert not [each for each in identified(known=truly_told, noise=0.1).notes if each.about == about]
+
+
 def test_a_torque_gain_goes_into_stiffness_alone(identified):
     right, less = identified(noise=0.3), identified(noise=0.3, gain=0.95)
     assert less.bands[0].stiffness.value == pytest.approx(0.95 * right.bands[0].stiffness.value, rel=1e-4)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -15,6 +16,7 @@ from exogauge.synthetic.true_robot import (
     draw_robot,
     moving_bodies,
 )
+from exogauge.synthetic.urdf import robot_file
 
 
 def test_the_robot_has_the_published_size() -> None:
@@ -31,6 +33,19 @@ def test_the_robot_has_the_published_size() -> None:
 def test_the_ground_lies_where_the_soles_end() -> None:
     sole_bottom = facts.SENSOR_DROP - facts.SOLE_CENTRE[2] + facts.SOLE_SIZE[2] / 2
     assert sole_bottom == pytest.approx(facts.ANKLE_HEIGHT)
+
+
+def test_the_soles_that_are_stated_are_where_the_robot_touches_the_floor(planner: mujoco.MjModel) -> None:
+    data = mujoco.MjData(planner)
+    mujoco.mj_kinematics(planner, data)
+    for sole in robot_file()["soles"]:
+        foot = data.body(sole["link"])
+        balls = [
+            k for k in range(planner.ngeom) if planner.geom_bodyid[k] == planner.body(f"{sole['link'][0]}_sole").id
+        ]
+        seen = [foot.xmat.reshape(3, 3).T @ (data.geom_xpos[k] - foot.xpos) - [0, 0, planner.geom_size[k, 0]]
+                for k in balls]  # fmt: skip
+        assert sorted(np.round(seen, 9).tolist()) == pytest.approx(np.array(sorted(sole["outline"])))
 
 
 def test_every_drawn_body_can_exist() -> None:

@@ -37,7 +37,9 @@ def add_commands(commands: Commands) -> None:
     demo.add_argument("--motion", type=Path, metavar="FILE", help=capture)
     demo.add_argument("--skeleton", type=Path, metavar="FILE.asf", help="the bones of an AMC")
     demo.add_argument("--to", dest="end", type=float, metavar="S", help="end of what is played of it")
-    demo.add_argument("--slow", type=float, default=1.5, metavar="FACTOR", help="times the time (default: 1.5)")
+    demo.add_argument(
+        "--slow", type=float, metavar="FACTOR", help="times the time (default: the least at which it stands)"
+    )
     demo.set_defaults(command=show_demo)
 
 

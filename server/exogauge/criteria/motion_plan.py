@@ -36,11 +36,12 @@ class MotionPlan:
     far_off: times as far off as the round before, from which on that one is taken up again, nearer to what was: slopes
     promised what is not there. stillest: times the pelvis' own weight; steps are then a hundredth of what the equations
     say.
-    rounds: at most; patience: in which none comes nearer to being good enough, by `nearer` times how far off the best
-    was, until a stretch is given up; CMU 02_06 on the sample took 7 of them, and then came to its end.
+    rounds: at most; patience: in which neither the step nor what is wrong falls below `nearer` times its least so
+    far, until a stretch is given up; two knee raises of CMU 13_29 took 7 of them, and then came to their end.
     hopeless: share of a joint's torque by which home itself, at rest, exceeds it, from where on nothing is planned: a
     motion begins and ends there; by less a plan may stand a little aside of it.
-    approach_s: from home to the motion's begin, and back.
+    lift_s: in which a foot that lifts is eased into its way, and out of it; a foot that is up for less than twice that
+    stays down. approach_s: from home to the motion's begin, and back.
     feet_m, feet_rad: by which a standing foot may move. inside_m: margin of the centre of pressure below which a plan
     breaks its promise. beyond: share by which velocity, acceleration or torque may exceed a bound, round-off.
     stretch_s: that are planned at once, ahead_s: and looked ahead; a body's sway, sqrt(height / g), is .3 s, and what
@@ -83,6 +84,7 @@ class MotionPlan:
     patience: int = 12
     nearer: float = 0.8
     hopeless: float = 0.1
+    lift_s: float = 0.15
     approach_s: float = 2.0
     feet_m: float = 1e-4
     feet_rad: float = 1.75e-4

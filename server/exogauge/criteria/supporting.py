@@ -42,6 +42,15 @@ class Supporting:
         "of the declared zero of a foot, which a wrong mass or tilt may look like in a motion: only its change tells",
         judgement("docs/decisions/0031-zeros-of-the-feet-through-a-session.md"),
     )
+    not_as_stated: float = criterion(
+        5.0,
+        "std",
+        "by which a band is other than its file says before it is told",
+        derived("normal distribution, 6e-7"),
+    )
+    not_as_stated_share: float = criterion(
+        0.5, "1", "of the doubt of a stated value that it has to be at least: less matters to nobody", judgement(RULES)
+    )
     equal: float = criterion(
         2.0,
         "z",

@@ -26,7 +26,7 @@ LIMBS: tuple[tuple[Segment, Segment], ...] = (
 class Person:
     """time: (T,) [s]. pelvis: (T, 3) [m] and turn: (T, 3, 3), world from pelvis. trunk: (T, 3, 3), pelvis from thorax.
     limbs: unit vectors (T, 3) along a segment, seen from the thorax. hip_height: [m] of the hips over the ankles when
-    upright."""
+    upright. feet: where known, (T, 2, 3) [m] of the left and the right foot in the world."""
 
     name: str
     time: Array
@@ -37,6 +37,7 @@ class Person:
     hip_height: float
     contacts: Contacts | None = None
     told: Mapping[str, str] = field(default_factory=dict)
+    feet: Array | None = None
 
     def cut(self, begin: float, end: float) -> Person:
         """From `begin` to `end` [s]."""
@@ -48,6 +49,7 @@ class Person:
         return replace(
             self, time=self.time[kept] - self.time[kept][0], pelvis=self.pelvis[kept], turn=self.turn[kept],
             trunk=self.trunk[kept], limbs={part: along[kept] for part, along in self.limbs.items()}, contacts=contacts,
+            feet=None if self.feet is None else self.feet[kept],
         )  # fmt: skip
 
     def slowed(self, factor: float) -> Person:
@@ -65,7 +67,7 @@ class Person:
         contacts = self.contacts and Contacts(self.contacts.right, self.contacts.left)
         return replace(
             self, pelvis=self.pelvis @ flip, turn=flip @ self.turn @ flip, trunk=flip @ self.trunk @ flip,
-            limbs=limbs, contacts=contacts,
+            limbs=limbs, contacts=contacts, feet=None if self.feet is None else self.feet[:, ::-1] @ flip,
         )  # fmt: skip
 
     def repeated(self, times: int, pause: float) -> Person:
@@ -76,6 +78,7 @@ class Person:
         return replace(
             self, time=time, pelvis=np.tile(self.pelvis, (times, 1)), turn=np.tile(self.turn, (times, 1, 1)),
             trunk=np.tile(self.trunk, (times, 1, 1)), contacts=contacts,
+            feet=None if self.feet is None else np.tile(self.feet, (times, 1, 1)),
             limbs={part: np.tile(along, (times, 1)) for part, along in self.limbs.items()},
         )  # fmt: skip
 
@@ -122,6 +125,7 @@ def person_of(motion: HumanMotion) -> Person:
     return Person(
         motion.name, motion.time, tree.position[:, bones["pelvis"]], pelvis,
         np.einsum("tji,tjk->tik", pelvis, thorax), limbs, float(hips[2] - ankles[2]), motion.contacts, motion.told,
+        np.stack([tree.position[:, bones[part]] for part in ("l_foot", "r_foot")], axis=1),
     )  # fmt: skip
 
 
@@ -135,7 +139,8 @@ def person_of_fit(fit: HumanFit, contacts: Contacts | None = None) -> Person:
     bones = (("l_thigh", "l_shank"), ("l_shank", "l_foot"))
     leg = sum((float(np.linalg.norm(place[b][0] - place[a][0])) for a, b in bones), 0.0)  # type: ignore[index]
     trunk = np.einsum("tji,tjk->tik", turn, thorax)
-    return Person(fit.name, fit.time, place["pelvis"], turn, trunk, limbs, leg, contacts, fit.told)
+    return Person(fit.name, fit.time, place["pelvis"], turn, trunk, limbs, leg, contacts, fit.told,
+                  np.stack([place["l_foot"], place["r_foot"]], axis=1))  # fmt: skip
 
 
 def _bones(tree: JointTree) -> dict[Segment, int]:

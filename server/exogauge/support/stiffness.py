@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from exogauge.criteria.criterion import Z95
+from exogauge.criteria.supporting import Supporting
 from exogauge.devices.bench import bench_line
 from exogauge.devices.device import Band, Device
 from exogauge.devices.result import Approach, BandEstimate, Estimate, StiffnessResult
@@ -25,7 +26,17 @@ from exogauge.identification.type_b import ROBOT
 from exogauge.remarks import About, Remark
 from exogauge.support.band_doubt import contributions
 from exogauge.support.band_fit import BandFit, NamedBands, fit_beside, fit_device, involved
-from exogauge.support.band_model import NULL, Fitted, Layout, Setting, at_bounds, fit, thinned
+from exogauge.support.band_model import (
+    LENGTH_DOUBT,
+    NULL,
+    STIFFNESS_DOUBT,
+    Fitted,
+    Layout,
+    Setting,
+    at_bounds,
+    fit,
+    thinned,
+)
 from exogauge.support.band_rows import band_wires, rows_with, rows_without
 from exogauge.support.band_weights import rms
 from exogauge.support.cross_checks import within
@@ -166,7 +177,7 @@ def identify_bands(
         correlation=correlation,
         rms=dict(zip(joints, map(float, rms(seen.setting.logs, seen.fitted.e)), strict=False)),
         samples=int(seen.setting.logs.used[:, : len(joints)].any(axis=1).sum()),
-        notes=springs.notes,
+        notes=(*springs.notes, *(() if approach == "prior" else _not_as_stated(springs, criteria))),
         cross_checks=() if approach == "prior" else within(seen, device.bands, springs.of_robot, criteria),
     )
 
@@ -176,6 +187,24 @@ def _stated_laws(device: Device) -> list[Remark]:
     other = [band for band in device.bands if band.law != LINEAR]
     names, laws = tuple(band.name for band in other), tuple(band.law for band in other)
     return [Remark(About.LAW_STATED, names, beside=laws)] if other else []
+
+
+def _not_as_stated(springs: Springs, criteria: Supporting) -> list[Remark]:
+    """That a value of the device file is far from what the logs say: by many standard deviations of these, and by a
+    good part of what is doubted of a stated one, within which nothing is named."""
+    found = list[Remark]()
+    for k, band in enumerate(springs.bands):
+        stiffness, length = springs.of(k)
+        for about, stated, estimate, doubt in (
+            (About.STIFFNESS_NOT_AS_STATED, band.stiffness, stiffness, STIFFNESS_DOUBT),
+            (About.LENGTH_NOT_AS_STATED, band.natural_length, length, LENGTH_DOUBT),
+        ):
+            if stated is None or band.ground_truth or not np.isfinite([estimate.value, estimate.std]).all():
+                continue
+            least = max(criteria.not_as_stated * estimate.std, criteria.not_as_stated_share * doubt * stated)
+            if abs(estimate.value - stated) > least:
+                found.append(Remark(about, (band.name,), ((estimate.value, stated),)))
+    return found
 
 
 def undecided(plan: Layout, shares: Mapping[str, Array]) -> set[str]:

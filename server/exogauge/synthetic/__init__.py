@@ -37,6 +37,16 @@ def write_sample(
     write_study(out, seed, hidden, suit, progress, processes=processes, disturbed=disturbed, played=played)
 
 
+def refuse_fall(motion: Path, seed: int, realism: str = DEFAULT) -> None:
+    """Raises BadMotion (`fell_over`) where the robot of `write_sample` would fall in a run of a planned motion."""
+    if find_spec("mujoco") is None:
+        raise Unavailable("making a sample needs MuJoCo, which is not installed: pip install 'exogauge[sample]'")
+    from exogauge.synthetic.played import read_motions
+    from exogauge.synthetic.study import rehearse
+
+    rehearse(seed, "both", chosen(realism), read_motions([motion]))
+
+
 def write_sample_robot(folder: Path) -> None:
     """robot.yaml and robot.urdf of the sample's robot, for planning motions before there is a sample."""
     import yaml

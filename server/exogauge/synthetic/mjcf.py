@@ -7,14 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exogauge.synthetic.inertia import Mass
-from exogauge.synthetic.robot_facts import AXES, BASE, FEET, IMU_FRAME, LINKS, SOLE_CENTRE, SOLE_SIZE, Link
+from exogauge.synthetic.robot_facts import (
+    AXES,
+    BASE,
+    CONTACT_BALL,
+    FEET,
+    IMU_FRAME,
+    LINKS,
+    SOLE_CENTRE,
+    SOLE_SIZE,
+    Link,
+)
 from exogauge.synthetic.suit import Suit
 from exogauge.synthetic.true_robot import TrueRobot
 
 Array = NDArray[np.float64]
 
 TIME_STEP = 0.001
-_CONTACT_BALL = 0.01  # radius of the balls at the corners of the soles [m]
 
 
 def mujoco_model(robot: TrueRobot, suit: Suit | None = None) -> mujoco.MjModel:
@@ -76,14 +85,14 @@ def _set_mass(body: mujoco.MjsBody, mass: Mass) -> None:
 
 def _add_soles(spec: mujoco.MjSpec) -> None:
     """Balls at the corners of each sole, and the six-axis sensor between foot and sole."""
-    half = np.array(SOLE_SIZE) / 2 - [_CONTACT_BALL, _CONTACT_BALL, 0.0]
+    half = np.array(SOLE_SIZE) / 2 - [CONTACT_BALL, CONTACT_BALL, 0.0]
     for foot in FEET:
         sole = spec.body(foot.replace("_foot", "_sole"))
         for x in (-1, 1):
             for y in (-1, 1):
-                corner = np.array(SOLE_CENTRE) + half * [x, y, -1] + [0, 0, _CONTACT_BALL]
+                corner = np.array(SOLE_CENTRE) + half * [x, y, -1] + [0, 0, CONTACT_BALL]
                 sole.add_geom(
-                    type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[_CONTACT_BALL, 0, 0], pos=corner, condim=3,
+                    type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[CONTACT_BALL, 0, 0], pos=corner, condim=3,
                     friction=[1.0, 0.005, 0.0001], solref=[0.02, 1.0], solimp=[0.95, 0.99, 0.002, 0.5, 2.0],
                 )  # fmt: skip
         sole.add_site(name=f"{foot}_sensor")

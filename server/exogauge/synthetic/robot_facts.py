@@ -23,6 +23,7 @@ THIGH, SHANK = 0.30, 0.30  # [m]
 ANKLE_HEIGHT = 0.085  # ankle axes above the ground [m]
 SENSOR_DROP = 0.045  # foot sensor below the ankle axes [m]
 SOLE_SIZE, SOLE_CENTRE = (0.23, 0.13, 0.03), (0.02, 0.0, -0.025)  # of the sole link, from the sensor frame
+CONTACT_BALL = 0.01  # radius [m] of the balls at the corners of a sole, on which it stands
 
 
 @final

@@ -10,10 +10,10 @@ import yaml
 
 from exogauge.errors import BadInput, Fault
 from exogauge.synthetic.disturbances import IDEAL, Disturbances
-from exogauge.synthetic.hidden import parse_hidden, specs_to_hide
+from exogauge.synthetic.hidden import Hidden, parse_hidden, specs_to_hide
 from exogauge.synthetic.lab import drawn_lab
 from exogauge.synthetic.log_plans import SUITS, LogPlan, log_plans
-from exogauge.synthetic.log_runs import Bench, Progress, write_logs
+from exogauge.synthetic.log_runs import Bench, Progress, run_log, write_logs
 from exogauge.synthetic.mjcf import mujoco_model
 from exogauge.synthetic.played import PlayedMotion
 from exogauge.synthetic.random_streams import stream
@@ -51,10 +51,8 @@ def write_study(
         raise BadInput(Fault("the seed must be 0 or more", "seed_negative", column="seed", value=str(seed)))
     effects = parse_hidden(specs_to_hide(hidden, suit), stream(seed, "hidden"))
     plans = log_plans(suit, {each.name: each.duration_s for each in played}) if logs is None else logs
-    planner = mujoco_model(a_priori_robot())
-    suits = {kind: fitted_suit(kind, planner, stream(seed, "suit")) for kind in SUITS[suit]}  # the study's own first
-    lab = drawn_lab(seed, disturbed, plans)
-    bench = Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab, {each.name: each for each in played})
+    bench = _bench(seed, effects, suit, plans, disturbed, played)
+    suits, lab = dict(bench.suits), bench.lab
     files = {kind: f"device{'' if n == 0 else f'_{kind}'}.yaml" for n, kind in enumerate(suits)}
     write_logs(out, bench, plans, progress or (lambda share, what: None), processes)
     for each in played:
@@ -72,6 +70,27 @@ def write_study(
     _write_yaml(
         out / "study.yaml", _study_file(seed, plans, files, disturbed, lab.session.start_s, played)
     )  # last: a folder with it is whole
+
+
+def rehearse(seed: int, suit: str, disturbed: Disturbances, played: Sequence[PlayedMotion]) -> None:
+    """Every run of the played motions that `write_study` would record, kept nowhere. Raises BadMotion (`fell_over`) at
+    the first in which the robot falls."""
+    plans = log_plans(suit, {each.name: each.duration_s for each in played})
+    effects = parse_hidden(specs_to_hide(None, suit), stream(seed, "hidden"))
+    bench = _bench(seed, effects, suit, plans, disturbed, played)
+    for plan in plans:
+        if plan.motion in bench.played:
+            run_log(bench, plan, stream(seed, plan.name))
+
+
+def _bench(
+    seed: int, effects: Sequence[Hidden], suit: str, plans: Sequence[LogPlan], disturbed: Disturbances,
+    played: Sequence[PlayedMotion],
+) -> Bench:  # fmt: skip
+    planner = mujoco_model(a_priori_robot())
+    suits = {kind: fitted_suit(kind, planner, stream(seed, "suit")) for kind in SUITS[suit]}  # the study's own first
+    lab = drawn_lab(seed, disturbed, plans)
+    return Bench(seed, draw_robot(stream(seed, "robot"), effects), suits, lab, {each.name: each for each in played})
 
 
 def _bands_of(suits: Sequence[Suit]) -> dict[str, object]:

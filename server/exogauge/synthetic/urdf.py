@@ -12,6 +12,7 @@ from exogauge.synthetic.inertia import Mass, of_shape
 from exogauge.synthetic.robot_facts import (
     AXES,
     BASE,
+    CONTACT_BALL,
     FEET,
     HOME,
     HUMAN_MAP,
@@ -80,8 +81,9 @@ def robot_file(
 
 
 def _outline() -> list[list[float]]:
-    """Corners of a sole in its foot's frame [m]."""
+    """Where a sole stands on the floor, in its foot's frame [m]: below the middles of the balls at its corners."""
     (x, y, z), (a, b, c) = SOLE_CENTRE, (size / 2 for size in SOLE_SIZE)
+    a, b = a - CONTACT_BALL, b - CONTACT_BALL
     corners = ((a, b), (-a, b), (-a, -b), (a, -b))
     return [[round(x + dx, 6), round(y + dy, 6), round(z - c - SENSOR_DROP, 6)] for dx, dy in corners]
 

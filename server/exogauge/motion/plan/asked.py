@@ -21,8 +21,7 @@ class Asked:
     """N nodes, `step` [s] apart; n coordinates of `MotionRobot.model`; F feet in the order of its soles.
 
     q: (N, n) [rad or m]. stray: (n,) by how much each may stray from it at equal cost, inf where nothing is asked.
-    stands: (N, F). place: (N, F) poses of the soles' links in the world where they stand.
-    start, end: (n,) postures at rest, None where they are free.
+    stands: (N, F). place: (N, F) poses of the soles' links in the world, where they stand and on their way.
     """
 
     q: Array
@@ -48,16 +47,14 @@ class Asked:
         return replace(self, q=self.q[kept], step=count * self.step, stands=self.stands[kept], place=place)
 
 
-def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], stands: BoolArray, rounds: int = 30) -> Array:
-    """(n,) posture with the joints of the standing legs turned so that their feet are at `place`, as far as they reach.
+def on_its_feet(robot: MotionRobot, q: Array, place: tuple[pin.SE3, ...], rounds: int = 30) -> Array:
+    """(n,) posture with the joints of the legs turned so that their feet are at `place`, as far as they reach.
 
     Newton's steps with damping, within the joints' bounds; the base stays.
     """
     model, data = robot.model, robot.data
     q = q.copy()
     for k, sole in enumerate(robot.soles):
-        if not stands[k]:
-            continue
         frame = robot.frame(sole.link)
         columns = robot.leg(k)
         lower, upper = robot.limits.lower[columns - robot.base], robot.limits.upper[columns - robot.base]

@@ -22,7 +22,7 @@ def cleared(robot: MotionRobot, asked: Asked, pairs: Pairs, criteria: MotionPlan
     legs = np.concatenate([robot.leg(k) for k in range(len(robot.soles))])
     limbs = np.setdiff1d(np.flatnonzero(asked.stray > criteria.trunk_rad), legs)
     limbs = limbs[limbs >= robot.base]
-    standing = np.stack([on_its_feet(robot, *each) for each in zip(asked.q, asked.place, asked.stands, strict=True)])
+    standing = np.stack([on_its_feet(robot, *each) for each in zip(asked.q, asked.place, strict=True)])
     near = pairs.near(standing, criteria.apart_m)
     moves = np.abs(pairs.slopes(standing, near)[:, limbs]).max(axis=1, initial=0.0) > 0.0
     if not (near.distance[moves] < np.minimum(criteria.apart_m, pairs.at_home[near.pair[moves]]) - 1e-6).any():

@@ -52,9 +52,9 @@ def judge(
     robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,
     rate: float | None = None, planned: Planned | None = None,
 ) -> Judged:  # fmt: skip
-    """place: of the soles' links, where all stand throughout. rate: [Hz], `judged_hz` where none is given.
+    """place: of the soles' links, where each stands whenever it does. rate: [Hz], `judged_hz` where none is given.
 
-    planned: how two feet share the load; without it, so that the loads are smallest.
+    planned: which feet stand, and how two share the load; without it both do, so that the loads are smallest.
     """
     rate = rate or criteria.judged_hz
     time = np.arange(int(motion.duration * rate + 1e-6) + 1) / rate
@@ -63,7 +63,8 @@ def judge(
     frames = [robot.frame(sole.link) for sole in robot.soles]
     corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
                               for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
-    edges = ConvexHull(corners[:, :2]).equations  # outward normals and offsets
+    stands = np.ones((len(time), len(frames)), dtype=bool) if planned is None else planned.standing(time)
+    edges = _edges(robot, corners, stands)
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
     shared = np.zeros((T, 6 * len(frames))) if planned is None else planned.loads(time)
@@ -75,13 +76,16 @@ def judge(
         pin.computeJointJacobians(model, data, q[t])
         rows = np.concatenate([pin.getFrameJacobian(model, data, k, pin.LOCAL) for k in frames])
         driven = rows[:, :base]
-        lacks = np.linalg.solve(driven.T @ (share[:, None] * driven), tau[:base] - driven.T @ shared[t])
-        loads = shared[t] + share * (driven @ lacks)
+        borne = share * np.repeat(stands[t], 6)
+        lacks = np.linalg.solve(driven.T @ (borne[:, None] * driven), tau[:base] - driven.T @ shared[t])
+        loads = shared[t] + borne * (driven @ lacks)
         torque[t] = tau[base:] - rows[:, base:].T @ loads
         total = pin.Force.Zero()
         for f, k in enumerate(frames):
             at = pin.updateFramePlacement(model, data, k)
             total += at.act(pin.Force(loads[6 * f : 6 * f + 6]))
+            if not stands[t, f]:
+                continue
             moved = place[f].inverse() * at
             strays[t] = np.maximum(
                 strays[t], [np.linalg.norm(moved.translation), np.linalg.norm(pin.log3(moved.rotation))]
@@ -89,7 +93,8 @@ def judge(
         force, moment = total.linear, total.angular
         cop = np.array([-moment[1] + floor * force[0], moment[0] + floor * force[1]]) / force[2]
         pressure[t, :2] = cop
-        inside[t] = -(edges[:, :2] @ cop + edges[:, 2]).max()
+        normals = edges[tuple(stands[t])]  # outward, and offsets
+        inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
         carried[t] = force[2] / robot.weight
     limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
     angle = q[:, base:]
@@ -137,3 +142,11 @@ def judge(
     return Judged(
         time, q, v, pressure, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken)
     )
+
+
+def _edges(robot: MotionRobot, corners: Array, stands: NDArray[np.bool_]) -> dict[tuple[bool, ...], Array]:
+    """Of every set of feet that stands at some time: outward normals and offsets of what they stand on."""
+    foot = np.repeat(np.arange(len(robot.soles)), [len(sole.outline) for sole in robot.soles])
+    return {
+        tuple(each): ConvexHull(corners[np.asarray(each)[foot], :2]).equations for each in np.unique(stands, axis=0)
+    }

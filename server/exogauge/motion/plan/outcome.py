@@ -52,7 +52,9 @@ def summarise(
     )
     if person.contacts is not None:
         lifts = 100.0 * float((person.contacts.left ^ person.contacts.right).mean())
-        said["person's feet"] = f"one is up in {lifts:.2g} % of frames; the robot's stay where they are"
+        ups = 0.0 if planned.stands is None else 100.0 * float((~planned.stands).any(axis=1).mean())
+        lifted = f"the person lifts one in {lifts:.2g} % of frames, the robot in {ups:.2g} % of nodes"
+        said["feet that stand"] = f"{lifted}, and puts it down where it was" if lifts else "both throughout"
     return said | margins(robot, judged)
 
 

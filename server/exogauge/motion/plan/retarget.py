@@ -1,4 +1,4 @@
-"""From a person's motion to what is asked of a robot that stands on both feet."""
+"""From a person's motion to what is asked of a robot that stands on its feet."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from exogauge.errors import BadMotion, BadRobot, Fault
 from exogauge.logs.findings import runs
 from exogauge.motion.person import LIMBS, Person
 from exogauge.motion.plan.asked import Asked
+from exogauge.motion.plan.outcome import slow
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.segments import Segment
 from exogauge.robots.moving.standing import home_of, standing
@@ -23,8 +24,8 @@ PULL = 0.03  # of a joint to its place at home against a limb that points elsewh
 
 
 def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tuple[Asked, Array]:
-    """What the person does, asked of the robot between rests at its home, feet where they are there; and the angle
-    [rad] (N,) of the trunk's turn that no angles of the robot's joints express, bounds aside.
+    """What the person does, asked of the robot between rests at its home, feet where they are there whenever they
+    stand; and the angle [rad] (N,) of the trunk's turn that no angles of the robot's joints express, bounds aside.
     """
     home = home_of(robot)
     for part in ("pelvis", "thorax"):
@@ -35,7 +36,7 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     _refuse_flight(person)
     step = 1.0 / criteria.nodes_per_s
     count = int(person.time[-1] / step) + 1
-    time = step * np.arange(count)
+    time: Array = np.asarray(step * np.arange(count), dtype=np.float64)
     turn, trunk = (Slerp(person.time, Rotation.from_matrix(each))(time) for each in (person.turn, person.trunk))
     place = np.stack([np.interp(time, person.time, each) for each in person.pelvis.T], axis=1)
     limbs = {part: _unit(np.stack([np.interp(time, person.time, each) for each in along.T], axis=1))
@@ -74,8 +75,52 @@ def ask(robot: MotionRobot, person: Person, criteria: MotionPlan = USUAL) -> tup
     ease = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
     q = np.concatenate([home + ease * (q[0] - home), q, (home + ease * (q[-1] - home))[::-1]])
     missed = np.concatenate([np.zeros(lead), missed, np.zeros(lead)])
-    stands = np.ones((len(q), len(robot.soles)), dtype=bool)
-    return Asked(q, stray, step, stands, (feet,) * len(q)), missed
+    stands, ways = _steps(person, time, level, scale, criteria)
+    stands = np.pad(stands, ((lead, lead), (0, 0)), constant_values=True)
+    ways = np.pad(ways, ((lead, lead), (0, 0), (0, 0))) @ facing.T
+    poses = tuple(tuple(pin.SE3(foot.rotation, foot.translation + way) for foot, way in zip(feet, each, strict=True))
+                  for each in ways)  # fmt: skip
+    return Asked(q, stray, step, stands, poses), missed
+
+
+def _steps(
+    person: Person, time: Array, level: Rotation, scale: float, criteria: MotionPlan
+) -> tuple[NDArray[np.bool_], Array]:
+    """(N, 2) which feet stand, and (N, 2, 3) [m] the way of a lifted one from where it stands, in the body's axes: that
+    of the person's foot from the straight line between where it leaves and where it comes down, in the robot's size.
+    So the robot's foot comes down where it was; sideways it stays, as its feet are nearer to each other than a
+    person's. Begins and ends are eased; what is shorter than both stands.
+
+    Raises BadMotion where a foot is up at either end.
+    """
+    N = len(time)
+    stands, ways = np.ones((N, 2), dtype=bool), np.zeros((N, 2, 3))
+    if person.contacts is None or person.feet is None:
+        return stands, ways
+    ease = round(criteria.lift_s * criteria.nodes_per_s)
+    for f, touches in enumerate((person.contacts.left, person.contacts.right)):
+        up = np.interp(time, person.time, touches.astype(float)) < 0.5
+        path = np.stack([np.interp(time, person.time, each) for each in person.feet[:, f].T], axis=1)
+        for start, length in zip(*runs(up), strict=True):
+            first, last = max(start - 1, 0), min(start + length, N - 1)
+            if length < 2 * ease:
+                continue
+            if start == 0 or start + length == N:
+                raise BadMotion(Fault(
+                    f"the {('left', 'right')[f]} foot is up when the motion {'begins' if start == 0 else 'ends'}",
+                    "foot_up", "Cut it where both feet stand", person.name, int(start) + 1, "contacts",
+                    f"{time[start]:.2f} to {time[start + length - 1]:.2f} s",
+                ))  # fmt: skip
+            s = (np.arange(first, last + 1) - first) / (last - first)
+            way = path[first : last + 1] - path[first] - s[:, None] * (path[last] - path[first])
+            w = np.clip(np.minimum(s, 1.0 - s) * (last - first) / ease, 0.0, 1.0)
+            way = level.apply(slow(way, 1.0 / criteria.nodes_per_s, criteria.smooth_hz))
+            way[:, 1] = 0.0
+            way *= (w**3 * (10.0 - 15.0 * w + 6.0 * w**2))[:, None]
+            way[:, 2] = np.maximum(way[:, 2], 0.0)
+            stands[start : start + length, f] = False
+            ways[first : last + 1, f] = scale * way
+    return stands, ways
 
 
 def _unmapped(robot: MotionRobot, detail: str, part: str) -> BadRobot:

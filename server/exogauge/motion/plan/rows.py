@@ -139,7 +139,7 @@ def equations(
     robot: MotionRobot, asked: Asked, spline: Spline, wrench: Array, slope: Slopes, before: Array | None = None,
     rest: bool = True,
 ) -> tuple[csc_matrix, Array]:  # fmt: skip
-    """A x = b: the base is driven by the feet alone, and what stands stays where it is.
+    """A x = b: the base is driven by the feet alone, and every foot is where it shall be.
 
     before: (3, n) first control points, None at rest. rest: at the end. Where the first ones are given, the feet's rows
     begin with the third node: from the second on they would make of a slip of round-off 3.7 times as much per node.
@@ -161,11 +161,10 @@ def equations(
         parts.append((node + 1, n + np.arange(6 * F), by_wrench))
         rows.add(parts, now - slope.torque[:, :6].ravel() / weight)
     for f in range(F):
-        stands = asked.stands[:, f].copy()
-        stands[: 0 if before is None else 2] = False
-        node = np.repeat(np.flatnonzero(stands), 6)
-        by_q = slope.feet[stands, f].reshape(-1, n)
-        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[stands, f].ravel()
+        led = slice(0 if before is None else 2, None)
+        node = np.repeat(np.arange(N)[led], 6)
+        by_q = slope.feet[led, f].reshape(-1, n)
+        bound = np.einsum("bn,bn->b", by_q, q[node]) - slope.error[led, f].ravel()
         moving = np.concatenate([np.arange(robot.base), robot.leg(f)])
         none = np.zeros_like(by_q)
         parts = [(stage, moving, value[:, moving]) for stage, value in spread(node, by_q, none, none, spline.step)]

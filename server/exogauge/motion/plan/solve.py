@@ -23,6 +23,7 @@ from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 @final
@@ -48,7 +49,8 @@ class Round:
 class Planned:
     """wrench: (N, F, 6) [N, N·m] of the world on each foot at the nodes. excess: (N,) share of a bound by which the
     worst of each node is exceeded. rounds: of the solver, of the stretch that took most. last_step: of the last ones
-    [rad or m]. unsettled: [s] stretches whose rounds came to no end: feet, dynamics, bounds may be off."""
+    [rad or m]. unsettled: [s] stretches whose rounds came to no end: feet, dynamics, bounds may be off.
+    stands: (N, F), None where all feet stand."""
 
     spline: Spline
     wrench: Array
@@ -56,6 +58,14 @@ class Planned:
     rounds: int
     last_step: float
     unsettled: tuple[tuple[float, float], ...] = ()
+    stands: BoolArray | None = None
+
+    def standing(self, time: Array) -> BoolArray:
+        """(T, F) at times (T,): a foot stands from the node before the one at which it bears to the one after."""
+        if self.stands is None:
+            return np.ones((len(time), self.wrench.shape[1]), dtype=bool)
+        at = np.clip(time / self.spline.step, 0.0, len(self.stands) - 1.0)
+        return np.asarray(self.stands[np.floor(at + 1e-9).astype(int)] | self.stands[np.ceil(at - 1e-9).astype(int)])
 
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
@@ -108,7 +118,7 @@ def plan(
             made.spline.control, made.wrench, made.excess
         )  # fmt: skip
         rounds, step = max(rounds, made.rounds), max(step, made.last_step)
-    return Planned(Spline(control, asked.step), wrench, excess, rounds, step, tuple(unsettled))
+    return Planned(Spline(control, asked.step), wrench, excess, rounds, step, tuple(unsettled), asked.stands)
 
 
 @final
@@ -129,7 +139,7 @@ def _stretch(
     rough = asked.every(criteria.coarse)
     begin = rough.q.copy()
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
-    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, rough.place, rough.stands, strict=True)])
+    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, rough.place, strict=True)])
     spline = through(q, rough.step)
     starts = ends
     if ends.before is not None:
@@ -175,11 +185,11 @@ def _settle(
     low[:, robot.base : n], high[:, robot.base : n] = robot.limits.lower, robot.limits.upper
     if ends.before is not None:
         low[:3, robot.base : n], high[:3, robot.base : n] = -np.inf, np.inf
-    settled = asked.stands.copy()  # where the feet can be moved
+    settled = np.ones_like(asked.stands)  # where the feet can be moved
     settled[: 0 if ends.before is None else 2] = False
     still, missed, last = 0.0, np.inf, np.inf  # weight of staying near the round before; how far that one was off
     kept = spline, wrench, excess  # of the round before
-    least, since = np.inf, 0  # how far off the best round was, and which one
+    least, since = (np.inf, np.inf), 0  # of what is wrong and of the step; the round that last came nearer
     whole = ((0.0, float(asked.time[-1])),)
     while True:
         slope = slopes(robot, asked, spline, wrench)
@@ -193,8 +203,8 @@ def _settle(
         report(Round(0, 1, guess.rounds + rounds, size, strays, floats, float(excess.max()), off))
         if off < 1.0:
             return Planned(spline, wrench, excess, guess.rounds + rounds, size)
-        if off < criteria.nearer * least:
-            least, since = off, rounds
+        if lacks < criteria.nearer * least[0] or size < criteria.nearer * least[1]:
+            least, since = (min(lacks, least[0]), min(size, least[1])), rounds
         if rounds >= criteria.rounds or rounds - since >= criteria.patience:
             return Planned(spline, wrench, excess, guess.rounds + rounds, size, whole)
         if wrong > max(criteria.far_off * missed, 0.5) and missed < np.inf and still < criteria.stillest:

@@ -57,11 +57,11 @@ def _as_asked(
     """What is asked, on its feet as far as they reach, as if it had been planned."""
     begin = asked.q.copy()
     begin[:, robot.base :] = np.clip(begin[:, robot.base :], robot.limits.lower, robot.limits.upper)
-    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, asked.place, asked.stands, strict=True)])
+    q = np.stack([on_its_feet(robot, *each) for each in zip(begin, asked.place, strict=True)])
     N = len(q)
     none = np.zeros((N, len(robot.soles), 6))
     whole = ((0.0, float(asked.time[-1])),)
-    planned = Planned(through(q, asked.step), none, np.full(N, rest.excess), 0, np.inf, whole)
+    planned = Planned(through(q, asked.step), none, np.full(N, rest.excess), 0, np.inf, whole, asked.stands)
     judged = judge(robot, planned.spline, asked.place[0], criteria, rate, planned)
     lines = (str(rest), "nothing was planned for that reason; what follows is of the motion as it is asked")
     return planned, replace(judged, broken=(*lines, *judged.broken))

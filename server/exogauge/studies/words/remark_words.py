@@ -155,6 +155,16 @@ FORMS: Mapping[About, Form] = {
         "Fitted with the law that device.yaml states, its values as stated and not doubted: {names}.",
         each="{name} ({beside})",
     ),
+    About.STIFFNESS_NOT_AS_STATED: Form(
+        "By more than five of its standard deviations the logs contradict the stiffness that the device file states of "
+        "{names}.",
+        each="{name} ({0:.4g}, stated {1:.4g} N/m)",
+    ),
+    About.LENGTH_NOT_AS_STATED: Form(
+        "By more than five of its standard deviations the logs contradict the natural length that the device file "
+        "states of {names}.",
+        each="{name} ({0:.4g}, stated {1:.4g} m)",
+    ),
     About.LENGTHS_TIED: Form(
         "These motions cannot tell the natural lengths of {names} apart, so one is given for all of them. A motion "
         "that lengthens them differently, such as a twist beside a bend, would.",
