@@ -77,8 +77,8 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
 
     A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
     measured acceleration, which the residual holds too. A centre of mass that is elsewhere, of another link than the
-    best, and explains clearly more has no name (`let_go`), and takes its part out. Where one factor on all gains explains more than any of them,
-    none is to blame.
+    best, and explains clearly more has no name (`let_go`), and takes its part out. Where one factor on all gains
+    explains more than any of them, none is to blame.
     """
     criteria = model.criteria
     asked, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
