@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from exogauge.detect.nominal.contradicted import contradicted
 from exogauge.detect.nominal.let_go import let_go
 from exogauge.identification.identify import identify
 from exogauge.identification.settings import Settings
@@ -45,7 +46,7 @@ def off(found, robot):
 
 
 @pytest.mark.parametrize("by", [(0.04, 0.0, 0.0), (0.0, -0.028, 0.028)])
-def test_a_centre_stated_four_centimetres_off_is_believed_no_more(told, weighed, by):
+def test_a_centre_stated_four_centimetres_off_is_believed_no_more(told, weighed, recordings, by):
     before, after = told(lambda own: pin.Inertia(own.mass, own.lever + np.array(by), own.inertia))
     robot = weighed()
     assert np.abs(off(before, robot)).max() > 4.0  # neighbours paid for it, and were as sure as ever
@@ -53,6 +54,9 @@ def test_a_centre_stated_four_centimetres_off_is_believed_no_more(told, weighed,
     (remark,) = [each for each in after.remarks if each.about == About.CENTRE_LET_GO]
     assert remark.names == (robot.tree.bodies[1],)
     assert remark.each[0][0] > 5.0
+    fitted = [each.log for each in recordings if not each.held_out]
+    named = contradicted(before.model, fitted).one_by_one
+    assert {each.best.stated.index for each in named} <= {1}  # no other link's
     assert f"centre of mass of {remark.names[0]}" in sentence(remark)
 
 
@@ -66,7 +70,7 @@ def test_a_mass_stated_a_quarter_off_is_believed_no_more(told, weighed):
 
 
 def test_what_is_within_its_doubt_is_not_let_go(told):
-    before, after = told(lambda own: pin.Inertia(1.01 * own.mass, [*own.lever, 0.001, 0.0, 0.0], own.inertia))
+    before, after = told(lambda own: pin.Inertia(1.01 * own.mass, own.lever + np.array([0.001, 0.0, 0.0]), own.inertia))
     assert after is before
 
 

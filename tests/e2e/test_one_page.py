@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import io
 import re
 import unicodedata
 from typing import TYPE_CHECKING, Any
 
+import pytest
 from playwright.sync_api import expect
 from pypdf import PdfReader
+
+from exogauge.studies.report.summary_page import summary_page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -30,6 +34,24 @@ def test_the_one_page_report_prints_on_one_sheet(page: Page, study: dict[str, An
     said = bare(sheet.extract_text())
     assert bare(study["results"]["scope"]["sentence"]) in said
     assert "SYNTHETICDATA" in said
+
+
+@pytest.mark.parametrize("width", [900, 1280])
+def test_joints_with_long_names_stay_words(page: Page, study: dict[str, Any], width: int) -> None:
+    """Names of a robot of another make: they broke into single letters, as numbers beside them do not break."""
+    content = copy.deepcopy(study["results"])
+    for each in content["support"]:
+        each |= {"joint": "left_shoulder_pitch_joint", "device": "Back support of three layers"}
+    page.set_viewport_size({"width": width, "height": 1200})
+    page.set_content(summary_page(content).html.decode())
+    for cell in page.locator("tbody th, tbody td:not(.number)").all():
+        box, size = cell.bounding_box(), cell.evaluate("cell => parseFloat(getComputedStyle(cell).lineHeight)")
+        assert box is not None
+        assert box["height"] < 6.0 * size, cell.inner_text()
+    for drawing in page.locator("svg").all():
+        right = drawing.evaluate("svg => svg.getBoundingClientRect().right")
+        ends = drawing.locator("text").evaluate_all("texts => texts.map(each => each.getBoundingClientRect().right)")
+        assert max(ends) <= right + 1.0
 
 
 def test_the_pdf_is_there_to_be_taken_away(page: Page, study: dict[str, Any]) -> None:

@@ -37,6 +37,12 @@ def add_commands(commands: Commands) -> None:
     doctor.add_argument("--all", action="store_true", help="every finding, also where there are many of one sort")
     doctor.set_defaults(command=examine_logs)
 
+    robot = commands.add_parser("robot", help="draft a robot.yaml for a URDF, by looking at it")
+    robot.add_argument("urdf", type=Path, metavar="URDF")
+    robot.add_argument("--actuation", choices=("current", "torque"), default="current", help="what drives log")
+    robot.add_argument("--out", type=Path, metavar="ROBOT.yaml", help="write it there, and not to the screen")
+    robot.set_defaults(command=draft_robot)
+
     mapping = commands.add_parser("mapping", help="draft a mapping.yaml for foreign log files, by looking at them")
     mapping.add_argument("files", type=Path, nargs="+", metavar="FILE", help="the files of one log")
     mapping.add_argument("--robot", type=Path, metavar="FILE", help="robot.yaml, or nothing but a URDF")
@@ -134,6 +140,29 @@ def examine_logs(options: argparse.Namespace) -> int:
     found = counted(sum(len(sort.each) for sort in sorts), "finding")
     print(f"{found} of {counted(len(sorts), 'sort')}, {counted(errors, 'error')}")
     return 1 if errors else 0
+
+
+def draft_robot(options: argparse.Namespace) -> int:
+    """Beside its URDF, which it names; never over a file that is there."""
+    from exogauge.errors import BadRobot, Fault
+    from exogauge.studies.import_log.robot_draft import draft_robot as drafted
+    from exogauge.studies.intake.bundle import Bundle
+    from exogauge.studies.intake.robot_file import MAX_URDF_BYTES
+
+    folder = options.urdf.resolve().parent
+    text = drafted(
+        Bundle(folder, "").read(options.urdf.name, limit=MAX_URDF_BYTES), options.urdf.name, options.actuation
+    )
+    if options.out is None:
+        print(text, end="")
+        return 0
+    if options.out.resolve().parent != folder or options.out.exists():
+        advice = "Name a new file beside the URDF with --out"
+        raise BadRobot(Fault("robot.yaml stands beside its URDF, and none is written over", "no_place", advice,
+                             str(options.out)))  # fmt: skip
+    options.out.write_text(text, encoding="utf-8")
+    print(options.out)
+    return 0
 
 
 def draft_mapping(options: argparse.Namespace) -> int:

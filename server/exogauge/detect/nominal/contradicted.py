@@ -76,12 +76,14 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
     """One after the other: what the first explains is taken out before the next is sought. logs: the fitted ones.
 
     A link that hardly tilts in them, such as a foot on the ground, is never claimed: its columns hold the noise of the
-    measured acceleration, which the residual holds too. Where one factor on all gains explains more than any of them,
-    none is to blame.
+    measured acceleration, which the residual holds too. A centre of mass that is elsewhere, of another link than the
+    best, and explains clearly more has no name (`let_go`), and takes its part out. Where one factor on all gains
+    explains more than any of them, none is to blame.
     """
     criteria = model.criteria
-    numbers, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
-    numbers = [each for each in numbers if each.sort != "centre"]  # which is not told from a load without its mass
+    asked, data = stated_numbers(model, tilting(model, logs), row_memory(model, logs))
+    centres = [each for each in asked if each.sort == "centre"]
+    numbers = [each for each in asked if each.sort != "centre"]
     found, single = list[Contradiction](), {_key(each) for each in numbers if each.sort not in ALIKE}
     while len(found) < min(criteria.nominal.most, len(single)):
         changes = []
@@ -90,6 +92,13 @@ def contradicted(model: RobotModel, logs: Sequence[Log]) -> Contradictions:
             changes.append(_change(model, stated, let.evidence, let.change * stated.broad, let.std * stated.broad))
         ordered, common = _best_of_each(changes)
         best = ordered[0]
+        elsewhere = max(centres, key=lambda each: data.let(each.columns).evidence, default=None)
+        needed = max(best.evidence + criteria.judging.open, criteria.nominal.sure)
+        another = elsewhere is not None and not (best.of_link and best.stated.index == elsewhere.index)
+        if elsewhere is not None and another and data.let(elsewhere.columns).evidence >= needed:
+            data = data.without(elsewhere.columns)
+            centres = [each for each in centres if each is not elsewhere]
+            continue
         feet = next((each for each in changes if each.stated.sort == "feet"), None)
         if feet is not None and feet.sure and feet.evidence > best.evidence - criteria.judging.open:
             return Contradictions(found, feet)

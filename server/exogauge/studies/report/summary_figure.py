@@ -11,6 +11,7 @@ from exogauge.studies.words.rounding import significant
 
 WIDTH, TOP, PITCH, FOOT = 63.0, 6.0, 6.6, 8.0  # [mm]
 LEFT, RIGHT = 29.0, 1.0  # room for names, and at the end of the axis
+LEGEND = 18.0  # [mm] its left end: `band model` is 12 mm long
 SMALL = 2.1  # size of letters
 DEVIATIONS = 2.0
 TICKS = 4
@@ -71,10 +72,10 @@ def _whiskers(entry: Mapping[str, Any], y: float, at: Any) -> Iterator[Mark]:
 
 def _legend() -> Iterator[Mark]:
     for k, (text, colour) in enumerate((("A", "identified"), ("B", "measured"), ("paired", "prior"))):
-        yield Box(LEFT + 8.0 * k, 1.2, 1.3, 1.3, colour)  # type: ignore[arg-type]
-        yield Label(LEFT + 8.0 * k + 2.2, 2.6, text, SMALL, "ink")
-    yield Line(LEFT + 28.4, 0.6, LEFT + 28.4, 3.2, "ink", 0.45)
-    yield Label(LEFT + 30.0, 2.6, "band model", SMALL, "ink")
+        yield Box(LEGEND + 8.0 * k, 1.2, 1.3, 1.3, colour)  # type: ignore[arg-type]
+        yield Label(LEGEND + 8.0 * k + 2.2, 2.6, text, SMALL, "ink")
+    yield Line(LEGEND + 28.4, 0.6, LEGEND + 28.4, 3.2, "ink", 0.45)
+    yield Label(LEGEND + 30.0, 2.6, "band model", SMALL, "ink")
 
 
 def _shown(entry: Mapping[str, Any]) -> bool:
