@@ -11,6 +11,7 @@ from exogauge.devices.device import ViaPoint
 from exogauge.robots.declared import Declared
 from exogauge.support.balance import balance
 from exogauge.support.evaluate import estimate_support
+from exogauge.support.notes import notes_on_zeros
 from exogauge.support.settings import PlainLog, SupportSettings, WornLog
 from exogauge.support.zeros import Zeros, find_zeros
 
@@ -113,6 +114,17 @@ def test_the_sum_is_found_in_logs_with_the_device_too_whatever_it_weighs(model, 
         assert np.all(np.abs(both @ (told - truth)) < 3.0 * std), (both @ told, both @ truth, std)
         each = np.linalg.norm(doubt, axis=1)  # how it is shared between the feet nothing tells
         assert np.all(np.abs(told - truth) < 3.0 * each)
+
+
+def test_only_sums_that_surely_moved_are_told(model, clean, suit, end):
+    moved = find_zeros(model, *asked(model.robot, clean, suit, end), STARTS)
+    (said,) = notes_on_zeros(model, moved)
+    truth = dict(zip(AXES, end.reshape(2, 6).sum(axis=0), strict=True))
+    for name, (value, std) in zip(said.names, said.each, strict=True):
+        assert abs(value) > 2.0 * std
+        assert np.sign(value) == np.sign(truth[name])
+    assert {"fx", "fy", "fz"} & set(said.names)
+    assert notes_on_zeros(model, find_zeros(model, *asked(model.robot, clean, suit, 0.0 * end), STARTS)) == ()
 
 
 def test_where_a_log_does_not_say_when_it_began_nothing_is_corrected(model, clean, suit, end):

@@ -29,21 +29,25 @@ def notes_on_logs(plain: Sequence[PlainLog], worn: Sequence[WornLog]) -> tuple[R
 
 def notes_on_drift(model: RobotModel, drift: Drift | None, joints: IntArray) -> tuple[Remark, ...]:
     """What motors were found to do through the session."""
-    told = [] if drift is None else [j for j in joints if drift.told[j]]
-    if drift is None or not told:
+    if drift is None:
+        return ()
+    moved, std = 100.0 * drift.moved, 100.0 * drift.std
+    sure = np.abs(moved) > model.criteria.judging.significant * std
+    told = [j for j in joints if drift.told[j] and sure[j]]
+    if not told:
         return ()
     names = tuple(model.robot.joints[j].name for j in told)
-    moved, std = 100.0 * drift.moved, 100.0 * drift.std
     return (Remark(About.DRIFT_FOUND, names, tuple((float(moved[j]), float(std[j])) for j in told)),)
 
 
 def notes_on_zeros(model: RobotModel, zeros: Zeros | None) -> tuple[Remark, ...]:
-    """What the feet's zeros were found to do through the session."""
+    """What the feet's zeros together were found to do through the session."""
     if zeros is None:
         return ()
-    names = tuple(f"{sensor.name}.{one}" for sensor in model.robot.contacts for one in COMPONENTS)
-    each = zip(zeros.moved.tolist(), zeros.std.tolist(), strict=True)
-    return (Remark(About.ZEROS_FOUND, names, tuple(each)),)
+    found = zip(COMPONENTS, *(each.tolist() for each in zeros.sums), strict=True)
+    told = [each for each in found if abs(each[1]) > model.criteria.judging.significant * each[2]]
+    numbers = tuple((moved, std) for _, moved, std in told)
+    return (Remark(About.ZEROS_FOUND, tuple(name for name, _, _ in told), numbers),) if told else ()
 
 
 def _left_out(log: Log) -> Remark:

@@ -56,13 +56,12 @@ class Zeros:
         return np.asarray(np.einsum("r,rck->ck", self.course[self.logs[log.name]], self.root))
 
     @property
-    def moved(self) -> Array:
-        """(6 S,) to the last log."""
-        return np.asarray(self.course[-1] @ self.beta)
-
-    @property
-    def std(self) -> Array:
-        return np.asarray(np.linalg.norm(np.einsum("r,rck->ck", self.course[-1], self.root), axis=1))
+    def sums(self) -> tuple[Array, Array]:
+        """(6,) of each component over all feet, to the last log, and its standard deviation: how the feet share it no
+        base row tells."""
+        moved = (self.course[-1] @ self.beta).reshape(-1, WRENCH).sum(axis=0)
+        root = np.einsum("r,rck->ck", self.course[-1], self.root)
+        return moved, np.linalg.norm(root.reshape(-1, WRENCH, root.shape[1]).sum(axis=0), axis=1)
 
     def without(self, model: RobotModel, balance: Balance) -> Balance:
         """Of sensors whose zeros were taken off."""

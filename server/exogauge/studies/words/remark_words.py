@@ -143,9 +143,9 @@ FORMS: Mapping[About, Form] = {
         each="{name} {0:+.1f} ± {1:.1f} %",
     ),
     About.ZEROS_FOUND: Form(
-        "Zeros of the feet's sensors moved through the session, as the whole robot's balance of forces tells, which "
-        "knows their sum alone; by its end: {names}. It is taken off all estimates; what is left in doubt of it is in "
-        "their budgets.",
+        "Zeros of the feet's sensors moved through the session, as the whole robot's balance of forces tells; by its "
+        "end the sum of all feet by {names} [N, N·m]. It is taken off all estimates; what is left in doubt of it, and "
+        "how the feet share it, is in their budgets.",
         each="{name} {0:+.1f} ± {1:.1f}",
     ),
     About.BANDS_OF_FILE: Form("stiffness and natural length of the device file"),
