@@ -96,8 +96,8 @@ def _told(
     """Source -> standard deviation [N·m] of the mean over trials of means over windows.
 
     windows: trial -> (T,) samples. values: [N·m] of each trial. whole: of a motion or phase, over which errors that
-    last a second average out; a peak bears them all, as it does what the model lacks in just that posture: it is looked for where most is
-    found, and what is found where there is nothing may be most there.
+    last a second average out; a peak bears them all, as it does what the model lacks in just that posture: it is
+    looked for where most is found, and what is found where there is nothing may be most there.
     """
     K = len(values)
     scatter = float(np.var(values, ddof=1)) / K if K > 1 else 0.0
