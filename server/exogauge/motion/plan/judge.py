@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 import pinocchio as pin
@@ -12,30 +12,43 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
-from exogauge.motion.plan.solve import Planned
 from exogauge.motion.plan.spline import Trajectory
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
 
 Array = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 SHARES = (1.0, 0.01)  # of a foot's forces [N] and moments [N·m]: squares of 1 N and of .1 N·m cost the same
+
+
+class Feet(Protocol):
+    """What a plan, or a table of one, says of F feet at times (T,) [s]."""
+
+    def standing(self, time: Array) -> BoolArray:
+        """(T, F) which stand."""
+        ...
+
+    def loads(self, time: Array) -> Array:
+        """(T, 6 F) [N, N·m] of the world on each, as far as it is said: what lacks is added evenly."""
+        ...
 
 
 @final
 @dataclass(frozen=True)
 class Judged:
-    """T samples. time: (T,) [s]; q, dq: (T, n). pressure: (T, 3) [m] its centre, in the world. inside: (T,) [m] of the
-    centre of pressure from the edge of what the feet stand on, negative outside. carried: (T,) share of the weight.
-    torque: (T, J) [N·m or N]; the legs' hang on how two feet share the load. feet_m, feet_rad: largest way of a
-    standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m` where none is nearer; nearest: that of all
-    times, and when, None without shapes or where none comes nearer; left_out: pairs that were not looked at. broken:
-    what does not hold, as time, place, value and bound in words.
+    """T samples. time: (T,) [s]; q, dq: (T, n). stands: (T, F) feet in the order of the robot's soles. pressure: (T, 3)
+    [m] its centre, in the world. inside: (T,) [m] of the centre of pressure from the edge of what the feet stand on,
+    negative outside. carried: (T,) share of the weight. torque: (T, J) [N·m or N]; the legs' hang on how two feet share
+    the load. feet_m, feet_rad: largest way of a standing foot. apart: (T,) [m] of the nearest pair, `MotionPlan.look_m`
+    where none is nearer; nearest: that of all times, and when, None without shapes or where none comes nearer;
+    left_out: pairs that were not looked at. broken: what does not hold, as time, place, value and bound in words.
     """
 
     time: Array
     q: Array
     dq: Array
+    stands: BoolArray
     pressure: Array
     inside: Array
     carried: Array
@@ -50,11 +63,11 @@ class Judged:
 
 def judge(
     robot: MotionRobot, motion: Trajectory, place: Sequence[pin.SE3], criteria: MotionPlan = USUAL,
-    rate: float | None = None, planned: Planned | None = None,
+    rate: float | None = None, planned: Feet | None = None,
 ) -> Judged:  # fmt: skip
     """place: of the soles' links, where each stands whenever it does. rate: [Hz], `judged_hz` where none is given.
 
-    planned: which feet stand, and how two share the load; without it both do, so that the loads are smallest.
+    planned: which feet stand, and how two share the load; without it all do, so that the loads are smallest.
     """
     rate = rate or criteria.judged_hz
     time = np.arange(int(motion.duration * rate + 1e-6) + 1) / rate
@@ -140,7 +153,20 @@ def judge(
                       f"{often:.2g} % of samples")  # fmt: skip
     feet_m, feet_rad = strays.max(axis=0).tolist()
     return Judged(
-        time, q, v, pressure, inside, carried, torque, feet_m, feet_rad, apart, nearest, pairs.left_out, tuple(broken)
+        time,
+        q,
+        v,
+        stands,
+        pressure,
+        inside,
+        carried,
+        torque,
+        feet_m,
+        feet_rad,
+        apart,
+        nearest,
+        pairs.left_out,
+        tuple(broken),
     )
 
 
