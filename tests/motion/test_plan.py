@@ -34,7 +34,7 @@ from exogauge.motion.plan.rows import equations, slopes, sole_rows
 from exogauge.motion.plan.solve import Round, plan
 from exogauge.motion.plan.spline import Spline, controls_of, through
 from exogauge.motion.plan.within import plan_within
-from exogauge.motion.plan.written import read_written
+from exogauge.motion.plan.written import Written, read_written
 from exogauge.motion.robot_file import load_motion_robot
 from exogauge.robots.moving.robot import MotionRobot, Sole
 from exogauge.robots.moving.standing import base_on, standing
@@ -553,6 +553,26 @@ def test_feet_that_cannot_be_are_refused_where_they_are_told(written, robot, tmp
     fault = told.value.faults[0]
     assert (fault.rule, fault.row) == (rule, place[0])
     assert fault.column.startswith(place[1])
+
+
+@pytest.mark.parametrize("rate", [200.0, 130.0])
+def test_a_table_of_a_motion_within_its_jerk_is_within_it(robot: MotionRobot, rate: float) -> None:
+    """The jerk of a plan jumps at its nodes; a cubic through samples swings beyond it there."""
+    rng = np.random.default_rng(3)
+    step, n = 1.0 / USUAL.nodes_per_s, robot.model.nq
+    jerk = rng.choice([-1000.0, 1000.0], size=(60, n))
+    control = np.cumsum(
+        np.cumsum(np.cumsum(np.concatenate([np.zeros((3, n)), jerk * step**3]), axis=0), axis=0), axis=0
+    )
+    spline = Spline(control, step)
+    time = np.arange(0.0, spline.duration, 1.0 / rate)
+    table = Written(time, spline.at(time)[0], (), np.ones((len(time), 2), dtype=bool))
+    found = table.jerk(np.arange(0.0, time[-1], 1e-3))
+    assert 900.0 < np.abs(found).max() < 1000.0 * (1.0 + 1e-6)
+    swings = np.diff(table.at(time)[2], axis=0) / np.diff(time)[:, None]
+    assert np.abs(swings).max() > 1050.0
+    wide = Written(time, time[:, None] ** 3 * np.ones(n), (), table.stands)
+    assert wide.jerk(time) == pytest.approx(6.0)
 
 
 def test_a_table_without_feet_stands_on_both_throughout(written, robot: MotionRobot) -> None:

@@ -13,6 +13,7 @@ from scipy.spatial import ConvexHull
 
 from exogauge.criteria.motion_plan import USUAL, MotionPlan
 from exogauge.motion.plan.spline import Trajectory
+from exogauge.motion.plan.written import Written
 from exogauge.robots.moving.robot import MotionRobot
 from exogauge.robots.moving.touching import Pairs
 
@@ -109,7 +110,9 @@ def judge(
         normals = edges[tuple(stands[t])]  # outward, and offsets
         inside[t] = -(normals[:, :2] @ cop + normals[:, 2]).max()
         carried[t] = force[2] / robot.weight
-    limits, jerk = robot.limits, np.diff(a[:, base:], axis=0, append=a[-1:, base:]) * rate
+    limits = robot.limits
+    slopes = motion.jerk(time) if isinstance(motion, Written) else np.diff(a, axis=0, append=a[-1:]) * rate
+    jerk = slopes[:, base:]
     angle = q[:, base:]
     sizes = (  # what, share of the bound, what is counted
         ("position", 1.0 + np.maximum(limits.lower - angle, angle - limits.upper), angle),

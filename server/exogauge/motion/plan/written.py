@@ -46,6 +46,19 @@ class Written:
         whole = CubicSpline(self.time, self.q)
         return whole(time), whole(time, 1), whole(time, 2)
 
+    def jerk(self, time: Array) -> Array:
+        """(T, n) at times (T,): third divided differences of four samples, two on each side as far as there are. They
+        are means, by a B-spline, of the jerk that was sampled, and so no larger; that of the cubic through the samples
+        is, where the jerk jumps between them.
+
+        de Boor, A Practical Guide to Splines, 1978, chapter IX (6).
+        """
+        rates, t = self.q, self.time
+        for order in (1, 2, 3):
+            rates = order * np.diff(rates, axis=0) / (t[order:] - t[:-order])[:, None]
+        before = np.searchsorted(t, time + SAME_S, side="right") - 2
+        return np.asarray(rates[np.clip(before, 0, len(rates) - 1)])
+
     def standing(self, time: Array) -> BoolArray:
         """(T, F) at times (T,): a foot stands from the sample before the one at which it does to the one after."""
         before = np.searchsorted(self.time, time + SAME_S, side="right") - 1
