@@ -127,7 +127,7 @@ def test_what_cannot_be_compared_is_named(client: TestClient, study: str) -> Non
 
 
 def test_models_are_listed_with_what_was_added_and_what_it_brought(client: TestClient, study: str) -> None:
-    assert client.get(f"{V1}/studies/{study}/models").json() == {"items": []}
+    assert client.get(f"{V1}/studies/{study}/models").json()["items"] == []
     finished(client, study, {}, kind="whatif")
     finished(client, study, content(3.0, 8.0, None))
     first = finished(client, study, content(3.0, 8.0, "effects"))

@@ -116,6 +116,7 @@ def process_of(stream: str) -> int:
     return int(found.stdout.split()[0])
 
 
+@pytest.mark.slow
 def test_a_push_is_seen_live_and_the_recording_is_a_log_that_can_be_evaluated(
     client: Client, payload: str, rows: Array, folder: Path, tmp_path: Path
 ) -> None:
@@ -155,6 +156,7 @@ def test_a_push_is_seen_live_and_the_recording_is_a_log_that_can_be_evaluated(
     assert (mine["state"], mine["samples"], mine["last_sequence"]) == ("ended", 2500, 2499)
 
 
+@pytest.mark.slow
 def test_json_says_what_binary_says(service: Service, payload: str, rows: Array) -> None:
     found = []
     for binary in (True, False):
@@ -170,6 +172,7 @@ def test_json_says_what_binary_says(service: Service, payload: str, rows: Array)
     assert len(found[0]) == 100
 
 
+@pytest.mark.slow
 def test_missing_doubled_disordered_and_late_samples_are_counted_and_survived(
     service: Service, payload: str, rows: Array
 ) -> None:
@@ -220,6 +223,7 @@ NO_SAMPLES = [
 ]
 
 
+@pytest.mark.slow
 def test_what_is_no_sample_is_answered_with_its_rule_and_the_stream_goes_on(
     service: Service, payload: str, rows: Array
 ) -> None:
@@ -235,6 +239,7 @@ def test_what_is_no_sample_is_answered_with_its_rule_and_the_stream_goes_on(
         assert to_the_end(line)[0][-1]["samples"] == 30
 
 
+@pytest.mark.slow
 def test_faults_without_end_close_the_line_and_the_stream_can_be_taken_up(service: Service, payload: str) -> None:
     line, stream, _ = begun(service, payload)
     with line:

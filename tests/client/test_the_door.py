@@ -125,6 +125,7 @@ def upload(door):
     return head, offset
 
 
+@pytest.mark.slow
 def test_a_slow_upload_arrives_and_one_that_stops_keeps_what_came(door, upload):
     head, offset = upload
     with line(door) as slow:

@@ -245,7 +245,7 @@ def gathered(trunk, hidden, seed, approach="A", motions=("bend", "twist", "mix")
             evidences.append(Evidence(**known))
             nothings.append(Nothing(motion, t[kept], posture[kept], coloured(len(t))[: len(kept)], None, moves[kept]))
     floor = np.full(3, noise_floor)
-    repeats = Repeatability(found_in_nothing(floor), found_in_nothing(floor), found_in_nothing(floor))
+    repeats = Repeatability(*[found_in_nothing(floor)] * 3, np.zeros(3))
     backgrounds = {motion: Background(joints, (), repeats, np.zeros(3), None) for motion in motions}
     return Gathered(evidences, backgrounds, nothings, joints, JOINTS)
 
@@ -394,7 +394,7 @@ def test_a_motion_recorded_once_has_the_floor_of_one_run_where_another_was_repea
     backgrounds = dict(seen.backgrounds)
     for motion, runs in (("bend", tiny), ("twist", None), ("mix", None)):
         between = None if runs is None else found_in_nothing(runs)
-        repeats = Repeatability(found_in_nothing(alone), between, between)
+        repeats = Repeatability(found_in_nothing(alone), between, between, np.zeros(3))
         backgrounds[motion] = replace(backgrounds[motion], repeats=repeats)
     seen = replace(seen, backgrounds=backgrounds)
     linear = identify_bands(trunk.model, trunk.device, "A", seen.evidences, np.full(3, NOISE), [], JOINTS)

@@ -66,6 +66,7 @@ def swept(reach: Reach, joint: str, sweep: Sweep, rate: float) -> np.ndarray:
     return q
 
 
+@pytest.mark.slow
 def test_what_the_file_tells_is_known(reach: Reach, path: Path) -> None:
     assert (reach.unknown, reach.kept) == ((), ("touch", "torque", "balance"))
     assert reach_at_home(path, shapes=()).unknown == ("touch",)
@@ -82,6 +83,7 @@ def test_what_the_file_tells_is_known(reach: Reach, path: Path) -> None:
         ("l_shoulder_roll", Sweep("sine", 0.2, -0.1, 0.0, 0.3, 20.0, 4.0), False),  # into the thigh
     ],
 )
+@pytest.mark.slow
 def test_a_sweep_that_breaks_a_bound_is_none(reach: Reach, joint: str, sweep: Sweep, keeps: bool) -> None:
     assert reach.keeps(swept(reach, joint, sweep, 50.0), 50.0, 50.0) is keeps
 

@@ -24,6 +24,7 @@ def soft(form):
 
 
 @pytest.mark.parametrize("form", [np.tanh, lambda x: x / np.hypot(1.0, x)], ids=["tanh", "root"])
+@pytest.mark.slow
 def test_soft_friction_is_no_effect_and_its_rows_are_no_steady_motion(form, study, search):
     found = search(study(soft(form)))
     assert found.discrepancy.findings == ()

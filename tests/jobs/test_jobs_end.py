@@ -164,6 +164,7 @@ def test_a_job_that_went_back_into_the_queue_is_where_its_age_puts_it(staffed):
         staffed.ended(job)
 
 
+@pytest.mark.slow
 def test_a_worker_that_has_nothing_to_do_sleeps_until_the_bell_rings(staffed):
     staffed.ended(staffed.submit("before"))
     time.sleep(bell.BUSY_S + 1.0)

@@ -60,6 +60,7 @@ def wandering(samples: int, seed: int = 1) -> Array:
     return np.asarray(q + NOISE * rng.standard_normal(q.shape))
 
 
+@pytest.mark.slow
 def test_the_smoother_is_that_of_logs_with_a_fixed_lag() -> None:
     q = wandering(700)
     time = np.arange(len(q)) / RATE

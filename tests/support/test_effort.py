@@ -82,3 +82,22 @@ def test_more_logs_of_a_session_hardly_tell_more_of_what_drifts_through_it(told,
 
 def test_what_has_no_doubt_has_no_parts(found):
     assert not found["prior"].mean.parts
+
+
+def test_a_peak_of_what_the_model_lacks_at_one_moment_is_as_doubtful_as_it_is_large(biped, suit, wander):
+    """The same torque of 3 N·m for half a second in every run, and a device that does not pull: B has it for a peak."""
+    model, time = biped.known(), wander(1).time
+    bump = 3.0 * np.exp(-(((time - 0.5 * time[-1]) / 0.3) ** 2))[:, None] * np.eye(6)[biped.places(JOINT)[0]]
+    plain, again, *worn = (
+        biped.record(wander(1, base_seed=k), f"run{k}", extra=lambda speed: np.zeros_like(speed) + bump).log
+        for k in range(4)
+    )
+    logs = [WornLog(each, "wander", suit) for each in worn]
+    support, _ = estimate_support(model, [PlainLog(each, "wander", True) for each in (plain, again)], logs)
+    found = next(each for each in support.joints if each.joint == JOINT).by
+    b = found["b"].peak
+    assert abs(b.value) > 2.0  # where it is looked for in the other run, the same stands
+    assert abs(b.value) < 2.0 * b.std
+    assert b.parts["null_test"] == max(b.parts.values())
+    for name in ("a", "paired"):
+        assert found[name].peak.std < 0.2 * b.std

@@ -96,7 +96,8 @@ def _told(
     """Source -> standard deviation [N·m] of the mean over trials of means over windows.
 
     windows: trial -> (T,) samples. values: [N·m] of each trial. whole: of a motion or phase, over which errors that
-    last a second average out; a peak bears them all, as it does what the model lacks in just that posture.
+    last a second average out; a peak bears them all, as it does what the model lacks in just that posture: it is
+    looked for where most is found, and what is found where there is nothing may be most there.
     """
     K = len(values)
     scatter = float(np.var(values, ddof=1)) / K if K > 1 else 0.0
@@ -105,6 +106,7 @@ def _told(
     found = {source: float(np.sqrt(square)) for source, square in _of_inputs(runs, name, windows).items()}
     steady, other = (float(each[runs.joint]) for each in runs.repeats.spread(name))
     memory = runs.model.criteria.support.memory_s
+    highest = float(runs.repeats.peak_b[runs.joint]) if name == "b" else 0.0
     at_rest, nulls = list[float](), list[float]()
     for k, window in windows.items():
         moves, rests = (each[window, runs.joint] for each in (runs.trials[k].steady, runs.trials[k].rest))
@@ -112,7 +114,7 @@ def _told(
         noise = np.where(moves, steady, other) ** 2
         if not whole:
             at_rest.append(float(np.mean(hidden)))
-            nulls.append(float(np.sqrt(np.mean(noise))))
+            nulls.append(max(float(np.sqrt(np.mean(noise))), highest))
             continue
         seconds = float(window.sum()) * step(runs.trials[k])
         scatter += float(np.mean(np.where(rests, 0.0, noise))) / max(1.0, seconds / memory) / K**2

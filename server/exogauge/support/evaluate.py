@@ -93,7 +93,8 @@ def gather_support(
     held = np.max([np.zeros(len(joints)), *told], axis=0)
     for motion in dict.fromkeys(each.motion for each in worn):
         plains = _plains(model, _of_motion(plain, motion), balances)
-        background = Background(joints, plains, repeatability(plains, held, settings), held, None, drift, zeros)
+        repeats = repeatability(plains, held, settings, model.criteria.support.peak_s)
+        background = Background(joints, plains, repeats, held, None, drift, zeros)
         of_motion = [pair for pair in pairs(worn, plain) if pair.worn.motion == motion]
         compare = partial(_evidence, model, plain=plain, background=background, settings=settings)
         for pair, evidence in zip(of_motion, side_by_side(compare, of_motion), strict=True):

@@ -14,6 +14,7 @@ from exogauge.support.at_rest import bridged
 from exogauge.support.balance import Balance
 from exogauge.support.difference import difference
 from exogauge.support.paired import paired
+from exogauge.support.peak import peak_places
 from exogauge.support.same_motion import Posture, match
 from exogauge.support.settings import SupportSettings
 
@@ -58,11 +59,13 @@ class Null:
 @dataclass(frozen=True)
 class Repeatability:
     """b: on logs without the device. a, paired: on the first of them against the last of the same motion, so that what
-    drifts is in them; None where there is only one."""
+    drifts is in them; None where there is only one. peak_b: (D,) [N·m] the peak that B finds on logs without the
+    device, 0 where no motion was repeated: what compares runs has none, as what the model lacks is in both."""
 
     b: Null
     a: Null | None
     paired: Null | None
+    peak_b: Array
 
     @property
     def by_approach(self) -> Mapping[str, Null]:
@@ -83,8 +86,9 @@ class Repeatability:
         return np.asarray(np.sqrt(2.0) * self.b.steady if self.a is None else self.a.steady)
 
 
-def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSettings) -> Repeatability:
-    """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest."""
+def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSettings, peak_s: float) -> Repeatability:
+    """From logs without the device of one motion (or, for want of those, of any). held: (D,) friction at rest. peak_s:
+    how long the mean lasts that is told as a peak."""
     by_b, by_a, by_pair = list[_Seen](), list[_Seen](), list[_Seen]()
     for own in (plain.balance for plain in plains):
         whole = ~own.left_out[:, None] & np.ones_like(own.steady)
@@ -97,7 +101,7 @@ def repeatability(plains: Sequence[Plain], held: Array, settings: SupportSetting
         by_pair.append(_Seen(paired(this, other, apart, held).torque, this.steady, ~this.steady, _step(this)))
     b = _null(by_b)
     assert b is not None
-    return Repeatability(b, _null(by_a), _null(by_pair))
+    return Repeatability(b, _null(by_a), _null(by_pair), _peak(plains, by_b, settings, peak_s))
 
 
 def _first_and_last(plains: Sequence[Plain]) -> list[tuple[Plain, Plain]]:
@@ -136,6 +140,24 @@ def _null(seen: Sequence[_Seen]) -> Null | None:
     lasting = {name: np.sum(step * (chosen & np.isfinite(told)), axis=0) for name, chosen in regimes.items()}
     size = {name: _rms(told, chosen) for name, chosen in regimes.items()}
     return Null(**size, moves=_rms(told, moves), mean=np.sqrt(np.mean(np.square(means), axis=0)), lasting=lasting)
+
+
+def _peak(plains: Sequence[Plain], seen: Sequence[_Seen], settings: SupportSettings, peak_s: float) -> Array:
+    """(D,) read as the peak with the device is: where the other repetitions have theirs. Noise leaves little there, and
+    what the model lacks in one posture all of it. seen: of each of the logs."""
+    largest = np.zeros(seen[0].told.shape[1])
+    for motion in dict.fromkeys(plain.motion for plain in plains):
+        own = [k for k, plain in enumerate(plains) if plain.motion == motion and motion is not None]
+        if len(own) < 2:
+            continue
+        shifts = [match(plains[own[0]].posture, plains[k].posture, settings).lag_s for k in own]
+        times = [np.arange(len(seen[k].told), dtype=np.float64) * seen[k].step_s for k in own]
+        for d in range(len(largest)):
+            lines, used = [seen[k].told[:, d] for k in own], [(seen[k].steady | seen[k].other)[:, d] for k in own]
+            found = peak_places(times, shifts, lines, [None] * len(own), used, peak_s)
+            values = [each[1] for each in found if each is not None]
+            largest[d] = max(largest[d], abs(float(np.mean(values))) if values else 0.0)
+    return largest
 
 
 def held_friction(model: RobotModel, own: Balance) -> Array:

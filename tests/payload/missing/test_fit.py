@@ -26,6 +26,7 @@ def problem():
     (crosstalk(3, 1), ()), (zero_drift(), ()), (delay(), (0.004,)), (spring("xy"), (5.0, 0.4)),
     (second_body(), (0.2, -0.1, 0.1, 4.0, 0.2)),
 ])  # fmt: skip
+@pytest.mark.slow
 def test_what_is_left_with_one_more_is_what_is_left_of_all_fitted_together(problem, effect, shape):
     base = fit(problem, [])
     beside = left_with(problem, [], base, effect, shape)

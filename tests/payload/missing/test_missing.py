@@ -61,6 +61,7 @@ def test_a_late_wrench_is_named_and_no_longer_taken_for_a_touch(tmp_path):
     assert not any("touched" in each for each in evaluation.warnings)
 
 
+@pytest.mark.slow
 def test_a_zero_that_jumps_is_named_with_its_moment(tmp_path):
     finding = one(found_in(tmp_path / "p", 3, ["zero_step@excitation"]).missing)
     assert (finding.effect, finding.place) == ("zero_step", "excitation")
