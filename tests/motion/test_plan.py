@@ -575,6 +575,17 @@ def test_a_table_of_a_motion_within_its_jerk_is_within_it(robot: MotionRobot, ra
     assert wide.jerk(time) == pytest.approx(6.0)
 
 
+def test_between_up_and_down_a_foot_may_bear_and_may_move() -> None:
+    time = np.arange(6) / 10.0
+    stands = np.ones((6, 2), dtype=bool)
+    stands[2:4, 0] = False
+    table = Written(time, np.zeros((6, 8)), (), stands)
+    at = np.array([0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4])
+    assert table.standing(at)[:, 0].tolist() == [True, True, False, False, False, True, True]
+    assert table.still(at)[:, 0].tolist() == [True, False, False, False, False, False, True]
+    assert table.still(at)[:, 1].all()
+
+
 def test_a_table_without_feet_stands_on_both_throughout(written, robot: MotionRobot) -> None:
     assert not any(name.startswith("stands.") for name in columns_of(written[0]))
     assert read_written(robot, written[0]).standing(np.linspace(0.0, 3.0, 7)).all()

@@ -27,7 +27,11 @@ class Feet(Protocol):
     """What a plan, or a table of one, says of F feet at times (T,) [s]."""
 
     def standing(self, time: Array) -> BoolArray:
-        """(T, F) which stand."""
+        """(T, F) which stand, and may bear."""
+        ...
+
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) which surely stand, and must not move."""
         ...
 
     def loads(self, time: Array) -> Array:
@@ -78,6 +82,7 @@ def judge(
     corners = np.concatenate([sole.outline @ at.rotation.T + at.translation
                               for sole, at in zip(robot.soles, place, strict=True)])  # fmt: skip
     stands = np.ones((len(time), len(frames)), dtype=bool) if planned is None else planned.standing(time)
+    still = stands if planned is None else planned.still(time)
     edges = _edges(robot, corners, stands)
     floor = float(corners[:, 2].mean())
     T, J = len(time), len(robot.joints)
@@ -98,7 +103,7 @@ def judge(
         for f, k in enumerate(frames):
             at = pin.updateFramePlacement(model, data, k)
             total += at.act(pin.Force(loads[6 * f : 6 * f + 6]))
-            if not stands[t, f]:
+            if not still[t, f]:
                 continue
             moved = place[f].inverse() * at
             strays[t] = np.maximum(

@@ -67,6 +67,10 @@ class Planned:
         at = np.clip(time / self.spline.step, 0.0, len(self.stands) - 1.0)
         return np.asarray(self.stands[np.floor(at + 1e-9).astype(int)] | self.stands[np.ceil(at - 1e-9).astype(int)])
 
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) likewise: it is led to its place by then."""
+        return self.standing(time)
+
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m] of the wrenches at times (T,), straight between nodes."""
         nodes = self.spline.step * np.arange(len(self.wrench))

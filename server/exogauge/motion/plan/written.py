@@ -60,11 +60,22 @@ class Written:
         return np.asarray(rates[np.clip(before, 0, len(rates) - 1)])
 
     def standing(self, time: Array) -> BoolArray:
-        """(T, F) at times (T,): a foot stands from the sample before the one at which it does to the one after."""
+        """(T, F) at times (T,): a foot may bear from the sample before the one at which it stands to the one after;
+        when between two samples it lifts, a table does not say."""
+        before, after = self._around(time)
+        return np.asarray(self.stands[before] | self.stands[after])
+
+    def still(self, time: Array) -> BoolArray:
+        """(T, F) at times (T,): a foot must not move where it stands at the samples before and after."""
+        before, after = self._around(time)
+        return np.asarray(self.stands[before] & self.stands[after])
+
+    def _around(self, time: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """(T,) samples at or before, and at or after."""
         before = np.searchsorted(self.time, time + SAME_S, side="right") - 1
         after = np.searchsorted(self.time, time - SAME_S, side="left")
         last = len(self.time) - 1
-        return np.asarray(self.stands[np.clip(before, 0, last)] | self.stands[np.clip(after, 0, last)])
+        return np.clip(before, 0, last), np.clip(after, 0, last)
 
     def loads(self, time: Array) -> Array:
         """(T, 6 F) [N, N·m]: a table says nothing of them."""
