@@ -95,7 +95,8 @@ def test_a_dropped_capture_becomes_a_motion_of_a_robot(
         page.get_by_role("link", name="CSV: t, q.joint").click()
     assert Path(got.value.path()).read_text().startswith("t,q.")
 
-    page.get_by_role("switch", name="In 3D").check()
+    page.get_by_role("switch", name="In 3D").click()  # the address follows, then the switch: a moment later
+    expect(page.get_by_role("switch", name="In 3D")).to_be_checked()
     wait_until_drawn(page)
     expect(page.get_by_text("at least", exact=False).first).to_be_visible()
     page.locator("iframe").scroll_into_view_if_needed()  # what is not seen is not drawn
